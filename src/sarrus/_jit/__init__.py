@@ -1,0 +1,1 @@
+"""How kernels are recorded, compiled and cached: the only place that knows Numba and LLVM."""

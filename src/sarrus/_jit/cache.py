@@ -1,0 +1,105 @@
+"""Where compiled kernels are kept, and what makes them out of date.
+
+Numba looks at one file's time stamp; an edit in any other file would leave callers with old formulas. The folder is
+therefore named by everything that a kernel depends on: all sources of the package, the versions, and the processor.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import time
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+import numpy as np
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+
+PACKAGE = Path(__file__).resolve().parent.parent
+STALE_AFTER = 14 * 86400.0
+
+
+def fingerprint(package: Path = PACKAGE) -> str:
+    """Hash of the package's sources, the versions of Python, Numba, llvmlite and NumPy, and the processor."""
+    digest = hashlib.sha256()
+    for part in (sys.version, numba.__version__, llvmlite.__version__, np.__version__):
+        digest.update(part.encode())
+    digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
+    for source in sorted(package.rglob("*.py")):
+        digest.update(source.relative_to(package).as_posix().encode() + source.read_bytes())
+    return digest.hexdigest()[:20]
+
+
+def candidates() -> list[Path]:
+    """Folders to try, best first: ``SARRUS_CACHE_DIR``, beside the package, the user's cache, the temporary folder."""
+    user = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
+    places = [PACKAGE / "__pycache__", Path(user) / "sarrus", Path(tempfile.gettempdir()) / "sarrus"]
+    chosen = os.environ.get("SARRUS_CACHE_DIR")
+    return [Path(chosen), *places] if chosen else places
+
+
+@cache
+def folder() -> Path:
+    """The folder of this version's compiled kernels: the first candidate that can be written."""
+    name = f"kernels-{fingerprint()}"
+    for place in candidates():
+        target = place / name
+        if _writable(target):
+            _forget_stale(place, keep=name)
+            return target
+    return Path(tempfile.mkdtemp(prefix="sarrus-"))
+
+
+def _writable(target: Path) -> bool:
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target):
+            return True
+    except OSError:
+        return False
+
+
+def _forget_stale(place: Path, keep: str) -> None:
+    """Remove folders of other versions that nobody has used for two weeks."""
+    for other in place.glob("kernels-*"):
+        if other.name == keep:
+            os.utime(other)
+        elif time.time() - other.stat().st_mtime > STALE_AFTER:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+class _Locator:
+    """Tells Numba's cache where functions are kept and how fresh they are (`numba.core.caching` protocol)."""
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> _Locator:
+        return cls()
+
+    def ensure_cache_path(self) -> None:
+        folder().mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(folder())
+
+    def get_source_stamp(self) -> str:
+        return folder().name
+
+    def get_disambiguator(self) -> str:
+        return "kernel"
+
+
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = [_Locator]
+
+
+class KernelCache(FunctionCache):
+    """Numba's function cache, kept in our folder."""
+
+    _impl_class = _Implementation

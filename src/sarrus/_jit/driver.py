@@ -1,0 +1,47 @@
+"""One compiled function per group of operators: it clears what is summed and runs the loop of every element type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .emit import Recording, loop
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `sums` tells which outputs add."""
+
+    name: str
+    scalars: tuple[str, ...]
+    arrays: tuple[str, ...]
+    outputs: tuple[str, ...]
+    sums: tuple[bool, ...]
+
+
+def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], clears: bool = True) -> Any:
+    """Compile (or find in the cache, under the signature's name) the driver of a group.
+
+    Parameters
+    ----------
+    signature : Signature
+    recorders : one function per element type, each returning the type's `Recording`
+    clears : whether outputs that are summed are set to zero first
+    """
+    from numba import njit
+
+    from .cache import KernelCache
+
+    operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
+    counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
+    namespace: dict[str, Any] = {"__name__": __name__}
+    namespace |= {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
+    lines = [f"def {signature.name}(index, numbers, {operands}):"]
+    if clears:
+        lines += [f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums]
+    lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
+    exec(compile("\n".join(lines), f"<{signature.name}>", "exec"), namespace)
+    compiled = njit(nogil=True, error_model="numpy")(namespace[signature.name])
+    compiled._cache = KernelCache(compiled.py_func)
+    return compiled

@@ -1,0 +1,50 @@
+"""What the paper derives: constraint primitives, inertias and forces, one file each, formulas only."""
+
+from .distance import Distance
+from .dot1 import Dot1
+from .dot2 import Dot2
+from .eccentric_inertia import EccentricInertia
+from .element import Element, ElementError, Force, InertiaElement, Pair, Primitive, Single
+from .gravity import EccentricGravity, Gravity
+from .normalization import Normalization
+from .operators import GROUPS, OPERATORS, Operator
+from .point_force import FollowerForce, PointForce
+from .rigid_inertia import RigidInertia
+from .rsda import RSDA
+from .spherical import Spherical
+from .torque import BodyTorque, Torque
+from .tsda import TSDA, NonlinearTSDA
+from .tyre import Tyre
+
+BUILT_IN: tuple[type[Element], ...] = tuple(Element.registry.values())
+
+__all__ = [
+    "BUILT_IN",
+    "GROUPS",
+    "OPERATORS",
+    "RSDA",
+    "TSDA",
+    "BodyTorque",
+    "Distance",
+    "Dot1",
+    "Dot2",
+    "EccentricGravity",
+    "EccentricInertia",
+    "Element",
+    "ElementError",
+    "FollowerForce",
+    "Force",
+    "Gravity",
+    "InertiaElement",
+    "NonlinearTSDA",
+    "Normalization",
+    "Operator",
+    "Pair",
+    "PointForce",
+    "Primitive",
+    "RigidInertia",
+    "Single",
+    "Spherical",
+    "Torque",
+    "Tyre",
+]

@@ -1,0 +1,127 @@
+"""What an element is: a record of numbers with kernels, declared once, in one class in one file.
+
+A kernel is a method that returns the element's share of one operator, as NumPy blocks in the order r_i, p_i, r_j, p_j
+(or r, p for one body), None for a block of zeros. It works for any kind of number and is compiled by recording.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from typing import Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
+
+import numpy as np
+
+from ..algebra import Array, Row
+from . import follows
+from .operators import CONSTRAINT, FORCE, INERTIA, Operator
+
+Vec3: TypeAlias = Array
+Inertia: TypeAlias = Array
+Scalar: TypeAlias = Any
+Curve: TypeAlias = Any
+WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1}
+Memory: TypeAlias = Any
+Grid: TypeAlias = "tuple[Row, ...]"
+
+
+ZERO_SINGLE: Grid = ((None,) * 2,) * 2
+ZERO_PAIR: Grid = ((None,) * 4,) * 4
+
+
+class Pair(NamedTuple):
+    """Coordinates of two bodies, or a direction in them: the paper's partition of a 14-vector."""
+
+    r_i: Array
+    p_i: Array
+    r_j: Array
+    p_j: Array
+
+
+class Single(NamedTuple):
+    """Coordinates of one body, or a direction in them."""
+
+    r: Array
+    p: Array
+
+
+class ElementError(TypeError):
+    """A user's element class is incomplete."""
+
+
+@dataclass_transform(frozen_default=True)
+class Element:
+    """Base of constraint primitives, inertias and forces. Subclasses declare fields and kernels."""
+
+    family: ClassVar[tuple[Operator, ...]] = ()
+    bodies: ClassVar[int] = 2
+    rows: ClassVar[int] = 0
+    fields: ClassVar[dict[str, str]]
+    registry: ClassVar[dict[str, type[Element]]] = {}
+
+    def __init_subclass__(cls, rows: int = 0, bodies: int = 0, abstract: bool = False) -> None:
+        if abstract:
+            return
+        if bodies:
+            cls.bodies = bodies
+        cls.rows = rows
+        dataclasses.dataclass(frozen=True, eq=False)(cls)
+        cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        for operator in cls.family:
+            if operator.follows:
+                setattr(cls, operator.name, getattr(follows, operator.name))
+        missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
+        if missing:
+            raise ElementError(f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each")
+        Element.registry[cls.__name__] = cls
+
+    @classmethod
+    def size(cls) -> int:
+        """How many numbers the element has."""
+        return sum(WIDTHS[kind] for kind in cls.fields.values())
+
+    @classmethod
+    def coordinates(cls) -> tuple[int, ...]:
+        """Widths of the blocks of coordinates: 3, 4 (one body) or 3, 4, 3, 4."""
+        return (3, 4) * cls.bodies
+
+    @classmethod
+    def widths(cls) -> tuple[int, ...]:
+        """Widths of the blocks of design numbers: one per field."""
+        return tuple(WIDTHS[kind] for kind in cls.fields.values())
+
+    @classmethod
+    def source(cls) -> str:
+        """File in which the element is written."""
+        return inspect.getfile(cls)
+
+
+def _kind(cls: type, field: dataclasses.Field[Any]) -> str:
+    kind = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
+    if kind not in WIDTHS:
+        raise ElementError(f"{cls.__name__}.{field.name}: annotate it as one of {', '.join(WIDTHS)}")
+    return kind
+
+
+class Primitive(Element, abstract=True):
+    """A basic constraint: `rows` equations Φ(q) = 0 between two bodies (or for one)."""
+
+    family = tuple(CONSTRAINT)
+
+
+class InertiaElement(Element, abstract=True):
+    """Mass matrix and quadratic velocity force of one body."""
+
+    family = tuple(INERTIA)
+    bodies = 1
+
+
+class Force(Element, abstract=True):
+    """A generalized force Q(q, v, t), with its derivatives."""
+
+    family = tuple(FORCE)
+
+
+def joined(parts: Pair | Single) -> Array:
+    """The coordinates as one vector."""
+    return np.concatenate(parts)

@@ -1,0 +1,71 @@
+"""Kernels called on flat vectors: an element's numbers, its bodies' coordinates and the operands of an operator."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array, Block
+from .curve import StoredCurve
+from .element import Element, Pair, Single
+from .operators import Axis, Operator
+
+BODY_OPERANDS = ("q", "xi", "eta", "v", "a")
+
+
+def element_from(kind: type[Element], numbers: Array, store: Any = None) -> Element:
+    """The element of the flat vector of its numbers; `store` is the array in which its curves lie."""
+    values, at = [], 0
+    for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
+        value = numbers[at : at + width] if field in ("Vec3", "Inertia") else numbers[at]
+        values.append(StoredCurve(store, value) if field == "Curve" else value)
+        at += width
+    return kind(*values)
+
+
+def partition(kind: type[Element], vector: Array) -> Pair | Single:
+    """A flat vector of 7 or 14 coordinates (or a direction in them) by blocks."""
+    parts = np.split(vector, np.cumsum(kind.coordinates())[:-1])
+    return Pair(*parts) if kind.bodies == 2 else Single(*parts)
+
+
+def arguments(kind: type[Element], operator: Operator, operands: Mapping[str, Any]) -> list[Any]:
+    """The kernel's arguments after x, from flat operands."""
+    return [partition(kind, operands[n]) if n in BODY_OPERANDS else operands[n] for n in operator.operands]
+
+
+def grid(
+    element: Element, operator: Operator, operands: Mapping[str, Any]
+) -> tuple[tuple[Block, ...], ...]:
+    """The kernel's result as rows of blocks; vectors have one column."""
+    kind = type(element)
+    call = arguments(kind, operator, operands)
+    result = getattr(element, operator.name)(partition(kind, operands["q"]), *call)
+    if operator.is_vector:
+        result = (result,) if operator.axes[0] is Axis.ROWS else result
+        return tuple((block,) for block in result)
+    return (result,) if operator.axes[0] is Axis.ROWS else result
+
+
+def widths(kind: type[Element], axis: Axis) -> tuple[int, ...]:
+    """Widths of the blocks along an axis."""
+    if axis is Axis.ROWS:
+        return (kind.rows,)
+    return kind.coordinates() if axis is Axis.COORDINATES else kind.widths()
+
+
+def dense(element: Element, operator: Operator, operands: Mapping[str, Any]) -> Array:
+    """The kernel's result as one dense matrix (or vector)."""
+    kind = type(element)
+    rows = widths(kind, operator.axes[0])
+    columns = (1,) if operator.is_vector else widths(kind, operator.axes[1])
+    result = np.zeros((sum(rows), sum(columns)), dtype=object)
+    for m, line in enumerate(grid(element, operator, operands)):
+        for n, block in enumerate(line):
+            if block is not None:
+                top, left = sum(rows[:m]), sum(columns[:n])
+                shape = (rows[m], columns[n])
+                result[top : top + rows[m], left : left + columns[n]] = block.reshape(shape)
+    return result[:, 0] if operator.is_vector else result

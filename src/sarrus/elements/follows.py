@@ -1,0 +1,49 @@
+"""Operators that follow from others, once for all elements. Φ_qq is symmetric, so no new formula is needed:
+
+gamma = -(Φ_q v)_q v,   gamma_q = -((Φ_q v)_q v)_q,   gamma_v = -2 (Φ_q v)_q.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..algebra import Block, Row, scaled, times, total
+
+
+def _contracted(blocks: Row, direction: Any) -> Block:
+    return total(times(block, part) for block, part in zip(blocks, direction, strict=True))
+
+
+def Phi_q_xi(self: Any, x: Any, xi: Any) -> Block:
+    """Φ_q ξ. Eqs. (36)."""
+    return _contracted(self.Phi_q(x), xi)
+
+
+def Phi_qT_lam(self: Any, x: Any, lam: Any) -> Row:
+    """Φ_qᵀ λ. Eq. (43)."""
+    return tuple(None if block is None else lam @ block for block in self.Phi_q(x))
+
+
+def gamma(self: Any, x: Any, v: Any) -> Block:
+    """γ = -(Φ_q v)_q v. Eq. (4)."""
+    return scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
+
+
+def gamma_q(self: Any, x: Any, v: Any) -> Row:
+    """γ_q = -((Φ_q v)_q v)_q."""
+    return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
+
+
+def gamma_v(self: Any, x: Any, v: Any) -> Row:
+    """γ_v = -2 (Φ_q v)_q."""
+    return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
+
+
+def gamma_b(self: Any, x: Any, v: Any) -> Row:
+    """γ_b = -((Φ_q v)_q v)_b."""
+    return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
+
+
+def M_a(self: Any, x: Any, a: Any) -> Row:
+    """M a."""
+    return tuple(_contracted(line, a) for line in self.M(x))

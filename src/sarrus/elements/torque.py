@@ -1,0 +1,43 @@
+"""Torques on a body: fixed in space, or turning with the body."""
+
+from __future__ import annotations
+
+from ..algebra import Row
+from ..euler import E, G, bar, bar_E
+from .element import ZERO_SINGLE, Force, Grid, Scalar, Single, Vec3
+
+
+class Torque(Force, bodies=1):
+    """A torque given in global axes: Q = [0; 2 Eᵀ n]."""
+
+    torque: Vec3  # [N m] in global axes
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        return None, 2 * (self.torque @ E(x.p))
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None, None), (None, 2 * bar_E(self.torque))
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return ZERO_SINGLE
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None,), (2 * E(x.p).T,)
+
+
+class BodyTorque(Force, bodies=1):
+    """A torque given in body axes: Q = [0; 2 Gᵀ n']. Eq. (5)."""
+
+    torque: Vec3  # [N m] in body axes
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        return None, 2 * (self.torque @ G(x.p))
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None, None), (None, 2 * bar(self.torque))
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return ZERO_SINGLE
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None,), (2 * G(x.p).T,)

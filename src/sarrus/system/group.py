@@ -1,0 +1,97 @@
+"""Operators that are computed together: one compiled call for all elements of a system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .._jit.driver import Signature, driver
+from .._jit.emit import HEADER
+from ..algebra import Array
+from ..elements import BUILT_IN, OPERATORS, Element
+from ..elements.recorder import SCALARS, operands_of, record
+from .pattern import Pattern
+from .population import Population
+
+
+class Group:
+    """The compiled drivers of a group of operators, with the index tables of one system.
+
+    ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers; `operands` in the order of
+    `group.operands` (scalars first), outputs in the order of `group.names`.
+    """
+
+    def __init__(self, names: tuple[str, ...], populations: Sequence[Population], patterns: Sequence[Pattern]):
+        self.names = names
+        self.patterns = tuple(patterns)
+        found = operands_of(names)
+        self.operands = (*(n for n in found if n in SCALARS), *(n for n in found if n not in SCALARS))
+        family = OPERATORS[names[0]].family
+        members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
+        built_in = [n for n, p in enumerate(members) if p.kind in BUILT_IN]
+        self._index = self._pack(members, built_in)
+        self._run = built_in_driver(names)
+        self._others = [
+            (user_driver(names, members[n].kind), self._pack(members, [n]))
+            for n in range(len(members))
+            if n not in built_in
+        ]
+
+    def _pack(self, members: Sequence[Population], chosen: Sequence[int]) -> Array:
+        """Headers of the chosen populations, then their tables. See `emit.HEADER`."""
+        width = HEADER + len(self.names)
+        headers, tables = np.zeros((len(chosen), width), dtype=np.int64), []
+        at = headers.size
+        for slot, n in enumerate(chosen):
+            p = members[n]
+            parts = [p.bodies, p.rows, *(pattern.places[n] for pattern in self.patterns)]
+            starts = at + np.cumsum([0, *(part.size for part in parts)])
+            headers[slot] = [p.count, starts[0], starts[1], p.at, *starts[2:-1]]
+            tables += [part.reshape(-1) for part in parts]
+            at = int(starts[-1])
+        return np.concatenate([headers.reshape(-1), *tables]).astype(np.int64)
+
+    def run(self, numbers: Array, *arrays: Any) -> None:
+        """Compute all operators of the group into the outputs given."""
+        self._run(self._index, numbers, *arrays)
+        for run, index in self._others:
+            run(index, numbers, *arrays)
+
+    def allocate(self) -> list[Array]:
+        """Fresh outputs, one array per operator."""
+        return [np.zeros(pattern.size) for pattern in self.patterns]
+
+
+_drivers: dict[tuple[str, ...], Any] = {}
+
+
+def built_in_driver(names: tuple[str, ...]) -> Any:
+    """The driver of a group over all built-in elements of its family: the same code for every system."""
+    if names not in _drivers:
+        family = OPERATORS[names[0]].family
+        kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
+        _drivers[names] = driver(_signature(names, ""), [_recorder(kind, names) for kind in kinds])
+    return _drivers[names]
+
+
+def user_driver(names: tuple[str, ...], kind: type[Element]) -> Any:
+    """The driver of a group over one element type of the user's; kept under the hash of what it computes."""
+    recording = record(kind, names)
+    return driver(_signature(names, recording.fingerprint()), [lambda: recording], clears=False)
+
+
+def _recorder(kind: type[Element], names: tuple[str, ...]) -> Callable[[], Any]:
+    return lambda: record(kind, names)
+
+
+def _signature(names: tuple[str, ...], suffix: str) -> Signature:
+    found = operands_of(names)
+    return Signature(
+        name="_".join(filter(None, ("__".join(names), suffix))),
+        scalars=tuple(n for n in found if n in SCALARS),
+        arrays=tuple(n for n in found if n not in SCALARS),
+        outputs=tuple(f"out_{name}" for name in names),
+        sums=tuple(OPERATORS[name].sums for name in names),
+    )

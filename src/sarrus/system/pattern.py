@@ -1,0 +1,143 @@
+"""The sparse pattern of an operator, and where each element's blocks go in it. Computed once, in linear time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements.operators import Axis, Operator
+from ..elements.recorder import structure
+from .population import WIDTH, Population
+
+
+@dataclass(frozen=True)
+class Atoms:
+    """The pieces into which an axis is cut: first index and width of each, and the whole length."""
+
+    start: Array
+    width: Array
+    length: int
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """CSR pattern (for vectors: their length), and per population the place table (count, blocks, [base, stride])."""
+
+    shape: tuple[int, ...]
+    indptr: Array
+    indices: Array
+    places: tuple[Array, ...]
+
+    @property
+    def size(self) -> int:
+        """Numbers to store."""
+        return len(self.indices) if len(self.shape) == 2 else self.shape[0]
+
+
+class Layout:
+    """The axes of a system: its coordinates, constraint equations and numbers, cut into atoms."""
+
+    def __init__(self, populations: Sequence[Population], body_count: int, row_count: int, number_count: int):
+        self.populations = populations
+        self._coordinates = _atoms([3, 4] * body_count, WIDTH * body_count)
+        self._rows = self._row_atoms(row_count)
+        self._numbers, self._first_number = self._number_atoms(number_count)
+
+    def _row_atoms(self, row_count: int) -> Atoms:
+        constraints = [p for p in self.populations if p.kind.rows]
+        count = sum(p.count for p in constraints)
+        width = np.zeros(count, dtype=np.int64)
+        for p in constraints:
+            width[p.constraints] = p.kind.rows
+        return _atoms(width, row_count)
+
+    def _number_atoms(self, number_count: int) -> tuple[Atoms, list[int]]:
+        first, widths, at = [], [], 0
+        for p in self.populations:
+            first.append(at)
+            widths.append(np.tile(np.array(p.kind.widths(), dtype=np.int64), p.count))
+            at += len(widths[-1])
+        return _atoms(np.concatenate(widths), number_count), first
+
+    def atoms(self, axis: Axis) -> Atoms:
+        """The pieces of an axis."""
+        if axis is Axis.COORDINATES:
+            return self._coordinates
+        return self._rows if axis is Axis.ROWS else self._numbers
+
+    def atom_of(self, n: int, axis: Axis, piece: int) -> Array:
+        """For every element of population n: the atom of its block row (or column) `piece`, -1 for ground's."""
+        p = self.populations[n]
+        if axis is Axis.ROWS:
+            return p.constraints
+        if axis is Axis.NUMBERS:
+            return self._first_number[n] + piece + len(p.kind.fields) * np.arange(p.count)
+        first = p.bodies[:, piece // 2]
+        return np.where(first < 0, -1, 2 * (first // WIDTH) + piece % 2)
+
+    def pattern(self, operator: Operator) -> Pattern:
+        """Pattern and places of an operator over all populations of its family."""
+        members = [n for n, p in enumerate(self.populations) if operator in p.kind.family]
+        if operator.is_vector:
+            return self._vector(operator, members)
+        return self._matrix(operator, members)
+
+    def _vector(self, operator: Operator, members: list[int]) -> Pattern:
+        atoms, places = self.atoms(operator.axes[0]), []
+        for n in members:
+            blocks = structure(self.populations[n].kind, operator)
+            table = np.ones((self.populations[n].count, len(blocks), 2), dtype=np.int64)
+            for k, (m, _) in enumerate(blocks):
+                atom = self.atom_of(n, operator.axes[0], m)
+                table[:, k, 0] = np.where(atom < 0, -1, atoms.start[atom])
+            places.append(table)
+        none = np.zeros(0, dtype=np.int64)
+        return Pattern((atoms.length,), none, none, tuple(places))
+
+    def _matrix(self, operator: Operator, members: list[int]) -> Pattern:
+        rows, columns = (self.atoms(axis) for axis in operator.axes)
+        keys = [self._keys(n, operator, len(columns.start)) for n in members]
+        unique = np.unique(np.concatenate([key[key >= 0] for key in keys] or [np.zeros(0, dtype=np.int64)]))
+        row, column = np.divmod(unique, max(len(columns.start), 1))
+        per_row = np.bincount(row, weights=columns.width[column], minlength=len(rows.start)).astype(np.int64)
+        indptr = np.concatenate([[0], np.cumsum(np.repeat(per_row, rows.width))]).astype(np.int64)
+        widths = columns.width[column]
+        before = np.cumsum(widths) - widths
+        first = np.searchsorted(row, np.arange(len(rows.start)))
+        base = indptr[rows.start[row]] + before - (before[first[row]] if len(row) else 0)
+        indices = _indices(indptr[-1], base, per_row[row], rows.width[row], widths, columns.start[column])
+        places = tuple(_places(key, unique, base, per_row[row]) for key in keys)
+        return Pattern((rows.length, columns.length), indptr.astype(np.int32), indices, places)
+
+    def _keys(self, n: int, operator: Operator, column_count: int) -> Array:
+        blocks = structure(self.populations[n].kind, operator)
+        keys = np.zeros((self.populations[n].count, len(blocks)), dtype=np.int64)
+        for k, (m, c) in enumerate(blocks):
+            row, column = self.atom_of(n, operator.axes[0], m), self.atom_of(n, operator.axes[1], c)
+            keys[:, k] = np.where((row < 0) | (column < 0), -1, row * column_count + column)
+        return keys
+
+
+def _atoms(width: Array | list[int], length: int) -> Atoms:
+    width = np.asarray(width, dtype=np.int64)
+    return Atoms(np.cumsum(width) - width, width, length)
+
+
+def _indices(size: int, base: Array, stride: Array, height: Array, width: Array, first: Array) -> Array:
+    indices = np.zeros(size, dtype=np.int32)
+    for r in range(int(height.max(initial=0))):
+        for c in range(int(width.max(initial=0))):
+            has = (height > r) & (width > c)
+            indices[base[has] + r * stride[has] + c] = first[has] + c
+    return indices
+
+
+def _places(keys: Array, unique: Array, base: Array, stride: Array) -> Array:
+    table = np.empty((*keys.shape, 2), dtype=np.int64)
+    at = np.minimum(np.searchsorted(unique, keys), max(len(unique) - 1, 0))
+    table[..., 0] = np.where(keys < 0, -1, base[at] if len(unique) else -1)
+    table[..., 1] = np.where(keys < 0, 0, stride[at] if len(unique) else 0)
+    return table

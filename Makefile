@@ -1,0 +1,10 @@
+# Each target makes .venv in this folder if it is not there, installs what it needs, and runs.
+#   make demo              PYTHON=python3.12 make test              make test ARGS="-k tsda"
+PYTHON ?= python3
+ARGS   ?=
+
+.PHONY: demo test check docs format clean
+.NOTPARALLEL:
+
+demo test check docs format clean:
+	@$(PYTHON) dev.py $@ $(ARGS)

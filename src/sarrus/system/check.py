@@ -1,0 +1,199 @@
+"""Every operator of a system against an independent route, for any model and any user's elements.
+
+The compiled operators are compared with the elements' own formulas in plain NumPy: derivatives with the complex-step
+derivative of the operator that they differentiate (exact to round-off), the others as they stand. The quadratic
+velocity force is also held against Lagrange's equations: S = ½ (M v)_qᵀ v - (M v)_q v.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements import OPERATORS, Operator
+from ..elements.evaluation import dense, element_from
+from ..elements.operators import DERIVATIVES, Axis
+from .population import WIDTH, Population
+
+STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
+TOLERANCE = 1e-9  # relative to the largest entry of the row
+GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
+
+
+@dataclass(frozen=True)
+class Finding:
+    """How far one operator is from its independent value, and where most."""
+
+    operator: Operator
+    independent: str
+    entries: int
+    error: float
+    where: str
+
+    @property
+    def ok(self) -> bool:
+        return self.error <= TOLERANCE
+
+
+@dataclass(frozen=True)
+class Report:
+    """The findings for all operators. Printed, a table; true if all agree."""
+
+    system: str
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        return all(finding.ok for finding in self.findings)
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __str__(self) -> str:
+        wrong = [f for f in self.findings if not f.ok]
+        lines = [f"{'operator':<20}{'equation':<22}{'independent':<28}{'entries':>8}{'error':>10}"]
+        for f in self.findings:
+            mark = "" if f.ok else f"  WRONG at {f.where}"
+            name, formula = f.operator.name, f.operator.formula.split(" = ")[0]
+            lines.append(f"{name:<20}{formula:<22}{f.independent:<28}{f.entries:>8}{f.error:>10.1e}{mark}")
+        verdict = "all agree" if self.ok else f"{len(wrong)} of them WRONG"
+        lines.append(f"{self.system}: {len(self.findings)} operators checked, {verdict} (tolerance {TOLERANCE:g})")
+        return "\n".join(lines)
+
+
+def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:
+    """Compare all operators of a system with independent ones.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) where to compare; by default near the model's coordinates, off unit Euler parameters
+    seed : of the random velocities, directions and multipliers
+    progress : called with the name of each operator before it is checked
+
+    Returns
+    -------
+    Report
+    """
+    state = random_state(system, q, seed)
+    findings = []
+    for operator in OPERATORS.values():
+        if not any(p.count and operator in p.kind.family for p in system.populations):
+            continue
+        if progress:
+            progress(operator.name)
+        found = getattr(system, operator.name)(**{key: state[key] for key in ("q", *operator.operands)})
+        found = found.reshape(-1, 1) if operator.is_vector else found.toarray()
+        route, formula = _route(operator)
+        findings.append(_compare(system, operator, route, found, formula, state))
+    return Report(system.name, tuple(findings))
+
+
+def random_state(system: Any, q: Any, seed: int) -> dict[str, Any]:
+    """Coordinates near the model's (or those given) and random operands."""
+    random = np.random.default_rng(seed)
+    state: dict[str, Any] = {name: random.normal(size=system.nq) for name in ("xi", "eta", "v", "a")}
+    state["lam"], state["t"] = random.normal(size=system.m), 0.25
+    state["q"] = system.q0 + 0.05 * random.normal(size=system.nq) if q is None else np.asarray(q, dtype=float)
+    return state
+
+
+Formula = Callable[[Any, dict[str, Any], Array, Array], Array]
+
+
+def _route(operator: Operator) -> tuple[str, Formula]:
+    if operator.name == "S":
+        return "Lagrange, from M", _lagrange
+    if operator.name not in DERIVATIVES:
+        return "kernel in plain NumPy", lambda kind, local, numbers, b: _value(operator, kind, local, numbers, b)
+    rule = DERIVATIVES[operator.name]
+    along = f" {rule.along}" if rule.along else ""
+    return f"complex step of {rule.of}{along}", lambda *args: _complex_step(operator, *args)
+
+
+def _value(operator: Operator, kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
+    return dense(element_from(kind, numbers, b), operator, local).astype(complex)
+
+
+def _complex_step(operator: Operator, kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
+    rule = DERIVATIVES[operator.name]
+    vary = numbers if rule.by == "b" else local[rule.by]
+    columns = []
+    for n in range(len(vary)):
+        moved = vary.astype(complex)
+        moved[n] += 1j * STEP
+        there = local if rule.by == "b" else {**local, rule.by: moved}
+        value = _value(OPERATORS[rule.of], kind, there, moved if rule.by == "b" else numbers, b)
+        columns.append((value @ local[rule.along] if rule.along else value).imag / STEP)
+    return np.array(columns).T
+
+
+def _lagrange(kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
+    Mv_q = _complex_step(OPERATORS["M_a_q"], kind, {**local, "a": local["v"]}, numbers, b)
+    return 0.5 * Mv_q.T @ local["v"] - Mv_q @ local["v"]
+
+
+def _members(system: Any, operator: Operator) -> Iterator[tuple[Population, int]]:
+    for p in system.populations:
+        if operator in p.kind.family:
+            for k in range(p.count):
+                yield p, k
+
+
+def _compare(
+    system: Any, operator: Operator, route: str, found: Array, formula: Formula, state: dict[str, Any]
+) -> Finding:
+    want, scale = np.zeros(found.shape), np.zeros(found.shape)
+    for p, k in _members(system, operator):
+        size = p.kind.size()
+        numbers = system.b[p.at + k * size : p.at + (k + 1) * size]
+        value = np.real(formula(p.kind, _local(p, k, state), numbers, system.b))
+        rows, columns = _places(operator, p, k)
+        value = value.reshape(len(rows), len(columns))[rows >= 0][:, columns >= 0]
+        at = np.ix_(rows[rows >= 0], columns[columns >= 0])
+        want[at] += value
+        scale[at] += abs(value)
+    return _finding(system, operator, route, found, want, scale)
+
+
+def _finding(system: Any, operator: Operator, route: str, found: Array, want: Array, scale: Array) -> Finding:
+    size = np.maximum(scale.max(axis=1, keepdims=True, initial=0.0), np.finfo(float).tiny)
+    error = np.where(np.isfinite(found), abs(found - want) / np.maximum(size, abs(found) * 1e-3), np.inf)
+    if not error.size:
+        return Finding(operator, route, 0, 0.0, "")
+    row, column = np.unravel_index(np.argmax(error), error.shape)
+    where = system.axis_names(operator.axes[0])[row]
+    if not operator.is_vector:
+        where += f", {system.axis_names(operator.axes[1])[column]}"
+    return Finding(operator, route, int(np.count_nonzero(scale)), float(error[row, column]), where)
+
+
+def _local(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
+    """The operands as element k sees them."""
+
+    def body(key: str, first: int) -> Array:
+        at_rest = GROUND if key == "q" else np.zeros(WIDTH)
+        return at_rest if first < 0 else state[key][first : first + WIDTH]
+
+    local = {k_: np.concatenate([body(k_, f) for f in p.bodies[k]]) for k_ in ("q", "xi", "eta", "v", "a")}
+    first = p.rows[k] if p.kind.rows else 0
+    return {**local, "lam": state["lam"][first : first + p.kind.rows], "t": state["t"]}
+
+
+def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
+    """Rows and columns of element k's share; negative for ground."""
+
+    def along(axis: Axis) -> Array:
+        if axis is Axis.ROWS:
+            return np.arange(p.rows[k], p.rows[k] + p.kind.rows)
+        if axis is Axis.NUMBERS:
+            return p.at + k * p.kind.size() + np.arange(p.kind.size())
+        return np.concatenate([np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in p.bodies[k]])
+
+    return along(operator.axes[0]), along(operator.axes[1]) if not operator.is_vector else np.zeros(1, dtype=int)
+
+

@@ -1,0 +1,171 @@
+"""The constraint operators of a system, under their public names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from .operators import Operators
+
+
+class ConstraintOperators(Operators):
+    """Φ and its derivatives. Joint equations come first, in the model's order, then one normalization per body.
+
+    All methods take the coordinates ``q`` (nq,), for any length of the Euler parameters, optionally other numbers ``b``
+    than the model's (nb,), and ``out``, an earlier result of the same method whose memory is reused. They raise
+    ValueError for a wrong shape. Units: those of Φ (m for spherical, m² for distance, m for DOT-2, 1 for DOT-1 and
+    normalization), per unit of what they are differentiated by.
+    """
+
+    def Phi(self, q: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """Constraint residual Φ(q). Eqs. (26)-(29), (33), (88).
+
+        Returns
+        -------
+        ndarray (m,)
+        """
+        return self._evaluate("Phi", out, b, q=q)
+
+    def Phi_q(self, q: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """Constraint Jacobian Φ_q. Eqs. (35), (46), (81), (89), (96).
+
+        Returns
+        -------
+        csr_array (m, nq)
+        """
+        return self._evaluate("Phi_q", out, b, q=q)
+
+    def Phi_q_xi(self, q: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """Φ_q ξ, without forming the Jacobian. Eq. (36).
+
+        Returns
+        -------
+        ndarray (m,)
+        """
+        return self._evaluate("Phi_q_xi", out, b, q=q, xi=xi)
+
+    def Phi_q_xi_q(self, q: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(Φ_q ξ)_q for a fixed direction ξ (nq,). Eqs. (38), (47), (82), (90), (99).
+
+        Returns
+        -------
+        csr_array (m, nq)
+        """
+        return self._evaluate("Phi_q_xi_q", out, b, q=q, xi=xi)
+
+    def Phi_q_xi_q_eta_q(
+        self, q: ArrayLike, xi: ArrayLike, eta: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """((Φ_q ξ)_q η)_q for fixed directions ξ, η (nq,). Eqs. (40), (83), (91), (100).
+
+        Returns
+        -------
+        csr_array (m, nq)
+        """
+        return self._evaluate("Phi_q_xi_q_eta_q", out, b, q=q, xi=xi, eta=eta)
+
+    def Phi_qT_lam(self, q: ArrayLike, lam: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """Constraint force Φ_qᵀλ on the left side of the equations of motion, λ (m,). Eqs. (1), (43).
+
+        Returns
+        -------
+        ndarray (nq,)
+        """
+        return self._evaluate("Phi_qT_lam", out, b, q=q, lam=lam)
+
+    def Phi_qT_lam_q(self, q: ArrayLike, lam: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(Φ_qᵀλ)_q for fixed multipliers, symmetric. Eqs. (44), (48), (86), (94), (103).
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Phi_qT_lam_q", out, b, q=q, lam=lam)
+
+    def Phi_qT_lam_q_xi_q(
+        self, q: ArrayLike, lam: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """((Φ_qᵀλ)_q ξ)_q for fixed λ and ξ, symmetric; beyond the paper.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Phi_qT_lam_q_xi_q", out, b, q=q, lam=lam, xi=xi)
+
+    def gamma(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """Right side of the acceleration equation Φ_q a = γ = -(Φ_q v)_q v, v (nq,). Eq. (4).
+
+        Returns
+        -------
+        ndarray (m,)
+        """
+        return self._evaluate("gamma", out, b, q=q, v=v)
+
+    def gamma_q(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """γ_q = -((Φ_q v)_q v)_q. Eqs. (49), (84), (92), (101), which give its negative.
+
+        Returns
+        -------
+        csr_array (m, nq)
+        """
+        return self._evaluate("gamma_q", out, b, q=q, v=v)
+
+    def gamma_v(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """γ_v = -2 (Φ_q v)_q. Eqs. (42), (50), (85), (93), (102), which give its negative.
+
+        Returns
+        -------
+        csr_array (m, nq)
+        """
+        return self._evaluate("gamma_v", out, b, q=q, v=v)
+
+    def Phi_b(self, q: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """Φ_b: derivative to all numbers of all elements, in the order of `number_names`.
+
+        Returns
+        -------
+        csr_array (m, nb)
+        """
+        return self._evaluate("Phi_b", out, b, q=q)
+
+    def Phi_q_xi_b(self, q: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(Φ_q ξ)_b for a fixed direction ξ.
+
+        Returns
+        -------
+        csr_array (m, nb)
+        """
+        return self._evaluate("Phi_q_xi_b", out, b, q=q, xi=xi)
+
+    def Phi_q_xi_q_eta_b(
+        self, q: ArrayLike, xi: ArrayLike, eta: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """((Φ_q ξ)_q η)_b for fixed directions ξ, η.
+
+        Returns
+        -------
+        csr_array (m, nb)
+        """
+        return self._evaluate("Phi_q_xi_q_eta_b", out, b, q=q, xi=xi, eta=eta)
+
+    def Phi_qT_lam_b(self, q: ArrayLike, lam: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(Φ_qᵀλ)_b for fixed multipliers.
+
+        Returns
+        -------
+        csr_array (nq, nb)
+        """
+        return self._evaluate("Phi_qT_lam_b", out, b, q=q, lam=lam)
+
+    def gamma_b(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """γ_b = -((Φ_q v)_q v)_b.
+
+        Returns
+        -------
+        csr_array (m, nb)
+        """
+        return self._evaluate("gamma_b", out, b, q=q, v=v)

@@ -1,0 +1,54 @@
+"""The force operators of a system, under their public names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from .operators import Operators
+
+
+class ForceOperators(Operators):
+    """The generalized applied force Q(q, v, t) and its derivatives.
+
+    Arguments, `b` and `out` as for the constraint operators; t in s. Rows of r in N, rows of p in N m.
+    """
+
+    def Q(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> Array:
+        """Generalized force of gravity, loads, springs and tyres. Eqs. (63), (104), (105).
+
+        Returns
+        -------
+        ndarray (nq,)
+        """
+        return self._evaluate("Q", out, b, q=q, v=v, t=t)
+
+    def Q_q(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
+        """Q_q. Eqs. (64)-(72), (107).
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_q", out, b, q=q, v=v, t=t)
+
+    def Q_v(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
+        """Q_v. Eqs. (73)-(79), (108).
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_v", out, b, q=q, v=v, t=t)
+
+    def Q_b(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
+        """Q_b: derivative to all numbers of all forces.
+
+        Returns
+        -------
+        csr_array (nq, nb)
+        """
+        return self._evaluate("Q_b", out, b, q=q, v=v, t=t)

@@ -1,0 +1,94 @@
+"""The inertia operators of a system, under their public names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from .operators import Operators
+
+
+class InertiaOperators(Operators):
+    """M, the quadratic velocity force S (right side: M a + Φ_qᵀλ = Q + S), and their derivatives.
+
+    Arguments, `b` and `out` as for the constraint operators. Rows of r in N, rows of p in N m.
+    """
+
+    def M(self, q: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """Mass matrix M(q), symmetric, singular along each p: 4 GᵀJG has rank 3. Eq. (5).
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("M", out, b, q=q)
+
+    def M_a(self, q: ArrayLike, a: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """M a for an acceleration (or any vector) a (nq,), without forming M. Eq. (51), four times.
+
+        Returns
+        -------
+        ndarray (nq,)
+        """
+        return self._evaluate("M_a", out, b, q=q, a=a)
+
+    def M_a_q(self, q: ArrayLike, a: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(M a)_q for a fixed a. Eq. (56), four times.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("M_a_q", out, b, q=q, a=a)
+
+    def M_a_b(self, q: ArrayLike, a: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """(M a)_b: derivative to mass, inertia entries and centre of mass.
+
+        Returns
+        -------
+        csr_array (nq, nb)
+        """
+        return self._evaluate("M_a_b", out, b, q=q, a=a)
+
+    def S(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
+        """Quadratic velocity (gyroscopic) force S(q, v) on the right side. Eq. (5).
+
+        Returns
+        -------
+        ndarray (nq,)
+        """
+        return self._evaluate("S", out, b, q=q, v=v)
+
+    def S_q(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """S_q. Eq. (57), eight times.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_q", out, b, q=q, v=v)
+
+    def S_v(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """S_v. Eq. (58), eight times, with its sign mended.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_v", out, b, q=q, v=v)
+
+    def S_b(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
+        """S_b: derivative to mass, inertia entries and centre of mass.
+
+        Returns
+        -------
+        csr_array (nq, nb)
+        """
+        return self._evaluate("S_b", out, b, q=q, v=v)
+
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike, *, b: Any = None) -> float:
+        """T = ½ vᵀ M v [J]."""
+        return 0.5 * float(self.M_a(q, v, b=b) @ self._operand("v", v))

@@ -1,0 +1,123 @@
+"""How a system evaluates one operator: shapes checked, patterns and kernels made at first use, memory reused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from ..elements import GROUPS, OPERATORS
+from ..elements.operators import Axis
+from .group import Group
+from .pattern import Layout, Pattern
+from .population import Population
+
+
+class Operators:
+    """Evaluates operators by name; `System` gives them their public names."""
+
+    populations: list[Population]
+    nq: int
+    m: int
+    b: Array
+    _layout: Layout
+    _groups: dict[tuple[str, ...], Group]
+    _patterns: dict[str, Pattern]
+
+    def pattern(self, name: str) -> Pattern:
+        """The fixed sparse pattern of an operator."""
+        if name not in self._patterns:
+            self._patterns[name] = self._layout.pattern(OPERATORS[name])
+        return self._patterns[name]
+
+    def group(self, *names: str) -> Group:
+        """Operators that are computed in one compiled call.
+
+        Parameters
+        ----------
+        names : operators of one family, or one of the groups "kinematic", "force", "inertia"
+
+        Returns
+        -------
+        Group
+            ``group.run(system.b, *operands, *outputs)``; see `Group`.
+        """
+        chosen = GROUPS.get(names[0], names) if len(names) == 1 else names
+        if chosen not in self._groups:
+            self._groups[chosen] = Group(chosen, self.populations, [self.pattern(name) for name in chosen])
+        return self._groups[chosen]
+
+    def matrix(self, name: str, data: Array) -> csr_array:
+        """The numbers of an operator as a sparse matrix that shares their memory."""
+        pattern = self.pattern(name)
+        return csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+
+    def _evaluate(self, name: str, out: Any, b: Any, /, **operands: Any) -> Any:
+        group = self.group(name)
+        checked = {key: self._operand(key, value) for key, value in operands.items()}
+        result = self._output(name, out)
+        data = result if isinstance(result, np.ndarray) else result.data
+        numbers = self.b if b is None else self._vector("b", b, len(self.b))
+        group.run(numbers, *(checked[key] for key in group.operands), data)
+        return result
+
+    def _operand(self, key: str, value: Any) -> Any:
+        if key == "t":
+            return float(value)
+        return self._vector(key, value, self.m if key == "lam" else self.nq)
+
+    @staticmethod
+    def _vector(key: str, value: Any, length: int) -> Array:
+        vector = np.ascontiguousarray(value, dtype=float)
+        if vector.shape != (length,):
+            raise ValueError(f"{key} must have shape ({length},), but has {vector.shape}")
+        return vector
+
+    def _output(self, name: str, out: Any) -> Any:
+        pattern = self.pattern(name)
+        if out is None:
+            data = np.zeros(pattern.size)
+            return data if OPERATORS[name].is_vector else self.matrix(name, data)
+        data = out if isinstance(out, np.ndarray) else getattr(out, "data", None)
+        fits = isinstance(data, np.ndarray) and data.shape == (pattern.size,) and data.dtype == float
+        if not fits or not data.flags.c_contiguous or OPERATORS[name].is_vector != isinstance(out, np.ndarray):
+            kind = "a float array" if OPERATORS[name].is_vector else "a matrix"
+            raise ValueError(f"out must be {kind} returned by an earlier call of {name} of this system")
+        return out
+
+    def axis_names(self, axis: Axis) -> list[str]:
+        """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point 0`` or ``spring.k``."""
+        return _NAMES[axis](self)
+
+
+def _coordinate_names(system: Any) -> list[str]:
+    parts = ("r.x", "r.y", "r.z", "p.e0", "p.e1", "p.e2", "p.e3")
+    return [f"{body}.{part}" for body in system.bodies for part in parts]
+
+
+def _row_names(system: Any) -> list[str]:
+    names = [""] * system.m
+    for p in system.populations:
+        for k in range(p.count if p.kind.rows else 0):
+            body = system.bodies[p.bodies[k, 0] // 7] if p.kind.bodies == 1 else ""
+            owner = p.owners[k] or body
+            for n in range(p.kind.rows):
+                names[p.rows[k] + n] = f"{owner}: {p.labels[k]}" + (f" {'xyz'[n]}" if p.kind.rows > 1 else "")
+    return names
+
+
+COMPONENTS = {"Vec3": (".x", ".y", ".z"), "Inertia": (".xx", ".yy", ".zz", ".xy", ".xz", ".yz")}
+
+
+def _number_names(system: Any) -> list[str]:
+    names: list[str] = []
+    for p in system.populations:
+        fields = [f + part for f, kind in p.kind.fields.items() for part in COMPONENTS.get(kind, ("",))]
+        for owner, label in zip(p.owners, p.labels, strict=True):
+            names += [f"{owner}[{label}].{field}" for field in fields]
+    return names
+
+
+_NAMES = {Axis.COORDINATES: _coordinate_names, Axis.ROWS: _row_names, Axis.NUMBERS: _number_names}

@@ -1,0 +1,114 @@
+"""A model compiled to arrays, once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements import Normalization
+from ..elements.operators import Axis
+from ..model import Model, blueprint
+from .check import Report, check_derivatives
+from .constraints import ConstraintOperators
+from .forces import ForceOperators
+from .group import Group
+from .inertia import InertiaOperators
+from .pattern import Layout, Pattern
+from .population import WIDTH, populate
+
+
+class System(ConstraintOperators, InertiaOperators, ForceOperators):
+    """The equations of motion of a model and all their derivatives.
+
+        M(q) a + Φ_q(q)ᵀ lam = Q(q, v, t) + S(q, v),    Φ(q) = 0
+
+    Parameters
+    ----------
+    model : Model
+
+    Attributes
+    ----------
+    name : the model's name
+    bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
+    nq, m : number of coordinates, of constraint equations (joints and normalizations)
+    q0, v0 : coordinates and velocities as the model gives them, perhaps not yet assembled (nq,)
+    b : the numbers of all elements (nb,), named by `number_names`
+    rows : joint name -> its equations' rows in Φ
+
+    Raises
+    ------
+    ModelError
+        If anything is wrong in the model: part, file and line, remedy.
+    """
+
+    def __init__(self, model: Model) -> None:
+        plan = blueprint(model)
+        self.name = plan.name
+        self.model = model
+        self.bodies = plan.bodies
+        self.q0, self.v0 = plan.q, plan.v
+        self.populations, self.b = populate(plan.placed, len(plan.bodies))
+        self.nq = WIDTH * len(plan.bodies)
+        self.m = sum(p.count * p.kind.rows for p in self.populations)
+        self.nb = max((p.end for p in self.populations), default=0)
+        self._layout = Layout(self.populations, len(plan.bodies), self.m, self.nb)
+        self._groups: dict[tuple[str, ...], Group] = {}
+        self._patterns: dict[str, Pattern] = {}
+        self.rows = self._rows_of_joints()
+
+    def _rows_of_joints(self) -> dict[str, Array]:
+        rows: dict[str, list[int]] = {}
+        for p in self.populations:
+            if p.kind.rows and p.kind is not Normalization:
+                for owner, first in zip(p.owners, p.rows, strict=True):
+                    rows.setdefault(owner, []).extend(range(first, first + p.kind.rows))
+        return {owner: np.array(sorted(found)) for owner, found in sorted(rows.items(), key=lambda r: min(r[1]))}
+
+    def counts(self) -> dict[str, int]:
+        """Bodies, coordinates, joint equations, normalizations, degrees of freedom, and elements by kind."""
+        kinds = {p.kind.__name__: p.count for p in self.populations if p.count}
+        normalizations = kinds.pop("Normalization", 0)
+        joints = self.m - normalizations
+        freedom = self.nq - self.m
+        return {
+            "bodies": len(self.bodies),
+            "coordinates": self.nq,
+            "joint_equations": joints,
+            "normalizations": normalizations,
+            "degrees_of_freedom": freedom,
+            **kinds,
+        }
+
+    def coordinates_of(self, body: str) -> slice:
+        """Place of a body's seven coordinates in q.
+
+        Raises
+        ------
+        KeyError
+            If there is no such body.
+        """
+        if body not in self.bodies:
+            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
+        at = WIDTH * self.bodies.index(body)
+        return slice(at, at + WIDTH)
+
+    @property
+    def number_names(self) -> list[str]:
+        """A name for every number of `b`, e.g. ``spring[tsda].k``."""
+        return self.axis_names(Axis.NUMBERS)
+
+    @property
+    def row_names(self) -> list[str]:
+        """A name for every constraint equation, e.g. ``pin: f_i.h_j``."""
+        return self.axis_names(Axis.ROWS)
+
+    @property
+    def coordinate_names(self) -> list[str]:
+        """A name for every coordinate, e.g. ``crank.p.e0``."""
+        return self.axis_names(Axis.COORDINATES)
+
+    def check_derivatives(self, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:
+        """Compare every operator with an independent one, block by block; see `check_derivatives`."""
+        return check_derivatives(self, q, seed=seed, progress=progress)

@@ -6,6 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from numba import njit
+
+from .cache import KernelCache
 from .emit import Recording, loop
 
 
@@ -29,19 +32,20 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
     recorders : one function per element type, each returning the type's `Recording`
     clears : whether outputs that are summed are set to zero first
     """
-    from numba import njit
-
-    from .cache import KernelCache
-
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
     counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
-    namespace: dict[str, Any] = {"__name__": __name__}
-    namespace |= {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
+    loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
     lines = [f"def {signature.name}(index, numbers, {operands}):"]
     if clears:
         lines += [f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
-    exec(compile("\n".join(lines), f"<{signature.name}>", "exec"), namespace)
-    compiled = njit(nogil=True, error_model="numpy")(namespace[signature.name])
-    compiled._cache = KernelCache(compiled.py_func)
-    return compiled
+    return compiled(signature.name, lines, loops)
+
+
+def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
+    """Compile the function `name` written in `lines`, or find it in the cache under that name."""
+    scope = {"__name__": __name__, **namespace}
+    exec(compile("\n".join(lines), f"<{name}>", "exec"), scope)
+    function = njit(nogil=True, error_model="numpy")(scope[name])
+    function._cache = KernelCache(function.py_func)
+    return function

@@ -2,7 +2,7 @@
 
 The loop of an element type does, for each element: read its numbers and the coordinates of its bodies, compute every
 operator of a group in one go (what they share is computed once), and put the blocks into the operators' arrays.
-It allocates nothing. The fixed body, ground, is read from constants and its blocks go to a scratch array.
+It allocates nothing.
 """
 
 from __future__ import annotations
@@ -21,9 +21,7 @@ from numba.extending import intrinsic
 from .expression import Expression, Graph
 from .functions import COMPILED, READS_NUMBERS
 
-WIDTH = 7  # coordinates of a body
 HEADER = 4  # count, bodies, rows, numbers; then one entry per output
-GROUND = {"q": (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)}
 REAL, INT = ir.DoubleType(), ir.IntType(64)
 
 
@@ -43,7 +41,6 @@ class Recording:
     graph: Graph
     bodies: int
     numbers: int
-    rows: int
     arrays: tuple[str, ...]
     scalars: tuple[str, ...]
     outputs: list[Output] = field(default_factory=list)
@@ -52,7 +49,7 @@ class Recording:
         """Hash of everything that is compiled."""
         blocks = [[str(getattr(e, "id", e)) for e in np.ravel(b)] for o in self.outputs for b in o.blocks]
         shapes = [[(o.adds, b.shape) for b in o.blocks] for o in self.outputs]
-        text = repr((self.graph.nodes, blocks, shapes, self.bodies, self.numbers, self.rows, self.arrays))
+        text = repr((self.graph.nodes, blocks, shapes, self.bodies, self.numbers, self.arrays))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -137,7 +134,6 @@ def _emit_loop(module: Any, context: Any, recording: Recording) -> Any:
     arrays = dict(zip(recording.arrays, rest, strict=False))
     results = rest[len(recording.arrays) :]
     builder = ir.IRBuilder(function.append_basic_block("entry"))
-    scratch = builder.alloca(REAL, 16, name="scratch")
     with cgutils.for_range(builder, count) as loop:
         k = loop.index
 
@@ -146,10 +142,7 @@ def _emit_loop(module: Any, context: Any, recording: Recording) -> Any:
 
         def body(name: str, slot: int) -> Any:
             at = builder.load(builder.gep(pointer(bodies, recording.bodies), [INT(slot)]))
-            constant = ir.Constant(ir.ArrayType(REAL, WIDTH), GROUND.get(name, (0.0,) * WIDTH))
-            ground = builder.bitcast(cgutils.global_constant(builder, "ground", constant), REAL.as_pointer())
-            is_ground = builder.icmp_signed("<", at, INT(0))
-            return builder.select(is_ground, ground, builder.gep(arrays[name], [at]))
+            return builder.gep(arrays[name], [at])
 
         bases: dict[Any, Any] = {}
 
@@ -174,21 +167,17 @@ def _emit_loop(module: Any, context: Any, recording: Recording) -> Any:
         for output, place, result in zip(recording.outputs, places, results, strict=True):
             at = pointer(place, 2 * len(output.blocks))
             for n, block in enumerate(output.blocks):
-                _put(builder, emitter, scratch, at, n, result, block, output.adds)
+                _put(builder, emitter, at, n, result, block, output.adds)
     builder.ret_void()
     return function
 
 
-def _put(
-    builder: Any, emitter: Emitter, scratch: Any, at: Any, n: int, result: Any, block: Any, adds: bool
-) -> None:
-    """Store (or add) one block at its base and row stride; a negative base means that nobody wants it."""
+def _put(builder: Any, emitter: Emitter, at: Any, n: int, result: Any, block: Any, adds: bool) -> None:
+    """Store (or add) one block at its base and row stride."""
     matrix = np.atleast_2d(block) if block.ndim != 1 else block.reshape(-1, 1)
     values = [[emitter.value(entry) for entry in row] for row in matrix]
     base, stride = (builder.load(builder.gep(at, [INT(2 * n + m)])) for m in (0, 1))
-    nowhere = builder.icmp_signed("<", base, INT(0))
-    row = builder.select(nowhere, scratch, builder.gep(result, [base]))
-    stride = builder.select(nowhere, INT(0), stride)
+    row = builder.gep(result, [base])
     for r, line in enumerate(values):
         if r:
             row = builder.gep(row, [stride])

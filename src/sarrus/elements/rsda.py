@@ -55,6 +55,10 @@ class RSDA(Force):
         theta = atan2(S.Phi(x)[0], C.Phi(x)[0])
         return theta + 2 * pi * nearest((self.reference - theta) / (2 * pi))
 
+    def remember(self, x: Pair) -> tuple[Scalar, ...]:
+        """New values of the memory fields at an accepted state."""
+        return (self.angle_of(x),)
+
     def _turn(self, x: Pair, v: Pair) -> Turn:
         C, S = self._dots()
         c, s = C.Phi(x)[0], S.Phi(x)[0]

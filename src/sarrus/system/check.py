@@ -15,13 +15,13 @@ import numpy as np
 
 from ..algebra import Array
 from ..elements import OPERATORS, Operator
-from ..elements.evaluation import dense, element_from
+from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
+from .memory import GROUND, local
 from .population import WIDTH, Population
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
 TOLERANCE = 1e-9  # relative to the largest entry of the row
-GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
 
 
 @dataclass(frozen=True)
@@ -109,32 +109,33 @@ def _route(operator: Operator) -> tuple[str, Formula]:
     if operator.name == "S":
         return "Lagrange, from M", _lagrange
     if operator.name not in DERIVATIVES:
-        return "kernel in plain NumPy", lambda kind, local, numbers, b: _value(operator, kind, local, numbers, b)
+        return "kernel in plain NumPy", lambda *args: _value(operator, *args)
     rule = DERIVATIVES[operator.name]
     along = f" {rule.along}" if rule.along else ""
     return f"complex step of {rule.of}{along}", lambda *args: _complex_step(operator, *args)
 
 
-def _value(operator: Operator, kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
-    return dense(element_from(kind, numbers, b), operator, local).astype(complex)
+def _value(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
+    return dense(element_from(kind, numbers, b), operator, operands).astype(complex)
 
 
-def _complex_step(operator: Operator, kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
+def _complex_step(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
     rule = DERIVATIVES[operator.name]
-    vary = numbers if rule.by == "b" else local[rule.by]
+    vary = numbers if rule.by == "b" else operands[rule.by]
     columns = []
     for n in range(len(vary)):
         moved = vary.astype(complex)
         moved[n] += 1j * STEP
-        there = local if rule.by == "b" else {**local, rule.by: moved}
+        there = operands if rule.by == "b" else {**operands, rule.by: moved}
         value = _value(OPERATORS[rule.of], kind, there, moved if rule.by == "b" else numbers, b)
-        columns.append((value @ local[rule.along] if rule.along else value).imag / STEP)
+        columns.append((value @ operands[rule.along] if rule.along else value).imag / STEP)
     return np.array(columns).T
 
 
-def _lagrange(kind: Any, local: dict[str, Any], numbers: Array, b: Array) -> Array:
-    Mv_q = _complex_step(OPERATORS["M_a_q"], kind, {**local, "a": local["v"]}, numbers, b)
-    return 0.5 * Mv_q.T @ local["v"] - Mv_q @ local["v"]
+def _lagrange(kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
+    v = operands["v"]
+    Mv_q = _complex_step(OPERATORS["M_a_q"], kind, {**operands, "a": v}, numbers, b)
+    return 0.5 * Mv_q.T @ v - Mv_q @ v
 
 
 def _members(system: Any, operator: Operator) -> Iterator[tuple[Population, int]]:
@@ -151,7 +152,7 @@ def _compare(
     for p, k in _members(system, operator):
         size = p.kind.size()
         numbers = system.b[p.at + k * size : p.at + (k + 1) * size]
-        value = np.real(formula(p.kind, _local(p, k, state), numbers, system.b))
+        value = np.real(formula(p.kind, _operands(p, k, state), numbers, system.b))
         rows, columns = _places(operator, p, k)
         value = value.reshape(len(rows), len(columns))[rows >= 0][:, columns >= 0]
         at = np.ix_(rows[rows >= 0], columns[columns >= 0])
@@ -172,16 +173,13 @@ def _finding(system: Any, operator: Operator, route: str, found: Array, want: Ar
     return Finding(operator, route, int(np.count_nonzero(scale)), float(error[row, column]), where)
 
 
-def _local(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
+def _operands(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
     """The operands as element k sees them."""
 
-    def body(key: str, first: int) -> Array:
-        at_rest = GROUND if key == "q" else np.zeros(WIDTH)
-        return at_rest if first < 0 else state[key][first : first + WIDTH]
-
-    local = {k_: np.concatenate([body(k_, f) for f in p.bodies[k]]) for k_ in ("q", "xi", "eta", "v", "a")}
+    rest = np.zeros(WIDTH)
+    there = {key: local(p, k, state[key], GROUND if key == "q" else rest) for key in BODY_OPERANDS}
     first = p.rows[k] if p.kind.rows else 0
-    return {**local, "lam": state["lam"][first : first + p.kind.rows], "t": state["t"]}
+    return {**there, "lam": state["lam"][first : first + p.kind.rows], "t": state["t"]}
 
 
 def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,8 @@ import numpy as np
 from .._jit.driver import Signature, driver
 from .._jit.emit import HEADER
 from ..algebra import Array
-from ..elements import BUILT_IN, OPERATORS, Element
-from ..elements.recorder import SCALARS, operands_of, record
+from ..elements import BUILT_IN, OPERATORS
+from ..elements.recorder import SCALARS, Variant, operands_of, record, variants
 from .pattern import Pattern
 from .population import Population
 
@@ -34,7 +35,7 @@ class Group:
         self._index = self._pack(members, built_in)
         self._run = built_in_driver(names)
         self._others = [
-            (user_driver(names, members[n].kind), self._pack(members, [n]))
+            (user_driver(names, members[n].variant), self._pack(members, [n]))
             for n in range(len(members))
             if n not in built_in
         ]
@@ -72,21 +73,18 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
     if names not in _drivers:
         family = OPERATORS[names[0]].family
         kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
-        _drivers[names] = driver(_signature(names, ""), [_recorder(kind, names) for kind in kinds])
+        _drivers[names] = driver(signature(names), [partial(record, variant, names) for kind in kinds for variant in variants(kind)])
     return _drivers[names]
 
 
-def user_driver(names: tuple[str, ...], kind: type[Element]) -> Any:
+def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
     """The driver of a group over one element type of the user's; kept under the hash of what it computes."""
-    recording = record(kind, names)
-    return driver(_signature(names, recording.fingerprint()), [lambda: recording], clears=False)
+    recording = record(variant, names)
+    return driver(signature(names, recording.fingerprint()), [lambda: recording], clears=False)
 
 
-def _recorder(kind: type[Element], names: tuple[str, ...]) -> Callable[[], Any]:
-    return lambda: record(kind, names)
-
-
-def _signature(names: tuple[str, ...], suffix: str) -> Signature:
+def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
+    """What the driver of a group takes."""
     found = operands_of(names)
     return Signature(
         name="_".join(filter(None, ("__".join(names), suffix))),

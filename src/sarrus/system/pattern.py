@@ -69,14 +69,13 @@ class Layout:
         return self._rows if axis is Axis.ROWS else self._numbers
 
     def atom_of(self, n: int, axis: Axis, piece: int) -> Array:
-        """For every element of population n: the atom of its block row (or column) `piece`, -1 for ground's."""
+        """For every element of population n: the atom of its block row (or column) `piece`."""
         p = self.populations[n]
         if axis is Axis.ROWS:
             return p.constraints
         if axis is Axis.NUMBERS:
             return self._first_number[n] + piece + len(p.kind.fields) * np.arange(p.count)
-        first = p.bodies[:, piece // 2]
-        return np.where(first < 0, -1, 2 * (first // WIDTH) + piece % 2)
+        return 2 * (p.bodies[:, piece // 2] // WIDTH) + piece % 2
 
     def pattern(self, operator: Operator) -> Pattern:
         """Pattern and places of an operator over all populations of its family."""
@@ -88,11 +87,11 @@ class Layout:
     def _vector(self, operator: Operator, members: list[int]) -> Pattern:
         atoms, places = self.atoms(operator.axes[0]), []
         for n in members:
-            blocks = structure(self.populations[n].kind, operator)
+            blocks = structure(self.populations[n].variant, operator)
             table = np.ones((self.populations[n].count, len(blocks), 2), dtype=np.int64)
             for k, (m, _) in enumerate(blocks):
                 atom = self.atom_of(n, operator.axes[0], m)
-                table[:, k, 0] = np.where(atom < 0, -1, atoms.start[atom])
+                table[:, k, 0] = atoms.start[atom]
             places.append(table)
         none = np.zeros(0, dtype=np.int64)
         return Pattern((atoms.length,), none, none, tuple(places))
@@ -100,7 +99,7 @@ class Layout:
     def _matrix(self, operator: Operator, members: list[int]) -> Pattern:
         rows, columns = (self.atoms(axis) for axis in operator.axes)
         keys = [self._keys(n, operator, len(columns.start)) for n in members]
-        unique = np.unique(np.concatenate([key[key >= 0] for key in keys] or [np.zeros(0, dtype=np.int64)]))
+        unique = np.unique(np.concatenate([key.reshape(-1) for key in keys]))
         row, column = np.divmod(unique, max(len(columns.start), 1))
         per_row = np.bincount(row, weights=columns.width[column], minlength=len(rows.start)).astype(np.int64)
         indptr = np.concatenate([[0], np.cumsum(np.repeat(per_row, rows.width))]).astype(np.int64)
@@ -113,11 +112,11 @@ class Layout:
         return Pattern((rows.length, columns.length), indptr.astype(np.int32), indices, places)
 
     def _keys(self, n: int, operator: Operator, column_count: int) -> Array:
-        blocks = structure(self.populations[n].kind, operator)
+        blocks = structure(self.populations[n].variant, operator)
         keys = np.zeros((self.populations[n].count, len(blocks)), dtype=np.int64)
         for k, (m, c) in enumerate(blocks):
             row, column = self.atom_of(n, operator.axes[0], m), self.atom_of(n, operator.axes[1], c)
-            keys[:, k] = np.where((row < 0) | (column < 0), -1, row * column_count + column)
+            keys[:, k] = row * column_count + column
         return keys
 
 
@@ -136,8 +135,5 @@ def _indices(size: int, base: Array, stride: Array, height: Array, width: Array,
 
 
 def _places(keys: Array, unique: Array, base: Array, stride: Array) -> Array:
-    table = np.empty((*keys.shape, 2), dtype=np.int64)
-    at = np.minimum(np.searchsorted(unique, keys), max(len(unique) - 1, 0))
-    table[..., 0] = np.where(keys < 0, -1, base[at] if len(unique) else -1)
-    table[..., 1] = np.where(keys < 0, 0, stride[at] if len(unique) else 0)
-    return table
+    at = np.searchsorted(unique, keys)
+    return np.stack([base[at], stride[at]], axis=-1) if len(unique) else np.zeros((*keys.shape, 2), dtype=np.int64)

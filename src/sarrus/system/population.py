@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,17 +11,19 @@ import numpy as np
 from ..algebra import Array
 from ..elements import BUILT_IN, Element, Normalization
 from ..elements.element import WIDTHS
+from ..elements.recorder import Variant, variants
+from ..model import Placed
 
 WIDTH = 7  # coordinates of a body
 
 
 @dataclass
 class Population:
-    """All elements of one kind.
+    """All elements of one variant: of one kind, and with the ground as the same (or none) of their bodies.
 
     Attributes
     ----------
-    kind : the element class
+    variant : the element class and the place of the ground
     bodies : (count, 1 or 2) first coordinate of each body, -7 for ground
     rows : (count,) first constraint equation of each element (unused for inertias and forces)
     constraints : (count,) place of each element among all constraint elements
@@ -29,14 +31,19 @@ class Population:
     owners, labels : (count,) the part of the model that each belongs to, and what it does there
     """
 
-    kind: type[Element]
+    variant: Variant
     bodies: Array
     values: list[tuple[Any, ...]]
     owners: list[str]
     labels: list[str]
-    rows: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    constraints: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    rows: Array
+    constraints: Array
     at: int = 0
+
+    @property
+    def kind(self) -> type[Element]:
+        """The element class."""
+        return self.variant.kind
 
     @property
     def count(self) -> int:
@@ -48,7 +55,7 @@ class Population:
         return self.at + self.count * self.kind.size()
 
 
-def populate(placed: Sequence[Any], body_count: int) -> tuple[list[Population], Array]:
+def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population], Array]:
     """Sort a blueprint's placed elements by kind, number their equations, add the normalizations, lay out the numbers.
 
     Returns
@@ -57,34 +64,28 @@ def populate(placed: Sequence[Any], body_count: int) -> tuple[list[Population], 
     numbers : all numbers of all elements, then the curves
     """
     custom = dict.fromkeys(p.element for p in placed if p.element not in BUILT_IN)
-    populations = {kind: _population(kind, placed, body_count) for kind in (*BUILT_IN, *custom)}
-    _number_equations(populations, placed)
-    return list(populations.values()), _lay_out(list(populations.values()))
-
-
-def _population(kind: type[Element], placed: Sequence[Any], body_count: int) -> Population:
-    if kind is Normalization:
-        bodies = WIDTH * np.arange(body_count)[:, None]
-        names = [""] * body_count
-        return Population(kind, bodies, [()] * body_count, names, ["normalization"] * body_count)
-    mine = [p for p in placed if p.element is kind]
-    bodies = np.array([p.bodies for p in mine], dtype=np.int64).reshape(-1, kind.bodies)
-    values, owners, labels = ([getattr(p, n) for p in mine] for n in ("values", "owner", "label"))
-    return Population(kind, WIDTH * (bodies - 1), values, owners, labels)
-
-
-def _number_equations(populations: dict[type[Element], Population], placed: Sequence[Any]) -> None:
-    """Joint equations in the order of the model, then the normalizations."""
-    found: dict[type[Element], list[tuple[int, int]]] = {kind: [] for kind in populations}
+    members: dict[Variant, list[Any]] = {v: [] for kind in (*BUILT_IN, *custom) for v in variants(kind)}
+    normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
-    normalized = populations[Normalization].count
-    for kind in (*(p.element for p in placed), *[Normalization] * normalized):
-        found[kind].append((row, place))
-        row += kind.rows
-        place += kind.rows > 0
-    for kind, population in populations.items():
-        table = np.array(found[kind], dtype=np.int64).reshape(-1, 2)
-        population.rows, population.constraints = table[:, 0].copy(), table[:, 1].copy()
+    for p in (*placed, *normalizations):
+        ground = p.bodies.index(0) if 0 in p.bodies else None
+        members[Variant(p.element, ground)].append((p, row, place))
+        row += p.element.rows
+        place += p.element.rows > 0
+    populations = [_population(variant, found) for variant, found in members.items()]
+    return populations, _lay_out(populations)
+
+
+def _normalization(body: int) -> Placed:
+    return Placed(Normalization, (body,), (), "", "normalization")
+
+
+def _population(variant: Variant, found: list[tuple[Placed, int, int]]) -> Population:
+    placed = [p for p, _, _ in found]
+    bodies = np.array([p.bodies for p in placed], dtype=np.int64).reshape(-1, variant.kind.bodies)
+    values, owners, labels = ([getattr(p, n) for p in placed] for n in ("values", "owner", "label"))
+    rows, constraints = (np.array([entry[n] for entry in found], dtype=np.int64) for n in (1, 2))
+    return Population(variant, WIDTH * (bodies - 1), values, owners, labels, rows, constraints)
 
 
 def _lay_out(populations: list[Population]) -> Array:

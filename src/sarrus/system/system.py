@@ -15,6 +15,7 @@ from .constraints import ConstraintOperators
 from .forces import ForceOperators
 from .group import Group
 from .inertia import InertiaOperators
+from .memory import refresh
 from .pattern import Layout, Pattern
 from .population import WIDTH, populate
 
@@ -93,6 +94,13 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
             raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
         at = WIDTH * self.bodies.index(body)
         return slice(at, at + WIDTH)
+
+    def remember(self, q: Array, b: Array) -> None:
+        """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""
+        for p in self.populations:
+            memory = [n for n, kind in enumerate(p.kind.fields.values()) if kind == "Memory"]
+            if memory:
+                refresh(p, memory, q, b)
 
     @property
     def number_names(self) -> list[str]:

@@ -1,0 +1,7 @@
+"""Analyses take a system and give back results."""
+
+from .assembly import assemble
+from .ode import ODE
+from .simulate import simulate
+
+__all__ = ["ODE", "assemble", "simulate"]

@@ -1,0 +1,101 @@
+"""SciPy's explicit solvers on the index-1 equations, projected onto the constraints after every step.
+
+For systems that are not stiff, and as an independent check of other methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..results import Assembly, Trajectory
+from ..system import System
+from .motion import Motion
+from .projection import Projection
+from .saddle import SingularSystem
+
+
+@dataclass(frozen=True)
+class ODE:
+    """An explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
+
+    name: str = "DOP853"
+
+    def run(
+        self,
+        system: System,
+        start: Assembly,
+        t_eval: Array,
+        *,
+        rtol: float,
+        atol: float,
+        progress: Callable[[float], None] | None = None,
+    ) -> Trajectory:
+        """Integrate over the times `t_eval`; see `sarrus.simulate`."""
+        from scipy import integrate
+
+        motion, recorder = Motion(system), Recorder(system, t_eval)
+        y = np.concatenate([start.q, start.v])
+        status, message, steps = "finished", "reached the end", 0
+        try:
+            solver = getattr(integrate, self.name)(motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol)
+            recorder.record(motion, t_eval[0], lambda t: y, up_to=t_eval[0])
+            while solver.status == "running":
+                trouble = solver.step()
+                if trouble:
+                    status, message = "step too small", f"{trouble} at t = {solver.t:.6g} s"
+                    break
+                steps += 1
+                recorder.record(motion, solver.t, solver.dense_output(), up_to=solver.t)
+                solver.y = np.concatenate(recorder.projection(*np.split(solver.y, 2)))
+                system.remember(solver.y[: system.nq], motion.b)
+                solver.f = motion.rate(solver.t, solver.y)
+                if progress:
+                    progress(float(solver.t))
+        except SingularSystem:
+            status = "singular configuration"
+            message = f"the constraints become dependent near t = {recorder.last:.6g} s; change the start or the model"
+        return recorder.trajectory(status, message, motion.evaluations, steps)
+
+
+class Recorder:
+    """Collects states at given times from a solver's interpolants, each projected onto the constraints."""
+
+    def __init__(self, system: System, times: Array) -> None:
+        self.system, self.times = system, times
+        self.projection = Projection(system)
+        self.last = float(times[0])
+        self._rows: list[tuple[Any, ...]] = []
+
+    def record(self, motion: Motion, t: float, interpolant: Callable[[float], Array], up_to: float) -> None:
+        """Take all times not yet taken up to `up_to`."""
+        while len(self._rows) < len(self.times) and self.times[len(self._rows)] <= up_to * (1 + 1e-15):
+            time = float(self.times[len(self._rows)])
+            q, v = self.projection(*np.split(np.asarray(interpolant(time)), 2))
+            a, lam = motion.acceleration(time, q, v)
+            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q)).max(initial=0.0)))
+        self.last = float(t)
+
+    def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:
+        """All that was recorded."""
+        nq, m = self.system.nq, self.system.m
+        shapes = ((), (nq,), (nq,), (nq,), (m,), ())
+        columns = zip(*self._rows, strict=True) if self._rows else ([] for _ in shapes)
+        t, q, v, a, lam, violation = (
+            np.array(list(column)).reshape(-1, *shape) for column, shape in zip(columns, shapes, strict=True)
+        )
+        return Trajectory(
+            self.system.name,
+            tuple(self.system.bodies),
+            tuple(self.system.coordinate_names),
+            *(t, q, v, a, lam, violation),
+            success=status == "finished",
+            status=status,
+            message=message,
+            nfev=evaluations,
+            nsteps=steps,
+        )

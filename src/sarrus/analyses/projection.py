@@ -1,0 +1,34 @@
+"""Back onto the constraints after a step: the least change of q, then of v."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..algebra import Array
+from ..system import System
+from .saddle import Saddle
+
+TOLERANCE = 1e-13
+STEPS = 5
+
+
+class Projection:
+    """Projects states of one system onto Φ = 0 and Φ_q v = 0; the Jacobian's factors serve both."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._saddle = Saddle(system, "I")
+        self._group = system.group("Phi_q")
+        self._weight, self._nothing = np.ones(system.nq), np.zeros(system.nq)
+        (self._Phi_q,) = self._group.allocate()
+
+    def __call__(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """The projected q and v."""
+        self._group.run(self._system.b, q, self._Phi_q)
+        self._saddle.factor(self._weight, self._Phi_q)
+        for _ in range(STEPS):
+            residual = self._system.Phi(q)
+            if abs(residual).max(initial=0.0) <= TOLERANCE:
+                break
+            q = q + self._saddle.solve(self._nothing, -residual)[0]
+        return q, v + self._saddle.solve(self._nothing, -self._system.Phi_q_xi(q, v))[0]

@@ -1,0 +1,85 @@
+"""Linear systems with the constraint Jacobian: [W Φ_qᵀ; Φ_q 0] [x; y] = [f; g]."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from ..algebra import Array
+from ..system import System
+
+DENSE_BELOW = 150  # unknowns, where LAPACK is faster than SuperLU
+
+
+class SingularSystem(ArithmeticError):
+    """The constraints are dependent here, or a body has no inertia along a free direction."""
+
+
+class Saddle:
+    """The matrix [W Φ_qᵀ; Φ_q 0] for W = M ("M") or the identity ("I"), its pattern made once."""
+
+    def __init__(self, system: System, weight: str) -> None:
+        self.nq, self.m = system.nq, system.m
+        jacobian = system.pattern("Phi_q")
+        rows, columns = _places(jacobian)
+        if weight == "M":
+            w_rows, w_columns = _places(system.pattern("M"))
+        else:
+            w_rows = w_columns = np.arange(system.nq)
+        self._rows = np.concatenate([w_rows, columns, rows + self.nq])
+        self._columns = np.concatenate([w_columns, rows + self.nq, columns])
+        size = self.nq + self.m
+        if size < DENSE_BELOW:
+            self._dense: Array | None = np.zeros((size, size))
+        else:
+            self._dense = None
+            numbered = csc_array((np.arange(len(self._rows)) + 1.0, (self._rows, self._columns)), shape=(size, size))
+            self._order = numbered.data.astype(np.int64) - 1
+            self._matrix = csc_array((numbered.data, numbered.indices, numbered.indptr), shape=numbered.shape)
+        self._factors: Any = None
+
+    def factor(self, W: Array, Phi_q: Array) -> None:
+        """Factor the matrix of the numbers of W and Φ_q.
+
+        Raises
+        ------
+        SingularSystem
+            If it cannot be factored.
+        """
+        numbers = np.concatenate([W, Phi_q, Phi_q])
+        if self._dense is not None:
+            self._dense[self._rows, self._columns] = numbers
+            self._factors = _dense_factors(self._dense)
+            return
+        self._matrix.data[:] = numbers[self._order]
+        try:
+            self._factors = splu(self._matrix)
+        except RuntimeError as trouble:
+            raise SingularSystem(str(trouble)) from None
+
+    def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """x (nq,) and y (m,) for the right side f, g."""
+        right = np.concatenate([f, g])
+        solution = lu_solve(self._factors, right) if self._dense is not None else self._factors.solve(right)
+        if not np.all(np.isfinite(solution)):
+            raise SingularSystem("the matrix is singular to working precision")
+        return solution[: self.nq], solution[self.nq :]
+
+
+def _dense_factors(matrix: Array) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", LinAlgWarning)
+        try:
+            return lu_factor(matrix)
+        except (LinAlgWarning, ValueError) as trouble:
+            raise SingularSystem(str(trouble)) from None
+
+
+def _places(pattern: Any) -> tuple[Array, Array]:
+    rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr))
+    return rows, pattern.indices.astype(np.int64)

@@ -1,0 +1,57 @@
+"""Simulation: one function, whatever the method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..results import Assembly, Trajectory
+from ..system import System
+from .assembly import assemble
+from .ode import ODE
+
+
+def simulate(
+    system: System,
+    start: Assembly | None = None,
+    *,
+    until: float,
+    t_eval: ArrayLike | None = None,
+    method: ODE | None = None,
+    rtol: float = 1e-8,
+    atol: float = 1e-10,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Integrate the equations of motion in time.
+
+    Parameters
+    ----------
+    system : System
+    start : consistent state; by default the model's own, assembled
+    until : end time [s]; the start is at 0
+    t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
+    method : `ODE`
+    rtol, atol : tolerances of the local error of q and v
+    progress : called with the time reached after every step
+
+    Returns
+    -------
+    Trajectory
+        With ``success`` false and a sentence in ``message`` where the end was not reached; what was computed is kept.
+
+    Raises
+    ------
+    ValueError
+        For an end time or times that are not positive and rising.
+    """
+    if not (np.isfinite(until) and until > 0):
+        raise ValueError(f"until must be a positive time in s, but is {until}")
+    times = np.linspace(0.0, until, 1001) if t_eval is None else np.asarray(t_eval, dtype=float)
+    if times.ndim != 1 or not len(times) or np.any(np.diff(times) <= 0) or times[0] < 0 or times[-1] > until:
+        raise ValueError("t_eval must be rising times between 0 and until")
+    grid = np.unique(np.concatenate([[0.0], times, [until]]))
+    begin = start if start is not None else assemble(system)
+    run = (method or ODE()).run(system, begin, grid, rtol=rtol, atol=atol, progress=progress)
+    return run.at(times)

@@ -1,0 +1,109 @@
+"""A simulated motion: plain arrays over time, with names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """One body's motion over the times of a trajectory.
+
+    Attributes
+    ----------
+    position, velocity : of the frame's origin, in global axes (nt, 3) [m], [m/s]
+    euler : Euler parameters, scalar first (nt, 4)
+    angular_velocity : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
+    """
+
+    name: str
+    position: Array
+    euler: Array
+    velocity: Array
+    angular_velocity: Array
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States at the times t. Fields as SciPy's solvers name them, time along the first axis.
+
+    Attributes
+    ----------
+    t : (nt,) [s]
+    q, v, a : (nt, nq)
+    lam : (nt, m) joint multipliers, then those of the normalizations
+    success, status, message : whether the end was reached; if not, why, in one sentence
+    nfev : evaluations of the equations of motion
+    nsteps : accepted steps
+    violation : (nt,) largest entry of |Φ|
+    """
+
+    name: str
+    bodies: tuple[str, ...]
+    coordinate_names: tuple[str, ...] = field(repr=False)
+    t: Array = field(repr=False)
+    q: Array = field(repr=False)
+    v: Array = field(repr=False)
+    a: Array = field(repr=False)
+    lam: Array = field(repr=False)
+    violation: Array = field(repr=False)
+    success: bool = True
+    status: str = "finished"
+    message: str = ""
+    nfev: int = 0
+    nsteps: int = 0
+
+    def __getitem__(self, body: str) -> BodyMotion:
+        """The motion of a body.
+
+        Raises
+        ------
+        KeyError
+            If there is no such body.
+        """
+        if body not in self.bodies:
+            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
+        at = 7 * self.bodies.index(body)
+        r, p = self.q[:, at : at + 3], self.q[:, at + 3 : at + 7]
+        pd = self.v[:, at + 3 : at + 7]
+        spin = 2 * (p[:, :1] * pd[:, 1:] - pd[:, :1] * p[:, 1:] - np.cross(p[:, 1:], pd[:, 1:]))
+        return BodyMotion(body, r, p, self.v[:, at : at + 3], spin)
+
+    def at(self, times: Array) -> Trajectory:
+        """Only the states at the times given (those among `t`)."""
+        keep = np.isin(self.t, times)
+        arrays = {n: getattr(self, n)[keep] for n in ("t", "q", "v", "a", "lam", "violation")}
+        return replace(self, **arrays)
+
+    def coordinate(self, name: str) -> Array:
+        """One coordinate over time (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, or a full name.
+
+        Raises
+        ------
+        KeyError
+            If there is no such coordinate.
+        """
+        short = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(self.coordinate_names)}
+        full = {full: n for n, full in enumerate(self.coordinate_names)}
+        if name not in short and name not in full:
+            raise KeyError(f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0")
+        return self.q[:, short.get(name, full.get(name, 0))]
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write t, q and v as a table with named columns."""
+        rates = [f"d({name})/dt" for name in self.coordinate_names]
+        header = ",".join(["t", *self.coordinate_names, *rates])
+        table = np.column_stack([self.t, self.q, self.v])
+        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.15g")
+
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draw coordinates over time; see `sarrus.views.plot`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot(self, *names, ax=ax)

@@ -1,0 +1,27 @@
+"""What elements remember between accepted states: numbers that are no design numbers, such as counted turns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements.evaluation import element_from, partition
+from .population import WIDTH, Population
+
+GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
+
+
+def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
+    """A vector of the system as element k of a population sees it; `ground` stands for the fixed body's part."""
+    return np.concatenate([vector[f : f + WIDTH] if f >= 0 else ground for f in p.bodies[k]])
+
+
+def refresh(p: Population, memory: list[int], q: Array, b: Array) -> None:
+    """Let every element of a population write its memory fields (given by place) at the coordinates q."""
+    size, starts = p.kind.size(), np.cumsum([0, *p.kind.widths()])
+    for k in range(p.count):
+        at = p.at + k * size
+        element = element_from(p.kind, b[at : at + size], b)
+        values = element.remember(partition(p.kind, local(p, k, q, GROUND)))  # type: ignore[attr-defined]
+        for field, value in zip(memory, values, strict=True):
+            b[at + starts[field]] = value

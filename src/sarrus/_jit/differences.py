@@ -7,34 +7,42 @@ from typing import Any
 from .driver import Signature, compiled
 
 
-def differences(signature: Signature, driver: Any, vary: str) -> Any:
-    """Forward differences of all outputs of a driver by the entries of the operand `vary`.
+SCHEMES = ("forward", "central")
+
+
+def differences(signature: Signature, driver: Any, vary: str, scheme: str) -> Any:
+    """Finite differences of all outputs of a driver by the entries of the operand `vary`.
 
     Returns
     -------
-    compiled function ``(h, index, numbers, *scalars, *arrays, *bases, *outputs, *columns)``
-        It writes the transposed derivative of each output into its ``columns`` (one row per entry varied).
+    compiled function ``(h, index, numbers, *scalars, *arrays, *ahead, *behind, *columns)``
+        It writes the transposed derivative of each output into its ``columns`` (one row per entry varied); `ahead` and
+        `behind` are work space, one array per output each.
     """
     outputs = signature.outputs
-    operands = [*signature.scalars, *signature.arrays]
-    bases, columns = [f"base_{o}" for o in outputs], [f"columns_{o}" for o in outputs]
-    name = f"differences_{vary}_{signature.name}"
+    operands = ", ".join([*signature.scalars, *signature.arrays])
+    ahead, behind, columns = ([f"{kind}_{out}" for out in outputs] for kind in ("ahead", "behind", "columns"))
+    evaluate_behind = f"driver(index, numbers, {operands}, {', '.join(behind)})"
+    central = scheme == "central"
     lines = [
-        f"def {name}(h, index, numbers, {', '.join([*operands, *bases, *outputs, *columns])}):",
-        f"    driver(index, numbers, {', '.join([*operands, *bases])})",
+        f"def differences(h, index, numbers, {operands}, {', '.join([*ahead, *behind, *columns])}):",
+        f"    factor = {0.5 if central else 1.0} / h",
+        *([] if central else [f"    {evaluate_behind}"]),
         f"    for k in range(len({vary})):",
         f"        kept = {vary}[k]",
         f"        {vary}[k] = kept + h",
-        f"        driver(index, numbers, {', '.join([*operands, *outputs])})",
+        f"        driver(index, numbers, {operands}, {', '.join(ahead)})",
+        *([f"        {vary}[k] = kept - h", f"        {evaluate_behind}"] if central else []),
         f"        {vary}[k] = kept",
     ]
-    for out, base, column in zip(outputs, bases, columns, strict=True):
-        lines += [f"        for r in range(len({out})):", f"            {column}[k, r] = ({out}[r] - {base}[r]) / h"]
-    return compiled(name, lines, {"driver": driver})
+    for front, back, column in zip(ahead, behind, columns, strict=True):
+        lines.append(f"        for r in range(len({front})):")
+        lines.append(f"            {column}[k, r] = ({front}[r] - {back}[r]) * factor")
+    return compiled(f"{scheme}_{vary}_{signature.name}", lines, {"driver": driver})
 
 
 def repeated(function: Any, name: str, arguments: int) -> Any:
     """A compiled loop that calls a compiled function n times: ``(n, *arguments)``; for timing without Python."""
     parameters = ", ".join(f"a{k}" for k in range(arguments))
-    lines = [f"def repeat_{name}(n, {parameters}):", "    for _ in range(n):", f"        function({parameters})"]
+    lines = [f"def repeat(n, {parameters}):", "    for _ in range(n):", f"        function({parameters})"]
     return compiled(f"repeat_{name}", lines, {"function": function})

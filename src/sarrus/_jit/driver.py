@@ -35,7 +35,7 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
     counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
     loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
-    lines = [f"def {signature.name}(index, numbers, {operands}):"]
+    lines = [f"def driver(index, numbers, {operands}):"]
     if clears:
         lines += [f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
@@ -43,9 +43,11 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
 
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
-    """Compile the function `name` written in `lines`, or find it in the cache under that name."""
-    scope = {"__name__": __name__, **namespace}
-    exec(compile("\n".join(lines), f"<{name}>", "exec"), scope)
-    function = njit(nogil=True, error_model="numpy")(scope[name])
-    function._cache = KernelCache(function.py_func)
-    return function
+    """Compile the one function written in `lines` under a new name, or find it in the cache under that name."""
+    scope: dict[str, Any] = {}
+    exec(compile("\n".join(lines), f"<{name}>", "exec"), {"__name__": __name__, **namespace}, scope)
+    (function,) = scope.values()
+    function.__name__ = function.__qualname__ = name
+    result = njit(nogil=True, error_model="numpy")(function)
+    result._cache = KernelCache(function)
+    return result

@@ -21,7 +21,8 @@ class Group:
     """The compiled drivers of a group of operators, with the index tables of one system.
 
     ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers; `operands` in the order of
-    `group.operands` (scalars first), outputs in the order of `group.names`.
+    `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there are
+    `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
     """
 
     def __init__(self, names: tuple[str, ...], populations: Sequence[Population], patterns: Sequence[Pattern]):
@@ -32,8 +33,8 @@ class Group:
         family = OPERATORS[names[0]].family
         members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
         built_in = [n for n, p in enumerate(members) if p.kind in BUILT_IN]
-        self._index = self._pack(members, built_in)
-        self._run = built_in_driver(names)
+        self.index = self._pack(members, built_in)
+        self.compiled = built_in_driver(names)
         self._others = [
             (user_driver(names, members[n].variant), self._pack(members, [n]))
             for n in range(len(members))
@@ -56,7 +57,7 @@ class Group:
 
     def run(self, numbers: Array, *arrays: Any) -> None:
         """Compute all operators of the group into the outputs given."""
-        self._run(self._index, numbers, *arrays)
+        self.compiled(self.index, numbers, *arrays)
         for run, index in self._others:
             run(index, numbers, *arrays)
 

@@ -69,16 +69,17 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
 
     def counts(self) -> dict[str, int]:
         """Bodies, coordinates, joint equations, normalizations, degrees of freedom, and elements by kind."""
-        kinds = {p.kind.__name__: p.count for p in self.populations if p.count}
+        kinds: dict[str, int] = {}
+        for p in self.populations:
+            if p.count:
+                kinds[p.kind.__name__] = kinds.get(p.kind.__name__, 0) + p.count
         normalizations = kinds.pop("Normalization", 0)
-        joints = self.m - normalizations
-        freedom = self.nq - self.m
         return {
             "bodies": len(self.bodies),
             "coordinates": self.nq,
-            "joint_equations": joints,
+            "joint_equations": self.m - normalizations,
             "normalizations": normalizations,
-            "degrees_of_freedom": freedom,
+            "degrees_of_freedom": self.nq - self.m,
             **kinds,
         }
 

@@ -1,0 +1,182 @@
+"""The numerical experiments of the paper, on a mechanism: exact derivatives against finite differences.
+
+Differences: the largest entry of |exact - differenced|, over the largest of |exact|, for falling perturbations, with forward
+and central differences. (A constraint that is quadratic in q is differenced by central differences without error.)
+Times: each group of operators exact, beside finite differences over compiled functions made in the same way; from compiled
+code, interleaved, medians. The functions are computed together in one sweep ("shared") or one by one; the speed-up is taken
+over the faster of the two, with central differences.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from .._jit.differences import SCHEMES, differences, repeated
+from ..algebra import Array
+from ..elements import GROUPS
+from ..elements.operators import DERIVATIVES
+from ..system import System
+from ..system.group import signature
+from .assembly import assemble, project_velocity
+from .saddle import Saddle
+
+STEPS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_xi", "M_a_q": "M_a"}
+ROUNDS = 15
+BATCH_SECONDS = 0.004
+
+
+@dataclass(frozen=True)
+class Times:
+    """One group: seconds of the exact operators, and of finite differences (functions shared, or one by one)."""
+
+    exact: float
+    shared: float
+    separate: float
+    forward: float
+
+    @property
+    def speedup(self) -> float:
+        """Against central differences, the faster of the two ways."""
+        return min(self.shared, self.separate) / self.exact
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All of the paper's figures for one mechanism."""
+
+    name: str
+    counts: dict[str, int]
+    differences: dict[str, dict[str, list[float]]]
+    times: dict[str, Times]
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        found: dict[str, Any] = {"steps": list(STEPS), **self.differences}
+        micro = {name: {k: 1e6 * v for k, v in asdict(t).items()} for name, t in self.times.items()}
+        return {
+            "counts": self.counts,
+            "differences": found,
+            "speedup": {name: times.speedup for name, times in self.times.items()},
+            "microseconds": micro,
+        }
+
+
+def experiment(system: System, *, seed: int = 1) -> Experiment:
+    """Run the paper's experiments on an assembled mechanism, at a random consistent velocity.
+
+    Parameters
+    ----------
+    system : System
+    seed : of the random velocity, multipliers and accelerations
+
+    Returns
+    -------
+    Experiment
+    """
+    state = consistent_state(system, seed)
+    names = [name for group in GROUPS.values() for name in group]
+    found = {scheme: {name: differences_of(system, name, scheme, state) for name in names} for scheme in SCHEMES}
+    times = {name: times_of(system, name, state) for name in GROUPS}
+    return Experiment(system.name, system.counts(), found, times)
+
+
+def consistent_state(system: System, seed: int) -> dict[str, Any]:
+    """Assembled coordinates, a random velocity that satisfies the constraints, random multipliers and accelerations."""
+    random = np.random.default_rng(seed)
+    q = assemble(system).q
+    v = project_velocity(system, Saddle(system, "I"), q, random.normal(size=system.nq))
+    lam, a = random.normal(size=system.m), random.normal(size=system.nq)
+    return {"q": q, "v": v, "xi": v, "lam": lam, "a": a, "t": 0.0}
+
+
+def function_of(name: str) -> tuple[str, str]:
+    """The vector function whose derivative an operator is, and what it is differentiated by."""
+    return FUNCTIONS.get(name, DERIVATIVES[name].of), DERIVATIVES[name].by
+
+
+def differences_of(system: System, name: str, scheme: str, state: dict[str, Any]) -> list[float]:
+    """Relative differences of one operator for all steps."""
+    function, vary = function_of(name)
+    group, (exact,) = _exact(system, (name,), state)
+    pattern = group.patterns[0]
+    matrix = system.matrix(name, exact).toarray()
+    difference = Difference(system, (function,), vary, scheme, state)
+    scale = abs(exact).max(initial=0.0) if pattern.size else 1.0
+    return [float(abs(difference(h)[0].T - matrix).max() / scale) for h in STEPS]
+
+
+def _exact(system: System, names: tuple[str, ...], state: dict[str, Any]) -> tuple[Any, list[Array]]:
+    group = system.group(*names)
+    outputs = group.allocate()
+    group.run(system.b, *(state[key] for key in group.operands), *outputs)
+    return group, outputs
+
+
+class Difference:
+    """Finite differences of a group of functions by one operand, compiled."""
+
+    def __init__(
+        self, system: System, functions: tuple[str, ...], vary: str, scheme: str, state: dict[str, Any]
+    ) -> None:
+        group = system.group(*functions)
+        self.run = differences(signature(group.names), group.compiled, vary, scheme)
+        operands = [np.copy(state[key]) if key == vary else state[key] for key in group.operands]
+        self.columns = [np.zeros((len(state[vary]), pattern.size)) for pattern in group.patterns]
+        self.arguments = [group.index, system.b, *operands, *group.allocate(), *group.allocate(), *self.columns]
+
+    def __call__(self, h: float) -> list[Array]:
+        self.run(h, *self.arguments)
+        return self.columns
+
+
+def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
+    """Median seconds of one group, exact and differenced, measured in turns."""
+    group, outputs = _exact(system, GROUPS[name], state)
+    arguments = [group.index, system.b, *(state[key] for key in group.operands), *outputs]
+    ways = [[_Timed(repeated(group.compiled, f"exact_{name}", len(arguments)), arguments)]]
+    separate = [((function,), vary) for function, vary in map(function_of, GROUPS[name])]
+    shared = _shared(separate)
+    for plan, scheme in ((shared, "central"), (separate, "central"), (shared, "forward")):
+        ways.append([_timed_difference(system, *part, scheme, state) for part in plan])
+    samples = np.array([[sum(timed.seconds() for timed in way) for way in ways] for _ in range(ROUNDS)])
+    return Times(*(float(median) for median in np.median(samples, axis=0)))
+
+
+def _shared(plan: list[tuple[tuple[str, ...], str]]) -> list[tuple[tuple[str, ...], str]]:
+    """The same differences with one sweep for each operand that is varied."""
+    by_operand: dict[str, list[str]] = {}
+    for functions, vary in plan:
+        by_operand.setdefault(vary, []).extend(functions)
+    return [(tuple(functions), vary) for vary, functions in by_operand.items()]
+
+
+def _timed_difference(
+    system: System, functions: tuple[str, ...], vary: str, scheme: str, state: dict[str, Any]
+) -> _Timed:
+    difference = Difference(system, functions, vary, scheme, state)
+    arguments = [1e-6, *difference.arguments]
+    return _Timed(repeated(difference.run, f"{scheme}_{vary}_{'__'.join(functions)}", len(arguments)), arguments)
+
+
+class _Timed:
+    """A compiled loop around one call, with a batch long enough to be timed."""
+
+    def __init__(self, loop: Any, arguments: list[Any]) -> None:
+        self.loop, self.arguments, self.batch = loop, arguments, 1
+        loop(1, *arguments)
+        while (taken := self._once()) < BATCH_SECONDS:
+            self.batch = max(2 * self.batch, int(self.batch * BATCH_SECONDS / max(taken, 1e-7)))
+
+    def _once(self) -> float:
+        start = time.perf_counter()
+        self.loop(self.batch, *self.arguments)
+        return time.perf_counter() - start
+
+    def seconds(self) -> float:
+        """Seconds of one call."""
+        return self._once() / self.batch

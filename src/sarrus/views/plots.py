@@ -1,0 +1,107 @@
+"""Figures of trajectories and of the derivative check."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..results import Trajectory
+
+BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
+MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
+FLOOR = 1e-17  # shown in place of an error of exactly zero
+
+
+def _pyplot() -> Any:
+    try:
+        import matplotlib
+    except ImportError:
+        raise ImportError(MISSING) from None
+    if matplotlib.get_backend().lower() not in matplotlib.rcsetup.interactive_bk:
+        matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    return plt
+
+
+def _tidy(ax: Any) -> Any:
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.grid(alpha=0.25, linewidth=0.6)
+    return ax
+
+
+def unit_of(name: str) -> str:
+    """Axis label of a coordinate: its name and unit."""
+    return f"{name} [m]" if name.rsplit(".", 1)[-1] in ("x", "y", "z") else name
+
+
+def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
+    """Draw coordinates over time.
+
+    Parameters
+    ----------
+    run : Trajectory
+    names : coordinates, e.g. ``"slider.x"``; by default the x of the last body
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    KeyError
+        For an unknown coordinate.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    names = names or (f"{run.bodies[-1]}.x",)
+    curves = [(name, run.coordinate(name)) for name in names]
+    ax = _pyplot().subplots(figsize=(7, 3.2), layout="constrained")[1] if ax is None else ax
+    for name, curve in curves:
+        ax.plot(run.t, curve, linewidth=1.4, label=name)
+    ax.set_xlabel("t [s]")
+    if len(names) == 1:
+        ax.set_ylabel(unit_of(names[0]))
+    else:
+        ax.legend(frameon=False)
+    return _tidy(ax)
+
+
+def motion_figure(run: Trajectory, body: str) -> Any:
+    """A body's path, speed, spin and the constraint violation over time, as one figure."""
+    motion, plt = run[body], _pyplot()
+    figure, axes = plt.subplots(2, 2, figsize=(9.5, 5.6), layout="constrained", sharex=True)
+    for k, axis in enumerate("xyz"):
+        axes[0, 0].plot(run.t, motion.position[:, k], linewidth=1.4, label=axis)
+        axes[0, 1].plot(run.t, motion.velocity[:, k], linewidth=1.4, label=axis)
+        axes[1, 0].plot(run.t, motion.angular_velocity[:, k], linewidth=1.4, label=axis)
+    axes[1, 1].semilogy(run.t, np.maximum(run.violation, FLOOR), color=GREY, linewidth=1.0)
+    labels = ("position [m]", "velocity [m/s]", "angular velocity, body axes [rad/s]", "constraint violation |Φ|")
+    for ax, label in zip(axes.flat, labels, strict=True):
+        _tidy(ax).set_ylabel(label)
+    for ax in axes.flat[:3]:
+        ax.legend(frameon=False, ncols=3, loc="upper right")
+    for ax in axes[1]:
+        ax.set_xlabel("t [s]")
+    figure.suptitle(f"{run.name}: {body}")
+    return figure
+
+
+def check_figure(report: Any, tolerance: float) -> Any:
+    """How far every operator is from its independent value, as one figure."""
+    findings, plt = list(report.findings)[::-1], _pyplot()
+    figure, ax = plt.subplots(figsize=(7.5, 0.24 * len(findings) + 1.2), layout="constrained")
+    errors = [max(f.error, FLOOR) for f in findings]
+    colours = [BLUE if f.ok else ORANGE for f in findings]
+    ax.hlines(range(len(findings)), FLOOR, errors, color=colours, linewidth=1.2)
+    ax.scatter(errors, range(len(findings)), color=colours, s=18, zorder=3)
+    ax.axvline(tolerance, color=ORANGE, linestyle="--", linewidth=1.0)
+    ax.text(tolerance * 0.7, len(findings) - 0.4, "tolerance", color=ORANGE, ha="right", va="bottom", fontsize=8)
+    ax.set_xscale("log")
+    ax.set_xlim(FLOOR / 2, max(10 * tolerance, *errors))
+    ax.set_yticks(range(len(findings)), [f.operator.name for f in findings], fontsize=8, family="monospace")
+    ax.set_xlabel("largest relative difference from the independent value")
+    ax.set_title(f"{report.system}: every operator, checked", loc="left", fontsize=10)
+    return _tidy(ax).figure

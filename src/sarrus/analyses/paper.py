@@ -134,11 +134,21 @@ class Difference:
         return self.columns
 
 
-def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
-    """Median seconds of one group, exact and differenced, measured in turns."""
+def exact_seconds(system: System, name: str, state: dict[str, Any]) -> float:
+    """Median seconds of one exact group."""
+    timed = _timed_group(system, name, state)
+    return float(np.median([timed.seconds() for _ in range(ROUNDS)]))
+
+
+def _timed_group(system: System, name: str, state: dict[str, Any]) -> _Timed:
     group, outputs = _exact(system, GROUPS[name], state)
     arguments = [group.index, system.b, *(state[key] for key in group.operands), *outputs]
-    ways = [[_Timed(repeated(group.compiled, f"exact_{name}", len(arguments)), arguments)]]
+    return _Timed(repeated(group.compiled, f"exact_{name}", len(arguments)), arguments)
+
+
+def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
+    """Median seconds of one group, exact and differenced, measured in turns."""
+    ways = [[_timed_group(system, name, state)]]
     separate = [((function,), vary) for function, vary in map(function_of, GROUPS[name])]
     shared = _shared(separate)
     for plan, scheme in ((shared, "central"), (separate, "central"), (shared, "forward")):

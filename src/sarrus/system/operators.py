@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,24 @@ class Operators:
         if chosen not in self._groups:
             self._groups[chosen] = Group(chosen, self.populations, [self.pattern(name) for name in chosen])
         return self._groups[chosen]
+
+    def compilable(self) -> list[tuple[str, ...]]:
+        """Every operator alone, and the groups."""
+        return [*((name,) for name in OPERATORS), *(names for names in GROUPS.values() if len(names) > 1)]
+
+    def compile(self, progress: Callable[[str], None] | None = None) -> None:
+        """Compile all kernels now (or find them in the cache) rather than at their first use.
+
+        Parameters
+        ----------
+        progress : called with a name before each
+        """
+        for names in self.compilable():
+            if progress:
+                progress(" ".join(names))
+            group = self.group(*names)
+            operands = {"t": 0.0, "lam": np.zeros(self.m)}
+            group.run(self.b, *(operands.get(key, np.ones(self.nq)) for key in group.operands), *group.allocate())
 
     def matrix(self, name: str, data: Array) -> csr_array:
         """The numbers of an operator as a sparse matrix that shares their memory."""

@@ -13,16 +13,22 @@ MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
 FLOOR = 1e-17  # shown in place of an error of exactly zero
 
 
-def _pyplot() -> Any:
+def _figure(width: float, height: float) -> Any:
+    """A figure that belongs to no window: it is returned, shown by notebooks, and saved."""
     try:
-        import matplotlib
+        from matplotlib.figure import Figure
     except ImportError:
         raise ImportError(MISSING) from None
-    if matplotlib.get_backend().lower() not in matplotlib.rcsetup.interactive_bk:
-        matplotlib.use("agg")
-    import matplotlib.pyplot as plt
+    return Figure(figsize=(width, height), layout="constrained")
 
-    return plt
+
+def _window_axes() -> Any:
+    """Axes of a new figure of pyplot, so that ``plt.show()`` shows it."""
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise ImportError(MISSING) from None
+    return plt.subplots(figsize=(7, 3.2), layout="constrained")[1]
 
 
 def _tidy(ax: Any) -> Any:
@@ -58,7 +64,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
     """
     names = names or (f"{run.bodies[-1]}.x",)
     curves = [(name, run.coordinate(name)) for name in names]
-    ax = _pyplot().subplots(figsize=(7, 3.2), layout="constrained")[1] if ax is None else ax
+    ax = _window_axes() if ax is None else ax
     for name, curve in curves:
         ax.plot(run.t, curve, linewidth=1.4, label=name)
     ax.set_xlabel("t [s]")
@@ -71,8 +77,8 @@ def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
 
 def motion_figure(run: Trajectory, body: str) -> Any:
     """A body's path, speed, spin and the constraint violation over time, as one figure."""
-    motion, plt = run[body], _pyplot()
-    figure, axes = plt.subplots(2, 2, figsize=(9.5, 5.6), layout="constrained", sharex=True)
+    motion, figure = run[body], _figure(9.5, 5.6)
+    axes = figure.subplots(2, 2, sharex=True)
     for k, axis in enumerate("xyz"):
         axes[0, 0].plot(run.t, motion.position[:, k], linewidth=1.4, label=axis)
         axes[0, 1].plot(run.t, motion.velocity[:, k], linewidth=1.4, label=axis)
@@ -91,8 +97,9 @@ def motion_figure(run: Trajectory, body: str) -> Any:
 
 def check_figure(report: Any, tolerance: float) -> Any:
     """How far every operator is from its independent value, as one figure."""
-    findings, plt = list(report.findings)[::-1], _pyplot()
-    figure, ax = plt.subplots(figsize=(7.5, 0.24 * len(findings) + 1.2), layout="constrained")
+    findings = list(report.findings)[::-1]
+    figure = _figure(7.5, 0.24 * len(findings) + 1.2)
+    ax = figure.subplots()
     errors = [max(f.error, FLOOR) for f in findings]
     colours = [BLUE if f.ok else ORANGE for f in findings]
     ax.hlines(range(len(findings)), FLOOR, errors, color=colours, linewidth=1.2)
@@ -104,4 +111,5 @@ def check_figure(report: Any, tolerance: float) -> Any:
     ax.set_yticks(range(len(findings)), [f.operator.name for f in findings], fontsize=8, family="monospace")
     ax.set_xlabel("largest relative difference from the independent value")
     ax.set_title(f"{report.system}: every operator, checked", loc="left", fontsize=10)
-    return _tidy(ax).figure
+    _tidy(ax)
+    return figure

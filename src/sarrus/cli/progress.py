@@ -1,0 +1,46 @@
+"""A progress bar on the terminal; in a file or pipe, nothing until it is done."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+
+WIDTH = 28
+
+
+class Bar:
+    """``with Bar("compiling kernels", 30) as bar: bar.step("Phi_q")``."""
+
+    def __init__(self, title: str, total: float) -> None:
+        self.title, self.total = title, total
+        self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
+        self._live = sys.stderr.isatty()
+
+    def __enter__(self) -> Bar:
+        self._show("")
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
+        if self._live:
+            print("\r\033[K", end="", file=sys.stderr)
+        taken = time.perf_counter() - self._start
+        print(f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s", file=sys.stderr, flush=True)
+
+    def step(self, what: str = "") -> None:
+        """One more of `total` is about to be done."""
+        self._show(what)
+        self._done += 1
+
+    def reach(self, value: float) -> None:
+        """So much of `total` is done."""
+        self._done = value
+        if time.perf_counter() - self._shown > 0.1:
+            self._show("")
+
+    def _show(self, what: str) -> None:
+        if self._live:
+            full = min(int(WIDTH * self._done / self.total), WIDTH)
+            bar = "█" * full + "·" * (WIDTH - full)
+            print(f"\r\033[K  {self.title} {bar} {what}", end="", file=sys.stderr, flush=True)
+            self._shown = time.perf_counter()

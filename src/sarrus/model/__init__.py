@@ -1,0 +1,30 @@
+"""What a person says: bodies, points, frames, joints, forces, and the model file."""
+
+from .blueprint import Blueprint as Blueprint
+from .blueprint import Placed as Placed
+from .blueprint import blueprint as blueprint
+from .body import Body as Body
+from .curve import Curve as Curve
+from .errors import ModelError as ModelError
+from .errors import SarrusError as SarrusError
+from .file import load as load
+from .forces import RSDA as RSDA
+from .forces import TSDA as TSDA
+from .forces import Force as Force
+from .forces import PointForce as PointForce
+from .forces import Torque as Torque
+from .forces import Tyre as Tyre
+from .frame import Frame as Frame
+from .joints import Cylindrical as Cylindrical
+from .joints import Distance as Distance
+from .joints import Fixed as Fixed
+from .joints import Joint as Joint
+from .joints import Revolute as Revolute
+from .joints import Spherical as Spherical
+from .joints import Translational as Translational
+from .joints import Universal as Universal
+from .model import Model as Model
+from .orientation import AxisAngle as AxisAngle
+from .orientation import EulerAngles as EulerAngles
+from .point import Point as Point
+from .solid import ground as ground

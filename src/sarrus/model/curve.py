@@ -1,0 +1,112 @@
+"""A curve through a table of points: the nonlinear law of a spring, a damper or an actuator."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from .errors import ModelError
+from .quantity import numbers
+from .show import show
+
+Cubic: TypeAlias = tuple[float, float, float, float]
+NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
+_PAIRS = "give a table of at least two pairs [x, y] with rising x"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A piecewise cubic y(x), twice continuously differentiable inside its table.
+
+    Parameters
+    ----------
+    knots
+        x_0 < … < x_n.
+    cubics
+        For each segment k the four coefficients (c3, c2, c1, c0) of
+        y = c3 u³ + c2 u² + c1 u + c0 with u = x − x_k.
+
+    Notes
+    -----
+    The first and the last cubic also hold before x_0 and after x_n. `Curve.table` makes them
+    straight, so that a table is continued by its end tangents.
+    """
+
+    knots: tuple[float, ...]
+    cubics: tuple[Cubic, ...]
+
+    @classmethod
+    def constant(cls, value: float) -> Curve:
+        """Return the curve y(x) = ``value``: one segment."""
+        return cls((0.0, 1.0), ((0.0, 0.0, 0.0, float(value)),))
+
+    @classmethod
+    def table(cls, pairs: Iterable[Sequence[float]], field: str = "table") -> Curve:
+        """Return the cubic spline through (x, y) pairs, continued by straight lines at both ends.
+
+        Not-a-knot, or natural with fewer than four pairs. The straight ends are segments of their
+        own, as wide as their neighbours.
+
+        Raises
+        ------
+        ModelError
+            If there are fewer than two pairs, x does not rise, or a number is not finite.
+        """
+        return _continued(*_spline(*_columns(pairs, field), field))
+
+    def numbers(self) -> tuple[float, ...]:
+        """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment)."""
+        return (float(len(self.cubics)), *self.knots, *(c for cubic in self.cubics for c in cubic))
+
+    def __call__(self, x: float) -> float:
+        """Return y(x)."""
+        k = min(max(bisect_right(self.knots, x) - 1, 0), len(self.cubics) - 1)
+        c3, c2, c1, c0 = self.cubics[k]
+        u = x - self.knots[k]
+        return ((c3 * u + c2) * u + c1) * u + c0
+
+
+def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
+    if isinstance(pairs, (str, Mapping)) or not isinstance(pairs, Iterable):
+        raise ModelError(f"{field} must be a list of pairs, but is {show(pairs)}; {_PAIRS}", field=field)
+    rows = [numbers(pair, 2, field, _PAIRS) for pair in pairs]
+    xs, ys = [row[0] for row in rows], [row[1] for row in rows]
+    if len(rows) < 2:
+        raise ModelError(f"{field} must have at least two points, but has {len(rows)}; {_PAIRS}", field=field)
+    for before, after in pairwise(xs):
+        if after <= before:
+            told = f"{field} must have rising x, but {show(after)} follows {show(before)}"
+            raise ModelError(f"{told}; sort the pairs and remove repeated x", field=field)
+    return xs, ys
+
+
+def _spline(xs: list[float], ys: list[float], field: str) -> tuple[tuple[float, ...], tuple[Cubic, ...]]:
+    from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
+
+    ends = "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
+    try:
+        with np.errstate(over="raise"):
+            columns = np.asarray(CubicSpline(xs, ys, bc_type=ends).c).T
+    except (FloatingPointError, ValueError):
+        raise ModelError(f"{field} has values of x too near to each other; {_PAIRS}", field=field) from None
+    return tuple(xs), tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in columns)
+
+
+def _continued(knots: tuple[float, ...], cubics: tuple[Cubic, ...]) -> Curve:
+    first, last = knots[1] - knots[0], knots[-1] - knots[-2]
+    before = _straight(cubics[0], 0.0, -first)
+    after = _straight(cubics[-1], last, 0.0)
+    return Curve((knots[0] - first, *knots, knots[-1] + last), (before, *cubics, after))
+
+
+def _straight(cubic: Cubic, at: float, shift: float) -> Cubic:
+    """Return the tangent of a cubic at u = ``at``, as a function of u − ``at`` − ``shift``."""
+    c3, c2, c1, c0 = cubic
+    slope = (3 * c3 * at + 2 * c2) * at + c1
+    value = ((c3 * at + c2) * at + c1) * at + c0
+    return (0.0, 0.0, slope, value + slope * shift)

@@ -1,0 +1,154 @@
+"""A model taken apart into primitives. Every check of a model happens on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from .. import elements
+from .body import Body, MassProperties
+from .errors import ModelError
+from .findings import Findings
+from .forces import Force
+from .joints import Joint
+from .model import Model
+from .names import check_name
+from .pose import GROUND_POSE, Pose
+from .primitive import Primitive
+from .quantity import Array, Vec3, vector
+from .show import quote, show
+from .solid import GROUND
+
+ORIGIN: Vec3 = (0.0, 0.0, 0.0)
+KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "forces": Force}
+
+
+class BodyState(NamedTuple):
+    """A body with its checked numbers."""
+
+    name: str
+    pose: Pose
+    rates: Array
+    mass: MassProperties
+
+
+class Piece(NamedTuple):
+    """A primitive and the name of the part it belongs to."""
+
+    owner: str
+    primitive: Primitive
+
+
+class Expanded(NamedTuple):
+    """The checked model: bodies in order, and pieces in the order joints, inertia, gravity, forces."""
+
+    bodies: tuple[BodyState, ...]
+    pieces: tuple[Piece, ...]
+
+
+def expand(model: Model) -> Expanded:
+    """Return the checked bodies and primitives of a model.
+
+    Raises
+    ------
+    ModelError
+        For the first thing that is wrong, in the order names, bodies, joints, gravity, forces.
+    """
+    _check_names(model)
+    gravity = _gravity(model)
+    bodies = _bodies(model)
+    return Expanded(bodies, tuple(_pieces(model, bodies, gravity)))
+
+
+def _check_names(model: Model) -> None:
+    findings = Findings(model.origin)
+    with findings.about():
+        _check_title(model)
+    seen: dict[str, str] = {GROUND: "the ground"}
+    for section, parts in model.sections().items():
+        for part in parts:
+            with findings.about(section, str(getattr(part, "name", ""))):
+                _check_kind(part, section)
+                check_name(part.name)
+                _check_new(part.name, seen, section)
+    findings.raise_first()
+
+
+def _check_title(model: Model) -> None:
+    title: Any = model.name
+    if not (isinstance(title, str) and title.strip() and title.isprintable()):
+        raise ModelError(f"name must be a text on one line, but is {show(title)}; name it", field="name")
+    if not model.bodies:
+        raise ModelError("has no bodies; give at least one", field="bodies")
+
+
+def _check_kind(part: Any, section: str) -> None:
+    kind = KINDS[section]
+    if not isinstance(part, kind):
+        told = f"is a {type(part).__name__} among the {section}; list only {kind.__name__} objects there"
+        raise ModelError(told)
+
+
+def _check_new(name: str, seen: dict[str, str], section: str) -> None:
+    if name in seen:
+        raise ModelError(f"the name {quote(name)} is taken by {seen[name]}; rename one of them")
+    seen[name] = f"another of the {section}"
+
+
+def _gravity(model: Model) -> Vec3:
+    findings = Findings(model.origin)
+    gravity = ORIGIN
+    with findings.about():
+        gravity = vector(model.gravity, "gravity", "give three numbers in m/s²")
+    findings.raise_first()
+    return gravity
+
+
+def _bodies(model: Model) -> tuple[BodyState, ...]:
+    findings = Findings(model.origin)
+    states = []
+    for body in model.bodies:
+        with findings.about("bodies", body.name):
+            states.append(BodyState(body.name, body.pose(), body.rates(), body.mass_properties()))
+    findings.raise_first()
+    return tuple(states)
+
+
+def _pieces(model: Model, bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:
+    findings = Findings(model.origin)
+    poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
+    joints = _expanded("joints", model.joints, poses, findings)
+    forces = _expanded("forces", model.forces, poses, findings)
+    findings.raise_first()
+    yield from joints
+    yield from (_inertia(body) for body in bodies)
+    if any(gravity):
+        yield from (_weight(body, gravity) for body in bodies)
+    yield from forces
+
+
+def _expanded(
+    section: str, parts: Sequence[Joint | Force], poses: dict[str, Pose], findings: Findings
+) -> list[Piece]:
+    pieces: list[Piece] = []
+    for part in parts:
+        with findings.about(section, part.name):
+            pieces += [Piece(part.name, primitive) for primitive in part.primitives(poses)]
+    return pieces
+
+
+def _inertia(body: BodyState) -> Piece:
+    mass, inertia, center = body.mass
+    if any(center):
+        return Piece(
+            body.name, Primitive(elements.EccentricInertia, (body.name,), (mass, inertia, center), "inertia")
+        )
+    return Piece(body.name, Primitive(elements.RigidInertia, (body.name,), (mass, inertia), "inertia"))
+
+
+def _weight(body: BodyState, gravity: Vec3) -> Piece:
+    mass, _, center = body.mass
+    if any(center):
+        values = (mass, center, gravity)
+        return Piece(body.name, Primitive(elements.EccentricGravity, (body.name,), values, "gravity"))
+    return Piece(body.name, Primitive(elements.Gravity, (body.name,), (mass, gravity), "gravity"))

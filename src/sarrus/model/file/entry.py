@@ -1,0 +1,31 @@
+"""The base of every mapping in a model file: no key but the declared ones, misspelt ones named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic_core import PydanticCustomError
+
+from ..show import quote, suggest
+
+
+class Entry(BaseModel):
+    """A mapping with fixed keys."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_unknown(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            known = [field.alias or name for name, field in cls.model_fields.items()]
+            for key in data:
+                if key not in known:
+                    raise said(f"has no key {quote(key)}; {suggest(key, known)}", key)
+        return data
+
+
+def said(sentence: str, key: str = "") -> PydanticCustomError:
+    """Return an error that pydantic collects, with its sentence and the key it is about."""
+    return PydanticCustomError("said", "{sentence}", {"sentence": sentence, "key": key})

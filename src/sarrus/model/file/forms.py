@@ -1,0 +1,91 @@
+"""The mapping that describes one body, joint or force, derived from its dataclass.
+
+``body_i, body_j`` become ``bodies: [i, j]``, likewise points and frames; every other field keeps its
+name. So a new joint or force needs no line here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, Field, fields
+from functools import cache
+from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
+
+import pydantic
+from pydantic import create_model
+
+from ..errors import ModelError
+from ..registry import kind_name
+from .entry import Entry
+from .fields import Solids, form_of
+
+PLURAL = {"body": "bodies", "point": "points", "frame": "frames"}
+
+
+class Slot(NamedTuple):
+    """One key of the mapping, the dataclass fields that it fills, and their default."""
+
+    key: str
+    fields: tuple[str, ...]
+    form: Any
+    default: Any
+
+    def definition(self) -> tuple[Any, Any]:
+        """Return type and default as pydantic takes them; a key that is left out may not be empty."""
+        if self.default is MISSING:
+            return self.form, ...
+        if self.default is None:
+            return self.form, pydantic.Field(default_factory=lambda: None)
+        return self.form, self.default
+
+
+@cache
+def slots(kind: type) -> list[Slot]:
+    """Return the keys that describe an object of ``kind``, without its name."""
+    hints = get_type_hints(kind)
+    collected: dict[str, Slot] = {}
+    for field in fields(kind):
+        if field.name != "name":
+            slot = _slot(field, hints[field.name])
+            before = collected.get(slot.key)
+            collected[slot.key] = _paired(before, slot) if before else slot
+    return list(collected.values())
+
+
+def entry_model(kind: type, *, tagged: bool) -> type[Entry]:
+    """Return the pydantic model of the mapping, with the key ``type`` if it is ``tagged``."""
+    definitions: dict[str, Any] = {"type": (Literal[kind_name(kind)], ...)} if tagged else {}
+    definitions |= {slot.key: slot.definition() for slot in slots(kind)}
+    doc = (kind.__doc__ or "").strip().splitlines()[0]
+    model: type[Entry] = create_model(kind.__name__, __base__=Entry, __doc__=doc, **definitions)
+    return model
+
+
+def build(kind: type, name: str, entry: Entry, solids: Solids) -> Any:
+    """Return the object of ``kind`` that a mapping describes."""
+    arguments: dict[str, Any] = {"name": name}
+    for slot in slots(kind):
+        value = getattr(entry, slot.key)
+        if value is not None:
+            values = value if len(slot.fields) == 2 else [value]
+            arguments |= {f: _built(v, f, solids) for f, v in zip(slot.fields, values, strict=True)}
+    return kind(**arguments)
+
+
+def _slot(field: Field[Any], hint: Any) -> Slot:
+    stem, _, side = field.name.rpartition("_")
+    key = PLURAL[stem] if side in ("i", "j") and stem in PLURAL else field.name
+    return Slot(key, (field.name,), form_of(hint), field.default)
+
+
+def _paired(i: Slot, j: Slot) -> Slot:
+    pair = Annotated[list[j.form], pydantic.Field(min_length=2, max_length=2)]  # type: ignore[name-defined]
+    return Slot(j.key, i.fields + j.fields, pair, j.default)
+
+
+def _built(value: Any, field: str, solids: Solids) -> Any:
+    if not hasattr(value, "build"):
+        return value
+    try:
+        return value.build(solids)
+    except ModelError as error:
+        raise ModelError(error.sentence, field=field) from None

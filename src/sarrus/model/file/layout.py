@@ -1,0 +1,43 @@
+"""The whole model file as a pydantic model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache, reduce
+from operator import or_
+from typing import Annotated, Any
+
+from pydantic import Field, StrictStr, create_model
+
+from ..body import Body
+from ..forces import Force
+from ..joints import Joint
+from .entry import Entry
+from .fields import Three
+from .forms import entry_model
+
+
+def layout() -> type[Entry]:
+    """Return the model of a file with all kinds of joints and forces that are registered now."""
+    return _layout(tuple(Joint.kinds.values()), tuple(Force.kinds.values()))
+
+
+@cache
+def _layout(joints: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
+    definitions: dict[str, Any] = {
+        "schema_": (StrictStr, Field(default="", alias="$schema", description="For editors.")),
+        "name": (StrictStr, Field(description="Any text on one line.")),
+        "description": (StrictStr, Field(default="", description="For people.")),
+        "gravity": (Three, Field(default=[0.0, 0.0, 0.0], description="In global axes [m/s²].")),
+        "bodies": (Mapping[str, entry_model(Body, tagged=False)], Field(description="By name.")),  # type: ignore[misc]
+        "joints": (Mapping[str, _any_of(joints)], Field(default={}, description="By name.")),  # type: ignore[misc]
+        "forces": (Mapping[str, _any_of(forces)], Field(default={}, description="By name.")),  # type: ignore[misc]
+    }
+    doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
+    model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)
+    return model
+
+
+def _any_of(kinds: tuple[type, ...]) -> Any:
+    models: list[Any] = [entry_model(kind, tagged=True) for kind in kinds]
+    return Annotated[reduce(or_, models), Field(discriminator="type")]

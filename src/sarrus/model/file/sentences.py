@@ -1,0 +1,93 @@
+"""Pydantic's findings, each said as one sentence about a part of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..errors import ModelError
+from ..findings import KINDS, part_name
+from ..origin import Path, path_text
+from ..show import quote, show, suggest
+from .document import Document
+
+
+def first_error(error: ValidationError, document: Document) -> ModelError:
+    """Return the ModelError for the first finding, with the number of the others."""
+    findings = error.errors(include_url=False)
+    finding: dict[str, Any] = dict(findings[0])
+    path = _path(finding, document.data)
+    subject = path_text(path[2:] if path and path[0] in KINDS and len(path) > 1 else path)
+    told = _sentence(finding)
+    return ModelError(
+        f"{subject} {told}" if subject else told,
+        part=part_name(path),
+        where=document.origin.where((*path, _key(finding))),
+        more=len(findings) - 1,
+    )
+
+
+def _path(finding: dict[str, Any], data: Any) -> Path:
+    """Return the place in the file, without the tags that pydantic adds for unions."""
+    steps = list(finding["loc"])
+    if len(steps) > 2 and steps[0] in ("joints", "forces"):
+        del steps[2]
+    return tuple(step for step in steps if not (isinstance(step, str) and step.startswith("(")))
+
+
+def _key(finding: dict[str, Any]) -> str:
+    """Return the key of the place that a finding is about, if it is one."""
+    return "type" if finding["type"] == "union_tag_invalid" else str(finding.get("ctx", {}).get("key", ""))
+
+
+def _sentence(finding: dict[str, Any]) -> str:
+    kind, ctx, value = finding["type"], finding.get("ctx", {}), finding["input"]
+    say = SENTENCES.get(kind)
+    return say(ctx, value) if say else f"{finding['msg'].lower()}, but is {show(value)}; correct it"
+
+
+def _wrong(expected: str, remedy: str) -> Callable[[dict[str, Any], Any], str]:
+    return lambda ctx, value: f"must be {expected}, but is {show(value)}; {remedy}"
+
+
+def _length(ctx: dict[str, Any], value: Any) -> str:
+    wanted = ctx.get("min_length", ctx.get("max_length"))
+    least = "at least " if "min_length" in ctx and wanted == 2 and not _fixed(value) else ""
+    return f"must have {least}{wanted} entries, but has {len(value)}; give {least}{wanted}"
+
+
+def _fixed(value: Any) -> bool:
+    return not any(isinstance(entry, list) for entry in value)
+
+
+def _literal(ctx: dict[str, Any], value: Any) -> str:
+    right = [word.strip(" '") for word in str(ctx["expected"]).replace(" or ", ", ").split(",")]
+    return f"must be one of {', '.join(right)}, but is {show(value)}; {suggest(str(value), right)}"
+
+
+def _tag(ctx: dict[str, Any], value: Any) -> str:
+    right = [word.strip(" '") for word in str(ctx["expected_tags"]).split(",")]
+    return f"has the unknown type {quote(str(ctx['tag']))}; {suggest(str(ctx['tag']), right)}"
+
+
+_mapping = _wrong("a mapping", "give keys and values, as in key: value")
+
+SENTENCES: dict[str, Callable[[dict[str, Any], Any], str]] = {
+    "said": lambda ctx, value: str(ctx["sentence"]),
+    "missing": lambda ctx, value: "is missing; add it",
+    "float_type": _wrong("a number", "write it without quotes or units, as in 1.5e-3"),
+    "finite_number": _wrong("a finite number", "check its size and unit"),
+    "string_type": _wrong("a text", "put it in quotes if it looks like a number"),
+    "list_type": _wrong("a list", "write it in brackets, as in [0, 0, 1]"),
+    "mapping_type": _mapping,
+    "dict_type": _mapping,
+    "model_type": _mapping,
+    "model_attributes_type": _mapping,
+    "too_short": _length,
+    "too_long": _length,
+    "literal_error": _literal,
+    "union_tag_invalid": _tag,
+    "union_tag_not_found": lambda ctx, value: "type is missing; add it, as in type: revolute",
+}

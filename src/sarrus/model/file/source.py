@@ -1,0 +1,61 @@
+"""The text of a model file, or one sentence why there is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import ModelError
+
+LARGEST = 16 * 1024 * 1024  # bytes
+SUFFIXES = (".yaml", ".yml", ".json")
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a model file.
+
+    Raises
+    ------
+    ModelError
+        If it is no file, too large, or not UTF-8 text.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise _refusal(path, f"must end in {', '.join(SUFFIXES)}; rename it")
+    text = _decoded(path, _bytes(path))
+    if not text.strip():
+        raise _refusal(path, "is empty; give at least a name and bodies")
+    return text
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise _refusal(path, "is a directory; give the path of a file in it")
+        if path.exists() and not path.is_file():
+            raise _refusal(path, "is not a regular file; copy it to one")
+        with path.open("rb") as stream:
+            content = stream.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise _refusal(path, "does not exist; check the path") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _refusal(
+            path, f"cannot be read, {reason.lower()}; check the path and its permissions"
+        ) from None
+    if len(content) > LARGEST:
+        raise _refusal(path, f"is larger than {LARGEST // 2**20} MB; build such a model in Python")
+    return content
+
+
+def _decoded(path: Path, content: bytes) -> str:
+    if b"\0" in content:
+        raise _refusal(path, "is binary, not text; give a YAML or JSON file in UTF-8")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        told = "is not UTF-8 text; save it as UTF-8"
+        raise ModelError(told, part="file", where=f"{path}:{line}") from None
+
+
+def _refusal(path: Path, sentence: str) -> ModelError:
+    return ModelError(sentence, part="file", where=str(path))

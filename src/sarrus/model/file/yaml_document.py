@@ -1,0 +1,120 @@
+"""YAML text to a document, straight from the parser's events.
+
+The subset: one document of mappings, lists and scalars. Anchors, aliases and tags are refused, so no
+cycle, no growing file and no Python object can be written; nothing is composed before it is checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import yaml
+from yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    Event,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+
+from ..errors import ModelError
+from ..origin import Origin, Path
+from .document import Document, refusal, refuse_deep, refuse_repeated
+from .scalar import resolve
+
+
+def read_yaml(text: str, file: str) -> Document:
+    """Return the document of a YAML text.
+
+    Raises
+    ------
+    ModelError
+        If the text is not YAML, or not in the subset.
+    """
+    try:
+        return _Reader(text, file).document()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else 1
+        told = f"is not valid YAML, {error.problem or error.context}; check indentation, brackets and quotes"
+        raise refusal(told.replace("\n", " "), file, line) from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        told = "holds a control character that YAML does not allow; remove it"
+        raise refusal(told, file, line) from None
+
+
+class _Reader:
+    """Builds data from events and notes the line of each entry."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self.file = file
+        self.lines: dict[Path, int] = {}
+        self.events: Iterator[Event] = yaml.parse(text, Loader=yaml.SafeLoader)
+
+    def document(self) -> Document:
+        next(self.events)
+        if isinstance(next(self.events), StreamEndEvent):
+            raise ModelError("is empty; give at least a name and bodies", part="file", where=self.file)
+        data = self._value(next(self.events), ())
+        next(self.events)
+        self._refuse_second(next(self.events))
+        return Document(data, Origin(self.file, self.lines))
+
+    def _value(self, event: Event, path: Path) -> Any:
+        line = _line(event)
+        self.lines.setdefault(path, line)
+        refuse_deep(len(path), self.file, line, path)
+        self._refuse_marks(event, path)
+        if isinstance(event, MappingStartEvent):
+            return self._mapping(path)
+        if isinstance(event, SequenceStartEvent):
+            return self._sequence(path)
+        assert isinstance(event, ScalarEvent)
+        return resolve(event.value) if event.implicit[0] else event.value
+
+    def _sequence(self, path: Path) -> list[Any]:
+        values: list[Any] = []
+        while not isinstance(event := next(self.events), SequenceEndEvent):
+            values.append(self._value(event, (*path, len(values))))
+        return values
+
+    def _mapping(self, path: Path) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        while not isinstance(event := next(self.events), MappingEndEvent):
+            key = self._key(event, path)
+            refuse_repeated(key, self.lines.get((*path, key)), self.file, _line(event), path)
+            self.lines[(*path, key)] = _line(event)
+            values[key] = self._value(next(self.events), (*path, key))
+        return values
+
+    def _key(self, event: Event, path: Path) -> str:
+        self._refuse_marks(event, path)
+        if not isinstance(event, ScalarEvent):
+            told = "has a key that is a list or a mapping; use a plain word as key"
+            raise refusal(told, self.file, _line(event), path)
+        return str(event.value)
+
+    def _refuse_marks(self, event: Event, path: Path) -> None:
+        told = ""
+        if isinstance(event, AliasEvent) or getattr(event, "anchor", None):
+            told = "uses an anchor or alias (& or *), which a model file may not; write the value out"
+        elif getattr(event, "tag", None):
+            told = "uses a tag (!), which a model file may not; remove it"
+        if told:
+            raise refusal(told, self.file, _line(event), path)
+
+    def _refuse_second(self, event: Event) -> None:
+        if isinstance(event, DocumentStartEvent):
+            told = "a second document starts with ---; keep one model in a file"
+            raise refusal(told, self.file, _line(event))
+
+
+def _line(event: Event) -> int:
+    mark = event.start_mark
+    return mark.line + 1 if mark else 1

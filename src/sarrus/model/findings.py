@@ -1,0 +1,45 @@
+"""Errors of several parts, collected so that the first can say how many there are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from .errors import ModelError
+from .origin import Origin, Path
+from .show import quote
+
+KINDS = {"bodies": "body", "joints": "joint", "forces": "force"}
+
+
+def part_name(path: Path) -> str:
+    """Return ``body "rod"`` for the path (bodies, rod), and ``model`` for anything else."""
+    if len(path) >= 2 and path[0] in KINDS:
+        return f"{KINDS[str(path[0])]} {quote(str(path[1]))}"
+    return "model"
+
+
+class Findings:
+    """A list of model errors with the places they belong to."""
+
+    def __init__(self, origin: Origin | None) -> None:
+        self.origin = origin
+        self.errors: list[ModelError] = []
+
+    @contextmanager
+    def about(self, *path: str) -> Iterator[None]:
+        """Keep a ModelError that is raised inside, as one about the part at ``path``."""
+        try:
+            yield
+        except ModelError as error:
+            self.errors.append(self._placed(error, path))
+
+    def _placed(self, error: ModelError, path: Path) -> ModelError:
+        where = self.origin.of_field(path, error.field) if self.origin else ""
+        return ModelError(error.sentence, part=part_name(path), field=error.field, where=where)
+
+    def raise_first(self) -> None:
+        """Raise the first error that was kept, if any."""
+        if self.errors:
+            self.errors[0].more = len(self.errors) - 1
+            raise self.errors[0]

@@ -1,0 +1,47 @@
+"""What every force is: a name and its primitives. No formula of mechanics stands here."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ...elements import Element
+from ..errors import ModelError
+from ..pose import Poses
+from ..primitive import Primitive
+from ..registry import register
+from ..solid import GROUND
+
+
+@dataclass(frozen=True, eq=False)
+class Force(ABC):
+    """A force or torque; a subclass is a frozen dataclass in one file that yields its primitives."""
+
+    kinds: ClassVar[dict[str, type[Force]]] = {}
+
+    name: str
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        register(cls, Force.kinds)
+
+    @abstractmethod
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the primitives for the given initial poses."""
+
+
+def refuse_ground(body: str, field: str) -> None:
+    """Raise a ModelError if a load on one body is put on the ground."""
+    if body == GROUND:
+        raise ModelError("acts on the ground, which does not move; name a body of the model", field=field)
+
+
+def choose(axes: object, *, of_global: type[Element], of_body: type[Element]) -> type[Element]:
+    """Return the element for a load that is given in global or in body axes."""
+    if axes == "global":
+        return of_global
+    if axes == "body":
+        return of_body
+    raise ModelError(f'axes must be "global" or "body", but is {axes!r}; choose one of them', field="axes")

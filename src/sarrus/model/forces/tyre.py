@@ -1,0 +1,44 @@
+"""A tyre as a vertical spring and damper between a wheel centre and a flat road."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ... import elements
+from ..point import Point
+from ..pose import Poses
+from ..primitive import Primitive
+from ..quantity import number, positive
+from .force import Force, refuse_ground
+
+
+@dataclass(frozen=True, eq=False)
+class Tyre(Force):
+    """A vertical force k (radius − (z − road)) − c ż at ``point``, without lift-off.
+
+    Parameters
+    ----------
+    point
+        The wheel's centre; z is its global height [m].
+    k, c
+        Stiffness [N/m] and damping [N s/m].
+    radius
+        Of the unloaded wheel [m].
+    road
+        Height of the road [m].
+    """
+
+    point: Point
+    k: float
+    c: float
+    radius: float
+    road: float = 0.0
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the tyre."""
+        point = self.point.resolve(poses, "point")
+        refuse_ground(point.body, "point")
+        k, c, road = number(self.k, "k"), number(self.c, "c"), number(self.road, "road")
+        radius = positive(self.radius, "radius", "give the unloaded radius in m")
+        yield Primitive(elements.Tyre, (point.body,), (point.s, k, c, radius, road), "tyre")

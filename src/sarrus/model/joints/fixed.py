@@ -1,0 +1,33 @@
+"""Fixed joint: two bodies move as one. 6 equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..frame import Frame
+from ..placement import placed_frames
+from ..pose import Poses
+from ..primitive import Primitive
+from ..quantity import Vector
+from ..solid import Solid
+from .joint import Joint, dot1, spherical
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed(Joint):
+    """A weld, placed by a global ``point`` [m] in the initial pose or by ``frame_i`` and ``frame_j``."""
+
+    body_i: Solid | None = None
+    body_j: Solid | None = None
+    point: Vector | None = None
+    frame_i: Frame | None = None
+    frame_j: Frame | None = None
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d1(f_i, g_j)."""
+        i, j = placed_frames(self, None, poses)
+        yield spherical(i, j)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+        yield dot1("f_i.g_j", i, j, i.f, j.g)

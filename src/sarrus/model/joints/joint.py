@@ -1,0 +1,52 @@
+"""What every joint is: a name and a list of primitives. No formula of mechanics stands here."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ... import elements
+from ..frame import LocalFrame
+from ..point import LocalPoint
+from ..pose import Poses
+from ..primitive import Primitive
+from ..quantity import Vec3
+from ..registry import register
+
+
+@dataclass(frozen=True, eq=False)
+class Joint(ABC):
+    """A joint; a subclass is a frozen dataclass in one file that yields its primitives.
+
+    The model file and its JSON Schema read the subclass's fields, so that nothing else needs to
+    be written for a new joint.
+    """
+
+    kinds: ClassVar[dict[str, type[Joint]]] = {}
+
+    name: str
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        register(cls, Joint.kinds)
+
+    @abstractmethod
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the primitives for the given initial poses."""
+
+
+def spherical(i: LocalPoint | LocalFrame, j: LocalPoint | LocalFrame) -> Primitive:
+    """The two points coincide: Φˢ, Eq. (29)."""
+    return Primitive(elements.Spherical, (i.body, j.body), (i.s, j.s), "point")
+
+
+def dot1(label: str, i: LocalFrame, j: LocalFrame, a_i: Vec3, a_j: Vec3) -> Primitive:
+    """Two body-fixed vectors are perpendicular: Φ^d1, Eq. (26)."""
+    return Primitive(elements.Dot1, (i.body, j.body), (a_i, a_j), label)
+
+
+def dot2(label: str, i: LocalFrame, j: LocalFrame, a_i: Vec3) -> Primitive:
+    """The line between the points is perpendicular to a vector of body i: Φ^d2, Eq. (88)."""
+    return Primitive(elements.Dot2, (i.body, j.body), (a_i, i.s, j.s), label)

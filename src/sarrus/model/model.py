@@ -1,0 +1,49 @@
+"""A model: what a person says about a mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from .body import Body
+from .forces import Force
+from .joints import Joint
+from .origin import Origin
+from .quantity import Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Bodies, joints, forces and gravity, under a name.
+
+    Parameters
+    ----------
+    name
+        Any short text.
+    bodies
+        In the order of their coordinates; the ground is not listed.
+    joints, forces
+        They refer to bodies by name, so that a body can be exchanged for another of its name.
+    gravity
+        Acceleration in global axes [m/s²].
+    origin
+        The file that the model was read from.
+    """
+
+    name: str
+    bodies: Sequence[Body]
+    joints: Sequence[Joint] = ()
+    forces: Sequence[Force] = ()
+    gravity: Vector = (0.0, 0.0, 0.0)
+    origin: Origin | None = field(default=None, repr=False, kw_only=True)
+
+    def where(self, name: str) -> str:
+        """Return ``file:line`` of the part called ``name``, or nothing if there is no file."""
+        for section, parts in self.sections().items():
+            if self.origin and any(part.name == name for part in parts):
+                return self.origin.where((section, name))
+        return ""
+
+    def sections(self) -> dict[str, Sequence[Body | Joint | Force]]:
+        """Return the bodies, joints and forces under these names."""
+        return {"bodies": self.bodies, "joints": self.joints, "forces": self.forces}

@@ -1,0 +1,53 @@
+"""A point fixed to a body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from .names import find
+from .pose import Poses
+from .quantity import Array, Vec3, Vector, triple, vector
+from .solid import Solid
+
+Axes: TypeAlias = Literal["body", "global"]
+
+
+class LocalPoint(NamedTuple):
+    """A point as the elements take it: the body's name and s′ in body axes [m]."""
+
+    body: str
+    s: Vec3
+
+    def position(self, poses: Poses) -> Array:
+        """Return the global position in the initial pose. (3,) [m]"""
+        return poses[self.body].global_point(np.array(self.s))
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A point fixed to a body.
+
+    Parameters
+    ----------
+    body
+        The carrier.
+    coordinates
+        Three numbers [m].
+    axes
+        ``"body"``: from the body's origin in body axes. ``"global"``: where the point is in the
+        initial pose.
+    """
+
+    body: Solid
+    coordinates: Vector
+    axes: Axes = "body"
+
+    def resolve(self, poses: Poses, field: str) -> LocalPoint:
+        """Return the point in body axes."""
+        given = vector(self.coordinates, field)
+        pose = find(self.body.name, poses, field)
+        local = given if self.axes == "body" else triple(pose.local_point(np.array(given)))
+        return LocalPoint(self.body.name, local)

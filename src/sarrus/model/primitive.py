@@ -1,0 +1,20 @@
+"""What joints and forces are made of: an element's class, names of bodies, plain values."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..elements import Element
+
+
+class Primitive(NamedTuple):
+    """One element of the equations of motion, before bodies have numbers.
+
+    ``element`` is a class of ``sarrus.elements`` or of one's own; ``values`` follow its declared
+    fields; ``label`` tells the primitives of one joint apart, as in ``pin: f_i.h_j``.
+    """
+
+    element: type[Element]
+    bodies: tuple[str, ...]
+    values: tuple[Any, ...]
+    label: str

@@ -1,0 +1,100 @@
+"""The numbers that a person gives: checked once, returned as plain floats."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ModelError
+from .show import show
+
+Vec3: TypeAlias = tuple[float, float, float]
+Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
+
+LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a number
+SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
+
+
+def number(value: Any, field: str, remedy: str = "give one finite number") -> float:
+    """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise ModelError(f"{field} must be a number, but is {show(value)}; {remedy}", field=field)
+    try:
+        result = float(value)
+    except OverflowError:
+        result = float("inf")
+    if not isfinite(result):
+        raise ModelError(f"{field} must be a finite number, but is {show(result)}; {remedy}", field=field)
+    if abs(result) > LARGEST:
+        raise ModelError(f"{field} is too large, it is {show(result)}; {remedy}", field=field)
+    return result
+
+
+def positive(value: Any, field: str, remedy: str) -> float:
+    """Return ``value`` as a float greater than 0, or raise a ModelError about ``field``."""
+    result = number(value, field, remedy)
+    if result <= 0.0:
+        raise ModelError(f"{field} must be greater than 0, but is {show(result)}; {remedy}", field=field)
+    return result
+
+
+def not_negative(value: Any, field: str, remedy: str) -> float:
+    """Return ``value`` as a float of at least 0, or raise a ModelError about ``field``."""
+    result = number(value, field, remedy)
+    if result < 0.0:
+        raise ModelError(f"{field} must not be negative, but is {show(result)}; {remedy}", field=field)
+    return result
+
+
+def numbers(value: Any, count: int, field: str, remedy: str) -> tuple[float, ...]:
+    """Return ``value`` as ``count`` finite floats, or raise a ModelError about ``field``."""
+    entries = _entries(value, field, remedy)
+    if len(entries) != count:
+        told = f"{field} must have {count} numbers, but has {len(entries)}; {remedy}"
+        raise ModelError(told, field=field)
+    return tuple(number(entry, field, remedy) for entry in entries)
+
+
+def vector(value: Any, field: str, remedy: str = "give three numbers [x, y, z]") -> Vec3:
+    """Return ``value`` as three finite floats, or raise a ModelError about ``field``."""
+    x, y, z = numbers(value, 3, field, remedy)
+    return x, y, z
+
+
+def direction(value: Any, field: str) -> Array:
+    """Return the unit vector along ``value``, or raise a ModelError about ``field``. (3,) [-]"""
+    given = np.array(vector(value, field))
+    largest = float(np.max(np.abs(given)))
+    if largest < SMALLEST_LENGTH:
+        told = f"{field} has zero length; give three numbers that are not all zero, for example [0, 0, 1]"
+        raise ModelError(told, field=field)
+    scaled = given / largest
+    return np.asarray(scaled / np.linalg.norm(scaled))
+
+
+def triple(values: Array) -> Vec3:
+    """Return three array entries as a tuple of plain floats."""
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def is_list(value: Any) -> bool:
+    """Return whether ``value`` is a list, a tuple or the like, or an array with at least one axis."""
+    if isinstance(value, (str, bytes)):
+        return False
+    return isinstance(value, Sequence) or getattr(value, "ndim", 0) > 0
+
+
+def has_rows(value: Any) -> bool:
+    """Return whether ``value`` is a list of three whose first is a list: meant as a 3x3 matrix."""
+    return is_list(value) and len(value) == 3 and is_list(value[0])
+
+
+def _entries(value: Any, field: str, remedy: str) -> list[Any]:
+    if not is_list(value):
+        raise ModelError(f"{field} must be a list of numbers, but is {show(value)}; {remedy}", field=field)
+    return list(value)

@@ -1,0 +1,47 @@
+"""How a wrong value is quoted in an error: short, on one line, in the words of the model file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+LONGEST = 40  # characters of a quoted value
+MOST = 12  # names in a list of choices
+
+
+def show(value: Any) -> str:
+    """Return a short description of ``value`` for a sentence."""
+    if value is None:
+        return "empty"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return quote(value)
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, (list, tuple)):
+        return "an empty list" if not value else "a list"
+    return _one_line(str(value))
+
+
+def quote(text: str) -> str:
+    """Return ``text`` in double quotes, shortened, with control characters escaped."""
+    return f'"{_one_line(text)}"'
+
+
+def suggest(wrong: str, right: Iterable[str]) -> str:
+    """Return the question ``did you mean "…"?`` for a misspelt name, or the list of the right ones."""
+    names = list(right)
+    near = get_close_matches(wrong, names, n=1)
+    if near:
+        return f"did you mean {quote(near[0])}?"
+    if not names:
+        return "remove it"
+    listed = ", ".join(_one_line(name) for name in names[:MOST])
+    return f"choose from {listed}" + (", …" if len(names) > MOST else "")
+
+
+def _one_line(text: str) -> str:
+    plain = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text[: LONGEST + 1])
+    return plain if len(plain) <= LONGEST else plain[: LONGEST - 1] + "…"

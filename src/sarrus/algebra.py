@@ -54,6 +54,12 @@ def single(value: Any) -> Array:
     return np.array([[value]])
 
 
+def present(block: Block) -> Array:
+    """A block that is known not to be zero."""
+    assert block is not None
+    return block
+
+
 def total(terms: Iterable[Block]) -> Block:
     """Sum of blocks, None standing for zero."""
     result: Block = None

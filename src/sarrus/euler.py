@@ -68,4 +68,3 @@ def K(p: Array, x: Array) -> Array:
     e0, e = p[0], p[1:]
     lower = -e0 * skew(x) + (x @ e) * I3 + outer(x, e)
     return 2 * stack([[row(2 * e0 * x + cross(x, e))], [lower]])
-

@@ -6,7 +6,6 @@ from typing import Any
 
 from .driver import Signature, compiled
 
-
 SCHEMES = ("forward", "central")
 
 

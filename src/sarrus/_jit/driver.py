@@ -37,7 +37,9 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
     loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
     lines = [f"def driver(index, numbers, {operands}):"]
     if clears:
-        lines += [f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums]
+        lines += [
+            f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums
+        ]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
     return compiled(signature.name, lines, loops)
 
@@ -48,6 +50,6 @@ def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     exec(compile("\n".join(lines), f"<{name}>", "exec"), {"__name__": __name__, **namespace}, scope)
     (function,) = scope.values()
     function.__name__ = function.__qualname__ = name
-    result = njit(nogil=True, error_model="numpy")(function)
-    result._cache = KernelCache(function)
+    result: Any = njit(nogil=True, error_model="numpy")(function)
+    result._cache = KernelCache(function)  # type: ignore[no-untyped-call]
     return result

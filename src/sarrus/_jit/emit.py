@@ -56,7 +56,9 @@ class Recording:
 class Emitter:
     """Emits the nodes of a graph on demand, in the order in which the outputs need them."""
 
-    def __init__(self, recording: Recording, context: Any, builder: Any, inputs: Callable[[tuple[Any, ...]], Any]):
+    def __init__(
+        self, recording: Recording, context: Any, builder: Any, inputs: Callable[[tuple[Any, ...]], Any]
+    ):
         self.nodes = recording.graph.nodes
         self.context, self.builder, self.inputs = context, builder, inputs
         self.numbers: Any = None
@@ -102,7 +104,7 @@ class Emitter:
                 return self._call(function, args)
 
     def _call(self, function: str, args: list[Any]) -> Any:
-        kinds = [types.float64] * len(args)
+        kinds: list[Any] = [types.float64] * len(args)
         if function in READS_NUMBERS:
             args, kinds = [self.numbers, *args], [types.CPointer(types.float64), *kinds]
         signature = types.float64(*kinds)

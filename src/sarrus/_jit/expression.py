@@ -161,7 +161,9 @@ class Expression:
 
     def __pow__(self, exponent: int) -> Expression:
         if exponent not in (2, 3):
-            raise TypeError("a kernel may raise to the powers 2 and 3; write other powers as products or roots")
+            raise TypeError(
+                "a kernel may raise to the powers 2 and 3; write other powers as products or roots"
+            )
         return self * self if exponent == 2 else self * self * self
 
     def __bool__(self) -> bool:
@@ -173,7 +175,9 @@ class Expression:
 
     def call(self, function: str, *others: Any) -> Expression:
         """A function of `sarrus._jit.functions` of this and other expressions."""
-        return self.graph.node(function, self, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others))
+        return self.graph.node(
+            function, self, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others)
+        )
 
 
 def _fold(a: Expression, b: Expression, operation: Any) -> Expression | None:

@@ -2,6 +2,6 @@
 
 from .assembly import assemble
 from .ode import ODE
-from .simulate import simulate
+from .simulation import simulate
 
 __all__ = ["ODE", "assemble", "simulate"]

@@ -42,7 +42,9 @@ class ODE:
         y = np.concatenate([start.q, start.v])
         status, message, steps = "finished", "reached the end", 0
         try:
-            solver = getattr(integrate, self.name)(motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol)
+            solver = getattr(integrate, self.name)(
+                motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol
+            )
             recorder.record(motion, t_eval[0], lambda t: y, up_to=t_eval[0])
             while solver.status == "running":
                 trouble = solver.step()

@@ -1,10 +1,10 @@
 """The numerical experiments of the paper, on a mechanism: exact derivatives against finite differences.
 
-Differences: the largest entry of |exact - differenced|, over the largest of |exact|, for falling perturbations, with forward
-and central differences. (A constraint that is quadratic in q is differenced by central differences without error.)
-Times: each group of operators exact, beside finite differences over compiled functions made in the same way; from compiled
-code, interleaved, medians. The functions are computed together in one sweep ("shared") or one by one; the speed-up is taken
-over the faster of the two, with central differences.
+Differences: the largest entry of |exact - differenced|, over the largest of |exact|, for falling perturbations, with
+forward and central differences. (Central differences of a constraint that is quadratic in q have no error of their own.)
+Times: each group of operators exact, beside finite differences over compiled functions made in the same way; called from
+compiled code, interleaved, medians. The functions are computed together in one sweep ("shared") or one by one; the
+speed-up is taken over the faster of the two, with central differences.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from .saddle import Saddle
 
 STEPS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_xi", "M_a_q": "M_a"}
+Plan = tuple[tuple[str, ...], str]  # functions, and the operand that is varied
 ROUNDS = 15
 BATCH_SECONDS = 0.004
 
@@ -80,7 +81,9 @@ def experiment(system: System, *, seed: int = 1) -> Experiment:
     """
     state = consistent_state(system, seed)
     names = [name for group in GROUPS.values() for name in group]
-    found = {scheme: {name: differences_of(system, name, scheme, state) for name in names} for scheme in SCHEMES}
+    found = {
+        scheme: {name: differences_of(system, name, scheme, state) for name in names} for scheme in SCHEMES
+    }
     times = {name: times_of(system, name, state) for name in GROUPS}
     return Experiment(system.name, system.counts(), found, times)
 
@@ -127,7 +130,14 @@ class Difference:
         self.run = differences(signature(group.names), group.compiled, vary, scheme)
         operands = [np.copy(state[key]) if key == vary else state[key] for key in group.operands]
         self.columns = [np.zeros((len(state[vary]), pattern.size)) for pattern in group.patterns]
-        self.arguments = [group.index, system.b, *operands, *group.allocate(), *group.allocate(), *self.columns]
+        self.arguments = [
+            group.index,
+            system.b,
+            *operands,
+            *group.allocate(),
+            *group.allocate(),
+            *self.columns,
+        ]
 
     def __call__(self, h: float) -> list[Array]:
         self.run(h, *self.arguments)
@@ -149,7 +159,9 @@ def _timed_group(system: System, name: str, state: dict[str, Any]) -> _Timed:
 def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
     """Median seconds of one group, exact and differenced, measured in turns."""
     ways = [[_timed_group(system, name, state)]]
-    separate = [((function,), vary) for function, vary in map(function_of, GROUPS[name])]
+    separate: list[tuple[tuple[str, ...], str]] = [
+        ((function,), vary) for function, vary in map(function_of, GROUPS[name])
+    ]
     shared = _shared(separate)
     for plan, scheme in ((shared, "central"), (separate, "central"), (shared, "forward")):
         ways.append([_timed_difference(system, *part, scheme, state) for part in plan])
@@ -157,7 +169,7 @@ def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
     return Times(*(float(median) for median in np.median(samples, axis=0)))
 
 
-def _shared(plan: list[tuple[tuple[str, ...], str]]) -> list[tuple[tuple[str, ...], str]]:
+def _shared(plan: list[Plan]) -> list[Plan]:
     """The same differences with one sweep for each operand that is varied."""
     by_operand: dict[str, list[str]] = {}
     for functions, vary in plan:
@@ -170,7 +182,9 @@ def _timed_difference(
 ) -> _Timed:
     difference = Difference(system, functions, vary, scheme, state)
     arguments = [1e-6, *difference.arguments]
-    return _Timed(repeated(difference.run, f"{scheme}_{vary}_{'__'.join(functions)}", len(arguments)), arguments)
+    return _Timed(
+        repeated(difference.run, f"{scheme}_{vary}_{'__'.join(functions)}", len(arguments)), arguments
+    )
 
 
 class _Timed:

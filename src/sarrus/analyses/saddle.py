@@ -38,7 +38,9 @@ class Saddle:
             self._dense: Array | None = np.zeros((size, size))
         else:
             self._dense = None
-            numbered = csc_array((np.arange(len(self._rows)) + 1.0, (self._rows, self._columns)), shape=(size, size))
+            numbered = csc_array(
+                (np.arange(len(self._rows)) + 1.0, (self._rows, self._columns)), shape=(size, size)
+            )
             self._order = numbered.data.astype(np.int64) - 1
             self._matrix = csc_array((numbered.data, numbered.indices, numbered.indptr), shape=numbered.shape)
         self._factors: Any = None

@@ -20,7 +20,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb; 0 if all went well, 1 if an analysis failed, 2 for wrong input."""
     from .. import __version__
 
-    parser = argparse.ArgumentParser("sarrus", description="Multibody system analysis with exact derivatives.")
+    parser = argparse.ArgumentParser(
+        "sarrus", description="Multibody system analysis with exact derivatives."
+    )
     parser.add_argument("--version", action="version", version=f"sarrus {__version__}")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     wanted = next((word for word in (sys.argv[1:] if argv is None else argv) if word in VERBS), None)

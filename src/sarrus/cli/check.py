@@ -10,7 +10,9 @@ from .progress import Bar
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, and the seed of the random states."""
     parser.add_argument("model", help="a .yaml or .json model file")
-    parser.add_argument("--seed", type=int, default=0, help="of the random velocities, directions and multipliers")
+    parser.add_argument(
+        "--seed", type=int, default=0, help="of the random velocities, directions and multipliers"
+    )
 
 
 def run(chosen: argparse.Namespace) -> int:

@@ -43,7 +43,9 @@ def run(chosen: argparse.Namespace) -> int:
         motion = simulate(system, start, until=UNTIL, rtol=1e-10, atol=1e-12, progress=bar.reach)
     simulated = time.perf_counter() - simulated
     print(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
-    print(f"constraints kept to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m")
+    print(
+        f"constraints kept to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
+    )
     print(_times(system, start))
     for file in _plots(Path(chosen.output), motion, report):
         print(f"wrote {file}")
@@ -66,7 +68,7 @@ def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
     from ..views import check_figure, motion_figure
 
     folder.mkdir(parents=True, exist_ok=True)
-    figures = {"motion": motion_figure(motion, "slider"), "check": check_figure(report, TOLERANCE)}
+    figures = {"motion": motion_figure(motion, "slider", "crank"), "check": check_figure(report, TOLERANCE)}
     files = []
     for name, figure in figures.items():
         for ending in ("png", "svg"):

@@ -13,7 +13,9 @@ MECHANISMS = ("slider_crank", "hmmwv")
 def arguments(parser: argparse.ArgumentParser) -> None:
     """JSON, and the seed of the random state."""
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--seed", type=int, default=1, help="of the random velocity, multipliers and accelerations")
+    parser.add_argument(
+        "--seed", type=int, default=1, help="of the random velocity, multipliers and accelerations"
+    )
 
 
 def run(chosen: argparse.Namespace) -> int:

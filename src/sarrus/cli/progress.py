@@ -25,7 +25,11 @@ class Bar:
         if self._live:
             print("\r\033[K", end="", file=sys.stderr)
         taken = time.perf_counter() - self._start
-        print(f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s", file=sys.stderr, flush=True)
+        print(
+            f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s",
+            file=sys.stderr,
+            flush=True,
+        )
 
     def step(self, what: str = "") -> None:
         """One more of `total` is about to be done."""

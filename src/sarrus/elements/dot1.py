@@ -80,6 +80,4 @@ class Dot1(Primitive, rows=1):
 def _second(a: Array, p: Array, xi: Array, eta: Array, pb: Array, xib: Array, etab: Array) -> Array:
     """Second derivative along ξ and η of aᵀA(p)ᵀA(pb), the derivative of Φ to the other body's vector."""
     first, second = B(p, a) @ xi, B(p, a) @ eta
-    return (
-        rotate(p, a) @ C(xib, etab) + first @ C(pb, etab) + second @ C(pb, xib) + (B(xi, a) @ eta) @ A(pb)
-    )
+    return rotate(p, a) @ C(xib, etab) + first @ C(pb, etab) + second @ C(pb, xib) + (B(xi, a) @ eta) @ A(pb)

@@ -7,21 +7,18 @@ A kernel is a method that returns the element's share of one operator, as NumPy 
 from __future__ import annotations
 
 import dataclasses
-import inspect
-from typing import Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
-
-import numpy as np
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
-from . import follows
+from .follows import ConstraintFollows, InertiaFollows
 from .operators import CONSTRAINT, FORCE, INERTIA, Operator
 
-Vec3: TypeAlias = Array
-Inertia: TypeAlias = Array
-Scalar: TypeAlias = Any
-Curve: TypeAlias = Any
+Vec3: TypeAlias = Annotated[Array, "Vec3"]
+Inertia: TypeAlias = Annotated[Array, "Inertia"]
+Scalar: TypeAlias = Annotated[Any, "Scalar"]
+Curve: TypeAlias = Annotated[Any, "Curve"]
+Memory: TypeAlias = Annotated[Any, "Memory"]
 WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1}
-Memory: TypeAlias = Any
 Grid: TypeAlias = "tuple[Row, ...]"
 
 
@@ -65,14 +62,17 @@ class Element:
         if bodies:
             cls.bodies = bodies
         cls.rows = rows
+        if issubclass(cls, Primitive) and rows < 1:
+            raise ElementError(
+                f"element {cls.__name__}: say how many equations it has, class X(Primitive, rows=1)"
+            )
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
-        for operator in cls.family:
-            if operator.follows:
-                setattr(cls, operator.name, getattr(follows, operator.name))
         missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
         if missing:
-            raise ElementError(f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each")
+            raise ElementError(
+                f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each"
+            )
         Element.registry[cls.__name__] = cls
 
     @classmethod
@@ -90,26 +90,23 @@ class Element:
         """Widths of the blocks of design numbers: one per field."""
         return tuple(WIDTHS[kind] for kind in cls.fields.values())
 
-    @classmethod
-    def source(cls) -> str:
-        """File in which the element is written."""
-        return inspect.getfile(cls)
-
 
 def _kind(cls: type, field: dataclasses.Field[Any]) -> str:
-    kind = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
+    """The name under which a field was annotated, also where annotations are not strings."""
+    names = getattr(field.type, "__metadata__", (field.type,))
+    kind = str(names[0]).rsplit(".", 1)[-1]
     if kind not in WIDTHS:
         raise ElementError(f"{cls.__name__}.{field.name}: annotate it as one of {', '.join(WIDTHS)}")
     return kind
 
 
-class Primitive(Element, abstract=True):
+class Primitive(ConstraintFollows, Element, abstract=True):
     """A basic constraint: `rows` equations Φ(q) = 0 between two bodies (or for one)."""
 
     family = tuple(CONSTRAINT)
 
 
-class InertiaElement(Element, abstract=True):
+class InertiaElement(InertiaFollows, Element, abstract=True):
     """Mass matrix and quadratic velocity force of one body."""
 
     family = tuple(INERTIA)
@@ -120,8 +117,3 @@ class Force(Element, abstract=True):
     """A generalized force Q(q, v, t), with its derivatives."""
 
     family = tuple(FORCE)
-
-
-def joined(parts: Pair | Single) -> Array:
-    """The coordinates as one vector."""
-    return np.concatenate(parts)

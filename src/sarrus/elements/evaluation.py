@@ -36,9 +36,7 @@ def arguments(kind: type[Element], operator: Operator, operands: Mapping[str, An
     return [partition(kind, operands[n]) if n in BODY_OPERANDS else operands[n] for n in operator.operands]
 
 
-def grid(
-    element: Element, operator: Operator, operands: Mapping[str, Any]
-) -> tuple[tuple[Block, ...], ...]:
+def grid(element: Element, operator: Operator, operands: Mapping[str, Any]) -> tuple[tuple[Block, ...], ...]:
     """The kernel's result as rows of blocks; vectors have one column."""
     kind = type(element)
     call = arguments(kind, operator, operands)

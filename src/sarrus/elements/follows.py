@@ -5,6 +5,7 @@ gamma = -(Φ_q v)_q v,   gamma_q = -((Φ_q v)_q v)_q,   gamma_v = -2 (Φ_q v)_q.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from ..algebra import Block, Row, scaled, times, total
@@ -14,36 +15,44 @@ def _contracted(blocks: Row, direction: Any) -> Block:
     return total(times(block, part) for block, part in zip(blocks, direction, strict=True))
 
 
-def Phi_q_xi(self: Any, x: Any, xi: Any) -> Block:
-    """Φ_q ξ. Eqs. (36)."""
-    return _contracted(self.Phi_q(x), xi)
+class ConstraintFollows:
+    """What follows for every constraint primitive."""
+
+    Phi_q: Callable[..., Row]
+    Phi_q_xi_q: Callable[..., Row]
+    Phi_q_xi_q_eta_q: Callable[..., Row]
+    Phi_q_xi_q_eta_b: Callable[..., Row]
+
+    def Phi_q_xi(self, x: Any, xi: Any) -> Block:
+        """Φ_q ξ. Eqs. (36)."""
+        return _contracted(self.Phi_q(x), xi)
+
+    def Phi_qT_lam(self, x: Any, lam: Any) -> Row:
+        """Φ_qᵀ λ. Eq. (43)."""
+        return tuple(None if block is None else lam @ block for block in self.Phi_q(x))
+
+    def gamma(self, x: Any, v: Any) -> Block:
+        """γ = -(Φ_q v)_q v. Eq. (4)."""
+        return scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
+
+    def gamma_q(self, x: Any, v: Any) -> Row:
+        """γ_q = -((Φ_q v)_q v)_q."""
+        return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
+
+    def gamma_v(self, x: Any, v: Any) -> Row:
+        """γ_v = -2 (Φ_q v)_q."""
+        return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
+
+    def gamma_b(self, x: Any, v: Any) -> Row:
+        """γ_b = -((Φ_q v)_q v)_b."""
+        return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
 
 
-def Phi_qT_lam(self: Any, x: Any, lam: Any) -> Row:
-    """Φ_qᵀ λ. Eq. (43)."""
-    return tuple(None if block is None else lam @ block for block in self.Phi_q(x))
+class InertiaFollows:
+    """What follows for every inertia."""
 
+    M: Callable[..., tuple[Row, ...]]
 
-def gamma(self: Any, x: Any, v: Any) -> Block:
-    """γ = -(Φ_q v)_q v. Eq. (4)."""
-    return scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
-
-
-def gamma_q(self: Any, x: Any, v: Any) -> Row:
-    """γ_q = -((Φ_q v)_q v)_q."""
-    return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
-
-
-def gamma_v(self: Any, x: Any, v: Any) -> Row:
-    """γ_v = -2 (Φ_q v)_q."""
-    return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
-
-
-def gamma_b(self: Any, x: Any, v: Any) -> Row:
-    """γ_b = -((Φ_q v)_q v)_b."""
-    return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
-
-
-def M_a(self: Any, x: Any, a: Any) -> Row:
-    """M a."""
-    return tuple(_contracted(line, a) for line in self.M(x))
+    def M_a(self, x: Any, a: Any) -> Row:
+        """M a."""
+        return tuple(_contracted(line, a) for line in self.M(x))

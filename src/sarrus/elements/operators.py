@@ -44,7 +44,9 @@ R, X, N = Axis.ROWS, Axis.COORDINATES, Axis.NUMBERS
 
 
 def _operators(family: str, *table: tuple[str, str, str, tuple[Axis, ...], bool]) -> list[Operator]:
-    return [Operator(name, formula, family, tuple(ops.split()), axes, f) for name, formula, ops, axes, f in table]
+    return [
+        Operator(name, formula, family, tuple(ops.split()), axes, f) for name, formula, ops, axes, f in table
+    ]
 
 
 CODED, FOLLOWS = False, True
@@ -87,7 +89,6 @@ FORCE = _operators(
     ("Q_b", "Q_b", "v t", (X, N), CODED),
 )
 OPERATORS: dict[str, Operator] = {op.name: op for op in (*CONSTRAINT, *INERTIA, *FORCE)}
-
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ J about the centre of mass in body axes. Exactly Lagrange's equations for any p.
 
 from __future__ import annotations
 
-from ..algebra import I3, Array, Row, column
+from ..algebra import I3, Row, column
 from ..euler import G
 from .element import Grid, Inertia, InertiaElement, Scalar, Single
 from .rotation import J_b, gyroscopic, gyroscopic_p, gyroscopic_v, rotational_mass, rotational_mass_a_p

@@ -8,23 +8,23 @@ These hold for any p; the paper's (110), (112), (114), (116) only on unit p with
 from __future__ import annotations
 
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ..algebra import Array, Block, Row, column, outer
+from .._jit.functions import atan2, nearest
+from ..algebra import Array, Block, Row, column, outer, present
 from ..euler import G, bar
 from .dot1 import Dot1
 from .element import ZERO_PAIR, Force, Grid, Memory, Pair, Scalar, Vec3
-from .._jit.functions import atan2, nearest
 
 
 class Turn(NamedTuple):
-    """z, and w z_q, w z_v (real and imaginary parts) with w = 1 / z; the last is the rate of θ."""
+    """c, s and c² + s²; z_q / z by the blocks p_i and p_j, z_v / z, real and imaginary parts; θ̇ is the last."""
 
     c: Scalar
     s: Scalar
     rho: Scalar
-    re_q: Row
-    im_q: Row
+    re_q: list[Array]
+    im_q: list[Array]
     re_v: Scalar
     rate: Scalar
 
@@ -63,26 +63,17 @@ class RSDA(Force):
         C, S = self._dots()
         c, s = C.Phi(x)[0], S.Phi(x)[0]
         rho = c * c + s * s
-        re_q, im_q = self._over_z(c, s, rho, C.Phi_q(x), S.Phi_q(x))
-        c_v, s_v = C.Phi_q_xi(x, v)[0], S.Phi_q_xi(x, v)[0]
-        return Turn(c, s, rho, re_q, im_q, (c * c_v + s * s_v) / rho, (c * s_v - s * c_v) / rho)
+        quotients = _quotients(c, s, rho, C.Phi_q(x), S.Phi_q(x))
+        c_v, s_v = present(C.Phi_q_xi(x, v))[0], present(S.Phi_q_xi(x, v))[0]
+        re_v, im_v = _quotient(c, s, rho, c_v, s_v)
+        return Turn(c, s, rho, [re for re, _ in quotients], [im for _, im in quotients], re_v, im_v)
 
-    @staticmethod
-    def _over_z(c: Scalar, s: Scalar, rho: Scalar, c_q: Row, s_q: Row) -> tuple[Row, Row]:
-        """Real and imaginary parts of (c_q + i s_q) / z, block by block."""
-        blocks = [(a, b) for a, b in zip(c_q, s_q, strict=True)]
-        re = tuple(None if a is None or b is None else (c * a + s * b) / rho for a, b in blocks)
-        im = tuple(None if a is None or b is None else (c * b - s * a) / rho for a, b in blocks)
-        return re, im
-
-    def _rate_q(self, x: Pair, v: Pair, turn: Turn) -> list[Block]:
-        """(θ_q v)_q, block by block."""
+    def _n_q(self, x: Pair, v: Pair, turn: Turn) -> list[Array]:  # Eqs. (109)-(113)
+        """n_q = k θ_q + c (θ_q v)_q by the blocks p_i and p_j; those of r vanish."""
         C, S = self._dots()
-        _, im = self._over_z(turn.c, turn.s, turn.rho, C.Phi_q_xi_q(x, v), S.Phi_q_xi_q(x, v))
-        parts = zip(im, turn.re_q, turn.im_q, strict=True)
-        return [
-            None if a is None or r is None or i is None else a - turn.re_v * i - turn.rate * r for a, r, i in parts
-        ]
+        second = _quotients(turn.c, turn.s, turn.rho, C.Phi_q_xi_q(x, v), S.Phi_q_xi_q(x, v))
+        parts = zip(second, turn.re_q, turn.im_q, strict=True)
+        return [self.k * im + self.c * (a - turn.re_v * im - turn.rate * re) for (_, a), re, im in parts]
 
     def _n(self, x: Pair, turn: Turn) -> Scalar:  # Eq. (106)
         return self.k * (self.angle_of(x) - self.angle) + self.c * turn.rate + self.torque
@@ -98,23 +89,16 @@ class RSDA(Force):
     def Q_q(self, x: Pair, v: Pair, t: Scalar) -> Grid:  # Eq. (107)
         turn = self._turn(x, v)
         n = self._n(x, turn)
-        rate_q = self._rate_q(x, v, turn)
+        ii, ij, ji, jj = self._grid(x, self._n_q(x, v, turn))
         own = 2 * n * bar(self.h_i), -2 * n * bar(self.h_j)
-        ii, ij, ji, jj = self._grid(x, [self._n_q(turn.im_q[m], rate_q[m]) for m in (1, 3)])
         none = ZERO_PAIR[0]
         return none, (None, ii + own[0], None, ij), none, (None, ji, None, jj + own[1])
-
-    def _n_q(self, theta_q: Block, rate_q: Block) -> Array:  # Eqs. (109)-(113)
-        assert theta_q is not None and rate_q is not None
-        return self.k * theta_q[0] + self.c * rate_q[0]
 
     def _grid(self, x: Pair, n_q: list[Array]) -> list[Array]:
         return [outer(w, part) for w in self._w(x) for part in n_q]
 
-    def Q_v(self, x: Pair, v: Pair, t: Scalar) -> Grid:  # Eq. (108), (114), (116)
-        turn = self._turn(x, v)
-        theta_q = [block for block in turn.im_q if block is not None]
-        ii, ij, ji, jj = self._grid(x, [self.c * block[0] for block in theta_q])
+    def Q_v(self, x: Pair, v: Pair, t: Scalar) -> Grid:  # Eqs. (108), (114)-(116)
+        ii, ij, ji, jj = self._grid(x, [self.c * theta_q for theta_q in self._turn(x, v).im_q])
         none = ZERO_PAIR[0]
         return none, (None, ii, None, ij), none, (None, ji, None, jj)
 
@@ -137,14 +121,21 @@ class RSDA(Force):
         C, S = self._dots()
         (c_fi, c_fj), (s_gi, s_fj) = C.Phi_b(x), S.Phi_b(x)
         (cv_fi, cv_fj), (sv_gi, sv_fj) = C.Phi_q_xi_b(x, v), S.Phi_q_xi_b(x, v)
+        z_b = ((c_fi, 0), (0, s_gi), (c_fj, s_fj))
+        z_v_b = ((cv_fi, 0), (0, sv_gi), (cv_fj, sv_fj))
         result = []
-        for z_b, zv_b in (((c_fi, 0), (cv_fi, 0)), ((0, s_gi), (0, sv_gi)), ((c_fj, s_fj), (cv_fj, sv_fj))):
-            re, theta_b = self._divided(turn, *z_b)
-            _, first = self._divided(turn, *zv_b)
-            rate_b = first - turn.re_v * theta_b - turn.rate * re
-            result.append((self.k * theta_b + self.c * rate_b)[0])
+        for first, second in zip(z_b, z_v_b, strict=True):
+            re, theta_b = _quotient(turn.c, turn.s, turn.rho, *first)
+            _, im = _quotient(turn.c, turn.s, turn.rho, *second)
+            result.append((self.k * theta_b + self.c * (im - turn.re_v * theta_b - turn.rate * re))[0])
         return result
 
-    @staticmethod
-    def _divided(turn: Turn, c: Scalar, s: Scalar) -> tuple[Array, Array]:
-        return (turn.c * c + turn.s * s) / turn.rho, (turn.c * s - turn.s * c) / turn.rho
+
+def _quotient(c: Scalar, s: Scalar, rho: Scalar, a: Any, b: Any) -> tuple[Any, Any]:
+    """Real and imaginary part of (a + i b) / (c + i s)."""
+    return (c * a + s * b) / rho, (c * b - s * a) / rho
+
+
+def _quotients(c: Scalar, s: Scalar, rho: Scalar, c_q: Row, s_q: Row) -> list[tuple[Array, Array]]:
+    """The same for the one row of the blocks p_i and p_j of two DOT-1 functions."""
+    return [_quotient(c, s, rho, present(c_q[n])[0], present(s_q[n])[0]) for n in (1, 3)]

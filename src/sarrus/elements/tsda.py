@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from .._jit.functions import sqrt
 from ..algebra import Array, Row, column, outer
 from .element import Curve, Force, Grid, Pair, Scalar, Vec3
-from .._jit.functions import sqrt
 from .segment import Segment
 
 
@@ -29,7 +29,7 @@ class Law(NamedTuple):
 class Length(NamedTuple):
     """Length of a segment, its rate, and their derivatives to q."""
 
-    l: Scalar  # noqa: E741
+    l: Scalar
     rate: Scalar
     l_q: list[Array]
     rate_q: list[Array]
@@ -38,12 +38,12 @@ class Length(NamedTuple):
 class SpringDamper(Segment):
     """What all TSDA share: everything but the law."""
 
-    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:  # noqa: E741
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
 
     def _length(self, x: Pair, v: Pair) -> Length:
         d, w = self.d(x), self.d_xi(x, v)
-        l = sqrt(d @ d)  # noqa: E741
+        l = sqrt(d @ d)
         u = d / l
         rate = u @ w
         across = (w - rate * u) / l
@@ -104,7 +104,7 @@ class TSDA(SpringDamper, Force):
     length: Scalar  # [m] free length
     force: Scalar  # [N] tension of the actuator
 
-    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:  # noqa: E741
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         stretch = l - self.length
         return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c, (stretch, rate, -self.k, 1))
 
@@ -122,7 +122,7 @@ class NonlinearTSDA(SpringDamper, Force):
     damping: Curve  # χ(l̇)
     actuator: Curve  # φ(t)
 
-    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:  # noqa: E741
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         stretch, kappa, chi = l - self.length, self.stiffness(l), self.damping(rate)
         spring, damper, actuator = stretch * kappa, chi * rate, self.actuator(t)
         f_l = self.k * (kappa + stretch * self.stiffness.slope(l))

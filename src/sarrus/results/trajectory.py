@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..euler import G
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Trajectory:
         at = 7 * self.bodies.index(body)
         r, p = self.q[:, at : at + 3], self.q[:, at + 3 : at + 7]
         pd = self.v[:, at + 3 : at + 7]
-        spin = 2 * (p[:, :1] * pd[:, 1:] - pd[:, :1] * p[:, 1:] - np.cross(p[:, 1:], pd[:, 1:]))
+        spin = np.array([2 * (G(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
         return BodyMotion(body, r, p, self.v[:, at : at + 3], spin)
 
     def at(self, times: Array) -> Trajectory:
@@ -89,10 +90,14 @@ class Trajectory:
         KeyError
             If there is no such coordinate.
         """
-        short = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(self.coordinate_names)}
+        short = {
+            full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(self.coordinate_names)
+        }
         full = {full: n for n, full in enumerate(self.coordinate_names)}
         if name not in short and name not in full:
-            raise KeyError(f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0")
+            raise KeyError(
+                f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0"
+            )
         return self.q[:, short.get(name, full.get(name, 0))]
 
     def to_csv(self, path: str | Path) -> None:

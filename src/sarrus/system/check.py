@@ -61,7 +61,9 @@ class Report:
             name, formula = f.operator.name, f.operator.formula.split(" = ")[0]
             lines.append(f"{name:<20}{formula:<22}{f.independent:<28}{f.entries:>8}{f.error:>10.1e}{mark}")
         verdict = "all agree" if self.ok else f"{len(wrong)} of them WRONG"
-        lines.append(f"{self.system}: {len(self.findings)} operators checked, {verdict} (tolerance {TOLERANCE:g})")
+        lines.append(
+            f"{self.system}: {len(self.findings)} operators checked, {verdict} (tolerance {TOLERANCE:g})"
+        )
         return "\n".join(lines)
 
 
@@ -135,7 +137,8 @@ def _complex_step(operator: Operator, kind: Any, operands: dict[str, Any], numbe
 def _lagrange(kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
     v = operands["v"]
     Mv_q = _complex_step(OPERATORS["M_a_q"], kind, {**operands, "a": v}, numbers, b)
-    return 0.5 * Mv_q.T @ v - Mv_q @ v
+    S: Array = 0.5 * Mv_q.T @ v - Mv_q @ v
+    return S
 
 
 def _members(system: Any, operator: Operator) -> Iterator[tuple[Population, int]]:
@@ -190,8 +193,10 @@ def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
             return np.arange(p.rows[k], p.rows[k] + p.kind.rows)
         if axis is Axis.NUMBERS:
             return p.at + k * p.kind.size() + np.arange(p.kind.size())
-        return np.concatenate([np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in p.bodies[k]])
+        return np.concatenate(
+            [np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in p.bodies[k]]
+        )
 
-    return along(operator.axes[0]), along(operator.axes[1]) if not operator.is_vector else np.zeros(1, dtype=int)
-
-
+    return along(operator.axes[0]), along(operator.axes[1]) if not operator.is_vector else np.zeros(
+        1, dtype=int
+    )

@@ -27,7 +27,7 @@ class ConstraintOperators(Operators):
         -------
         ndarray (m,)
         """
-        return self._evaluate("Phi", out, b, q=q)
+        return self._vector_of("Phi", out, b, q=q)
 
     def Phi_q(self, q: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """Constraint Jacobian Φ_q. Eqs. (35), (46), (81), (89), (96).
@@ -45,7 +45,7 @@ class ConstraintOperators(Operators):
         -------
         ndarray (m,)
         """
-        return self._evaluate("Phi_q_xi", out, b, q=q, xi=xi)
+        return self._vector_of("Phi_q_xi", out, b, q=q, xi=xi)
 
     def Phi_q_xi_q(self, q: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """(Φ_q ξ)_q for a fixed direction ξ (nq,). Eqs. (38), (47), (82), (90), (99).
@@ -74,7 +74,7 @@ class ConstraintOperators(Operators):
         -------
         ndarray (nq,)
         """
-        return self._evaluate("Phi_qT_lam", out, b, q=q, lam=lam)
+        return self._vector_of("Phi_qT_lam", out, b, q=q, lam=lam)
 
     def Phi_qT_lam_q(self, q: ArrayLike, lam: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """(Φ_qᵀλ)_q for fixed multipliers, symmetric. Eqs. (44), (48), (86), (94), (103).
@@ -103,7 +103,7 @@ class ConstraintOperators(Operators):
         -------
         ndarray (m,)
         """
-        return self._evaluate("gamma", out, b, q=q, v=v)
+        return self._vector_of("gamma", out, b, q=q, v=v)
 
     def gamma_q(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """γ_q = -((Φ_q v)_q v)_q. Eqs. (49), (84), (92), (101), which give its negative.

@@ -24,7 +24,7 @@ class ForceOperators(Operators):
         -------
         ndarray (nq,)
         """
-        return self._evaluate("Q", out, b, q=q, v=v, t=t)
+        return self._vector_of("Q", out, b, q=q, v=v, t=t)
 
     def Q_q(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
         """Q_q. Eqs. (64)-(72), (107).

@@ -21,11 +21,13 @@ class Group:
     """The compiled drivers of a group of operators, with the index tables of one system.
 
     ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers; `operands` in the order of
-    `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there are
-    `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
+    `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there
+    are `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
     """
 
-    def __init__(self, names: tuple[str, ...], populations: Sequence[Population], patterns: Sequence[Pattern]):
+    def __init__(
+        self, names: tuple[str, ...], populations: Sequence[Population], patterns: Sequence[Pattern]
+    ):
         self.names = names
         self.patterns = tuple(patterns)
         found = operands_of(names)
@@ -74,7 +76,10 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
     if names not in _drivers:
         family = OPERATORS[names[0]].family
         kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
-        _drivers[names] = driver(signature(names), [partial(record, variant, names) for kind in kinds for variant in variants(kind)])
+        _drivers[names] = driver(
+            signature(names),
+            [partial(record, variant, names) for kind in kinds for variant in variants(kind)],
+        )
     return _drivers[names]
 
 

@@ -33,7 +33,7 @@ class InertiaOperators(Operators):
         -------
         ndarray (nq,)
         """
-        return self._evaluate("M_a", out, b, q=q, a=a)
+        return self._vector_of("M_a", out, b, q=q, a=a)
 
     def M_a_q(self, q: ArrayLike, a: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """(M a)_q for a fixed a. Eq. (56), four times.
@@ -60,7 +60,7 @@ class InertiaOperators(Operators):
         -------
         ndarray (nq,)
         """
-        return self._evaluate("S", out, b, q=q, v=v)
+        return self._vector_of("S", out, b, q=q, v=v)
 
     def S_q(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
         """S_q. Eq. (57), eight times.
@@ -91,4 +91,5 @@ class InertiaOperators(Operators):
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, *, b: Any = None) -> float:
         """T = ½ vᵀ M v [J]."""
-        return 0.5 * float(self.M_a(q, v, b=b) @ self._operand("v", v))
+        momentum = self.M_a(q, v, b=b)
+        return 0.5 * float(momentum @ self._operand("v", v))

@@ -66,7 +66,9 @@ class Operators:
                 progress(" ".join(names))
             group = self.group(*names)
             operands = {"t": 0.0, "lam": np.zeros(self.m)}
-            group.run(self.b, *(operands.get(key, np.ones(self.nq)) for key in group.operands), *group.allocate())
+            group.run(
+                self.b, *(operands.get(key, np.ones(self.nq)) for key in group.operands), *group.allocate()
+            )
 
     def matrix(self, name: str, data: Array) -> csr_array:
         """The numbers of an operator as a sparse matrix that shares their memory."""
@@ -80,6 +82,10 @@ class Operators:
         data = result if isinstance(result, np.ndarray) else result.data
         numbers = self.b if b is None else self._vector("b", b, len(self.b))
         group.run(numbers, *(checked[key] for key in group.operands), data)
+        return result
+
+    def _vector_of(self, name: str, out: Any, b: Any, /, **operands: Any) -> Array:
+        result: Array = self._evaluate(name, out, b, **operands)
         return result
 
     def _operand(self, key: str, value: Any) -> Any:
@@ -97,11 +103,11 @@ class Operators:
     def _output(self, name: str, out: Any) -> Any:
         pattern = self.pattern(name)
         if out is None:
-            data = np.zeros(pattern.size)
-            return data if OPERATORS[name].is_vector else self.matrix(name, data)
-        data = out if isinstance(out, np.ndarray) else getattr(out, "data", None)
-        fits = isinstance(data, np.ndarray) and data.shape == (pattern.size,) and data.dtype == float
-        if not fits or not data.flags.c_contiguous or OPERATORS[name].is_vector != isinstance(out, np.ndarray):
+            fresh = np.zeros(pattern.size)
+            return fresh if OPERATORS[name].is_vector else self.matrix(name, fresh)
+        held: Any = out if isinstance(out, np.ndarray) else getattr(out, "data", None)
+        same_kind = OPERATORS[name].is_vector == isinstance(out, np.ndarray)
+        if not (same_kind and _holds(held, pattern.size)):
             kind = "a float array" if OPERATORS[name].is_vector else "a matrix"
             raise ValueError(f"out must be {kind} returned by an earlier call of {name} of this system")
         return out
@@ -109,6 +115,12 @@ class Operators:
     def axis_names(self, axis: Axis) -> list[str]:
         """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point 0`` or ``spring.k``."""
         return _NAMES[axis](self)
+
+
+def _holds(data: Any, size: int) -> bool:
+    """Whether an array can take the numbers of an operator."""
+    fits = isinstance(data, np.ndarray) and data.shape == (size,) and data.dtype == np.float64
+    return fits and bool(data.flags.c_contiguous and data.flags.writeable)
 
 
 def _coordinate_names(system: Any) -> list[str]:

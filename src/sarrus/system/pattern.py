@@ -140,4 +140,8 @@ def _indices(size: int, base: Array, stride: Array, height: Array, width: Array,
 
 def _places(keys: Array, unique: Array, base: Array, stride: Array) -> Array:
     at = np.searchsorted(unique, keys)
-    return np.stack([base[at], stride[at]], axis=-1) if len(unique) else np.zeros((*keys.shape, 2), dtype=np.int64)
+    return (
+        np.stack([base[at], stride[at]], axis=-1)
+        if len(unique)
+        else np.zeros((*keys.shape, 2), dtype=np.int64)
+    )

@@ -65,7 +65,9 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
             if p.kind.rows and p.kind is not Normalization:
                 for owner, first in zip(p.owners, p.rows, strict=True):
                     rows.setdefault(owner, []).extend(range(first, first + p.kind.rows))
-        return {owner: np.array(sorted(found)) for owner, found in sorted(rows.items(), key=lambda r: min(r[1]))}
+        return {
+            owner: np.array(sorted(found)) for owner, found in sorted(rows.items(), key=lambda r: min(r[1]))
+        }
 
     def counts(self) -> dict[str, int]:
         """Bodies, coordinates, joint equations, normalizations, degrees of freedom, and elements by kind."""

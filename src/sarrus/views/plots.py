@@ -75,23 +75,25 @@ def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
     return _tidy(ax)
 
 
-def motion_figure(run: Trajectory, body: str) -> Any:
-    """A body's path, speed, spin and the constraint violation over time, as one figure."""
-    motion, figure = run[body], _figure(9.5, 5.6)
+def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
+    """One body's position and velocity, another's spin, and the constraint violation over time, as one figure."""
+    slide, figure = run[sliding], _figure(9.5, 5.6)
     axes = figure.subplots(2, 2, sharex=True)
-    for k, axis in enumerate("xyz"):
-        axes[0, 0].plot(run.t, motion.position[:, k], linewidth=1.4, label=axis)
-        axes[0, 1].plot(run.t, motion.velocity[:, k], linewidth=1.4, label=axis)
-        axes[1, 0].plot(run.t, motion.angular_velocity[:, k], linewidth=1.4, label=axis)
-    axes[1, 1].semilogy(run.t, np.maximum(run.violation, FLOOR), color=GREY, linewidth=1.0)
-    labels = ("position [m]", "velocity [m/s]", "angular velocity, body axes [rad/s]", "constraint violation |Φ|")
-    for ax, label in zip(axes.flat, labels, strict=True):
-        _tidy(ax).set_ylabel(label)
-    for ax in axes.flat[:3]:
-        ax.legend(frameon=False, ncols=3, loc="upper right")
+    panels = {
+        f"{sliding}: position [m]": slide.position,
+        f"{sliding}: velocity [m/s]": slide.velocity,
+        f"{turning}: spin in body axes [rad/s]": run[turning].angular_velocity,
+    }
+    for ax, (label, curves) in zip(axes.flat, panels.items(), strict=False):
+        for curve, name, colour in zip(curves.T, "xyz", (BLUE, ORANGE, GREY), strict=True):
+            ax.plot(run.t, curve, linewidth=1.4, label=name, color=colour)
+        _tidy(ax).set_title(label, loc="left", fontsize=10)
+    axes[0, 0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
+    axes[1, 1].semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=0.8)
+    _tidy(axes[1, 1]).set_title("largest constraint violation |Φ|", loc="left", fontsize=10)
     for ax in axes[1]:
         ax.set_xlabel("t [s]")
-    figure.suptitle(f"{run.name}: {body}")
+    figure.suptitle(run.name)
     return figure
 
 
@@ -105,7 +107,9 @@ def check_figure(report: Any, tolerance: float) -> Any:
     ax.hlines(range(len(findings)), FLOOR, errors, color=colours, linewidth=1.2)
     ax.scatter(errors, range(len(findings)), color=colours, s=18, zorder=3)
     ax.axvline(tolerance, color=ORANGE, linestyle="--", linewidth=1.0)
-    ax.text(tolerance * 0.7, len(findings) - 0.4, "tolerance", color=ORANGE, ha="right", va="bottom", fontsize=8)
+    ax.text(
+        tolerance * 0.7, len(findings) - 0.4, "tolerance", color=ORANGE, ha="right", va="bottom", fontsize=8
+    )
     ax.set_xscale("log")
     ax.set_xlim(FLOOR / 2, max(10 * tolerance, *errors))
     ax.set_yticks(range(len(findings)), [f.operator.name for f in findings], fontsize=8, family="monospace")

@@ -22,7 +22,7 @@ def rotate(p: Array, a: Array) -> Array:
 
 
 def B(p: Array, a: Array) -> Array:
-    """Derivative of A(p) a to p (3x4). Eqs. (15), (16): B = 2 (a pᵀ + B̂(p, a)), here with ẽã = a eᵀ - (e·a) I:
+    """Derivative of A(p) a to p (3x4). Eqs. (13), (15), (16): B = 2 (a pᵀ + B̂(p, a)), here with ẽã = a eᵀ - (e·a) I:
 
     B = 2 [2 e0 a + e x a,  e aᵀ - e0 ã + (e·a) I].
     """
@@ -31,7 +31,7 @@ def B(p: Array, a: Array) -> Array:
 
 
 def D(a: Array, x: Array) -> Array:
-    """Derivative of Bᵀ(p, a) x to p (4x4, symmetric). Eq. (25): 2 [2 a·x, (a x x)ᵀ; a x x, a xᵀ + x aᵀ]."""
+    """Derivative of Bᵀ(p, a) x to p (4x4, symmetric). Eqs. (24), (25): 2 [2 a·x, (a x x)ᵀ; a x x, a xᵀ + x aᵀ]."""
     d = 2 * a
     c = cross(d, x)
     return stack([[single(2 * (d @ x)), row(c)], [column(c), outer(d, x) + outer(x, d)]])

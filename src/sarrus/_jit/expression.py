@@ -166,8 +166,11 @@ class Expression:
             )
         return self * self if exponent == 2 else self * self * self
 
-    def __bool__(self) -> bool:
+    def _branch(self, *others: Any) -> Any:
         raise TypeError("a kernel must not branch on values known only at run time")
+
+    __bool__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _branch
+    __hash__ = None  # type: ignore[assignment]
 
     def sqrt(self) -> Expression:
         """Square root (also what `numpy.sqrt` calls on object arrays)."""

@@ -20,7 +20,7 @@ def sqrt(x: Any) -> Any:
         return x.sqrt()
     if isinstance(x, complex):
         return cmath.sqrt(x)
-    return math.sqrt(x) if isinstance(x, int | float) else x**0.5
+    return x.context.sqrt(x) if hasattr(x, "context") else math.sqrt(x)
 
 
 def atan2(y: Any, x: Any) -> Any:
@@ -48,25 +48,25 @@ def real(x: Any) -> float:
     return float(x.real if isinstance(x, complex) else x)
 
 
-def piece(numbers: Any, at: Any, x: Any) -> Any:
+def piece(numbers: Any, at: int, x: Any) -> int:
     """Index of the cubic piece of the curve stored at ``numbers[at:]`` in which x lies."""
-    count = int(real(numbers[int(at)]))
+    count = int(real(numbers[at]))
     low = 0
-    while low < count - 1 and real(x) >= real(numbers[int(at) + 2 + low]):
+    while low < count - 1 and real(x) >= real(numbers[at + 2 + low]):
         low += 1
     return low
 
 
-def curve(numbers: Any, at: Any, x: Any) -> Any:
+def curve(numbers: Any, at: int, x: Any) -> Any:
     """Value at x of the piecewise cubic stored at ``numbers[at:]``: count, count + 1 knots, 4 coefficients a piece."""
-    k, count, at = piece(numbers, at, x), int(real(numbers[int(at)])), int(at)
+    k, count = piece(numbers, at, x), int(real(numbers[at]))
     c, u = at + 2 + count + 4 * k, x - numbers[at + 1 + k]
     return ((numbers[c] * u + numbers[c + 1]) * u + numbers[c + 2]) * u + numbers[c + 3]
 
 
-def curve_slope(numbers: Any, at: Any, x: Any) -> Any:
+def curve_slope(numbers: Any, at: int, x: Any) -> Any:
     """First derivative of `curve` to x."""
-    k, count, at = piece(numbers, at, x), int(real(numbers[int(at)])), int(at)
+    k, count = piece(numbers, at, x), int(real(numbers[at]))
     c, u = at + 2 + count + 4 * k, x - numbers[at + 1 + k]
     return (3 * numbers[c] * u + 2 * numbers[c + 1]) * u + numbers[c + 2]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .._jit.expression import Expression
-from .._jit.functions import curve, curve_slope
+from .._jit.functions import curve, curve_slope, real
 
 
 class StoredCurve:
@@ -20,7 +20,7 @@ class StoredCurve:
     def _evaluate(self, name: str, function: Any, x: Any) -> Any:
         if isinstance(self.at, Expression):
             return self.at.call(name, x)
-        return function(self.numbers, self.at, x)
+        return function(self.numbers, int(real(self.at)), x)
 
     def __call__(self, x: Any) -> Any:
         return self._evaluate("curve", curve, x)

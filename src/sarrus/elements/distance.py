@@ -15,7 +15,7 @@ class Distance(Segment, Primitive, rows=1):
     s_j: Vec3  # [m] P_j in body j
     length: Scalar  # [m] C
 
-    def Phi(self, x: Pair) -> Array:  # Eq. (95)
+    def Phi(self, x: Pair) -> Array:  # Eqs. (28), (95)
         return row(self.d(x)) @ self.d(x) - self.length * self.length
 
     def Phi_q(self, x: Pair) -> Row:  # Eq. (96)

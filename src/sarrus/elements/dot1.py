@@ -13,7 +13,7 @@ class Dot1(Primitive, rows=1):
     a_i: Vec3  # [-] fixed in body i
     a_j: Vec3  # [-] fixed in body j
 
-    def Phi(self, x: Pair) -> Array:  # Eq. (80)
+    def Phi(self, x: Pair) -> Array:  # Eqs. (26), (80)
         return row(rotate(x.p_i, self.a_i)) @ rotate(x.p_j, self.a_j)
 
     def Phi_q(self, x: Pair) -> Row:  # Eq. (81)

@@ -24,7 +24,7 @@ class ConstraintFollows:
     Phi_q_xi_q_eta_b: Callable[..., Row]
 
     def Phi_q_xi(self, x: Any, xi: Any) -> Block:
-        """Φ_q ξ. Eqs. (36)."""
+        """Φ_q ξ. Eq. (36)."""
         return _contracted(self.Phi_q(x), xi)
 
     def Phi_qT_lam(self, x: Any, lam: Any) -> Row:

@@ -9,7 +9,7 @@ from .element import Grid, Primitive, Single
 class Normalization(Primitive, rows=1, bodies=1):
     """Φ = pᵀp - 1 [-]; the system adds one for each body."""
 
-    def Phi(self, x: Single) -> Array:  # Eq. (45)
+    def Phi(self, x: Single) -> Array:  # Eqs. (33), (45)
         return row(x.p) @ x.p - 1
 
     def Phi_q(self, x: Single) -> Row:  # Eq. (46)

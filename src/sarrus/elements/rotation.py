@@ -21,7 +21,7 @@ def J_b(w: Array) -> Array:
 
 
 def rotational_mass(inertia: Array, p: Array) -> Array:
-    """4 GᵀJG. Eq. (5)."""
+    """4 GᵀJG. Eqs. (5), (51)."""
     return 4 * (G(p).T @ tensor(inertia) @ G(p))
 
 

@@ -16,7 +16,7 @@ class Spherical(Primitive, rows=3):
     def Phi(self, x: Pair) -> Array:  # Eq. (29)
         return x.r_j + rotate(x.p_j, self.s_j) - x.r_i - rotate(x.p_i, self.s_i)
 
-    def Phi_q(self, x: Pair) -> Row:  # Eq. (35)
+    def Phi_q(self, x: Pair) -> Row:  # Eqs. (34), (35)
         return -I3, -B(x.p_i, self.s_i), I3, B(x.p_j, self.s_j)
 
     def Phi_q_xi_q(self, x: Pair, xi: Pair) -> Row:  # Eq. (38)

@@ -41,7 +41,7 @@ class SpringDamper(Segment):
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
 
-    def _length(self, x: Pair, v: Pair) -> Length:
+    def _length(self, x: Pair, v: Pair) -> Length:  # Eqs. (61), (62), (68), (76), (77)
         d, w = self.d(x), self.d_xi(x, v)
         l = sqrt(d @ d)
         u = d / l
@@ -53,7 +53,7 @@ class SpringDamper(Segment):
         rate_q[1], rate_q[3] = rate_q[1] + u @ turn_i, rate_q[3] + u @ turn_j
         return Length(l, rate, l_q, rate_q)
 
-    def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:  # Eq. (63)
+    def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:  # Eqs. (59), (63)
         size = self._length(x, v)
         f = self.law(size.l, size.rate, t).f
         return tuple(-f * block for block in size.l_q)

@@ -1,0 +1,73 @@
+"""The command line, called as a user calls it."""
+
+import json
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from sarrus import mechanisms
+from sarrus.cli import VERBS, main
+
+SLIDER_CRANK = str(mechanisms.path("slider_crank"))
+
+
+def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--output", str(tmp_path)]) == 0
+    told = capsys.readouterr()
+    assert "28 operators checked, all agree" in told.out
+    assert "slider at x = 4.749343770 m" in told.out
+    assert "compiling kernels" in told.err
+    assert sorted(file.name for file in tmp_path.iterdir()) == [
+        f"slider_crank_{figure}.{ending}" for figure in ("check", "motion") for ending in ("png", "svg")
+    ]
+    assert ET.parse(tmp_path / "slider_crank_motion.svg").getroot().tag.endswith("svg")
+
+
+def test_check(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", SLIDER_CRANK]) == 0
+    assert "((Φ_q ξ)_q η)_q" in capsys.readouterr().out
+
+
+def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, figure = tmp_path / "run.csv", tmp_path / "run.svg"
+    arguments = ["--until", "0.5", "--steps", "10", "--csv", str(table), "--plot", "slider.x", "--figure", str(figure)]
+    assert main(["run", SLIDER_CRANK, *arguments]) == 0
+    assert "slider" in capsys.readouterr().out
+    assert len(table.read_text().splitlines()) == 12
+    assert figure.exists()
+
+
+def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["$schema"].startswith("https://json-schema.org")
+
+
+def test_a_wrong_model_gives_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("name: wrong\nbodies:\n  rod: {mass: -1, inertia: [1, 1, 1]}\n")
+    for verb in ("check", "run"):
+        assert main([verb, str(wrong)]) == 2
+        told = capsys.readouterr().err
+        assert told.startswith(f"sarrus: {wrong}:3")
+        assert told.count("\n") == 1
+
+
+def test_a_wrong_coordinate_gives_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--until", "0.01", "--plot", "slider.w", "--csv", str(tmp_path / "kept.csv")]
+    assert main(["run", SLIDER_CRANK, *arguments]) == 2
+    assert "no coordinate 'slider.w'" in capsys.readouterr().err
+    assert (tmp_path / "kept.csv").exists()
+
+
+def test_a_wrong_end_time_gives_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", SLIDER_CRANK, "--until", "-1"]) == 2
+    assert "--until must be a positive time" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([verb, "--help"])
+    assert left.value.code == 0
+    assert verb in capsys.readouterr().out

@@ -1,0 +1,92 @@
+"""Compiled kernels last, and never lie: concurrent starts, edits of the sources, installs that cannot be written."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import sarrus
+
+PACKAGE = Path(sarrus.__file__).parent
+PROGRAM = """
+import sarrus as sr
+from sarrus import mechanisms
+from sarrus._jit import cache
+system = sr.System(sr.load(mechanisms.path("slider_crank")))
+print(repr(float(abs(system.Phi_q(system.q0).data).sum())), system.group("Phi_q").compiled.stats.cache_hits.total())
+print(cache.folder())
+"""
+
+
+def start(home: Path, **environment: str) -> "subprocess.Popen[str]":
+    settings = {**os.environ, "PYTHONPATH": str(home), "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        env=settings,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def finish(process: "subprocess.Popen[str]") -> tuple[float, int, Path]:
+    """The sum that the program prints, how many kernels came from the cache, and the cache folder."""
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    total, hits, folder = out.split()
+    return float(total), int(hits), Path(folder)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """A copy of the package, alone in a folder."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(PACKAGE, tmp_path / "home" / "sarrus", ignore=ignored)
+    return tmp_path / "home"
+
+
+def test_two_processes_on_an_empty_cache(tmp_path: Path) -> None:
+    place = str(tmp_path / "cache")
+    both = [start(PACKAGE.parent, SARRUS_CACHE_DIR=place) for _ in range(2)]
+    (first, _, folder), (second, _, _) = [finish(process) for process in both]
+    assert first == second
+    assert folder.parent == Path(place)
+    assert finish(start(PACKAGE.parent, SARRUS_CACHE_DIR=place))[:2] == (first, 1)
+
+
+def test_an_edit_of_any_source_is_seen(copy: Path, tmp_path: Path) -> None:
+    place = str(tmp_path / "cache")
+    before, _, old = finish(start(copy, SARRUS_CACHE_DIR=place))
+    source = copy / "sarrus" / "euler.py"
+    text = source.read_text(encoding="utf-8")
+    assert "(2 * d0 * a + cross(d, a))" in text
+    source.write_text(
+        text.replace("(2 * d0 * a + cross(d, a))", "(3 * d0 * a + cross(d, a))"), encoding="utf-8"
+    )
+    after, hits, new = finish(start(copy, SARRUS_CACHE_DIR=place))
+    assert hits == 0
+    assert new != old
+    assert abs(after - before) > 0.1
+    source.write_text(text, encoding="utf-8")
+    assert finish(start(copy, SARRUS_CACHE_DIR=place))[:2] == (before, 1)
+
+
+def test_an_install_that_cannot_be_written_uses_the_users_cache(copy: Path, tmp_path: Path) -> None:
+    (copy / "sarrus" / "__pycache__").write_text("a file where a folder would have to be made")
+    user = tmp_path / "user"
+    settings = {"XDG_CACHE_HOME": str(user), "SARRUS_CACHE_DIR": ""}
+    _, hits, folder = finish(start(copy, **settings))
+    assert folder.parent == user / "sarrus"
+    assert hits == 0
+    assert finish(start(copy, **settings))[1] == 1
+
+
+def test_without_any_folder_it_still_runs(copy: Path, tmp_path: Path) -> None:
+    (copy / "sarrus" / "__pycache__").write_text("")
+    blocked = tmp_path / "blocked"
+    blocked.write_text("")
+    _, _, folder = finish(start(copy, XDG_CACHE_HOME=str(blocked), SARRUS_CACHE_DIR=str(blocked)))
+    assert folder.exists() or folder.name.startswith(("kernels-", "sarrus-"))

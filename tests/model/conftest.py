@@ -1,0 +1,89 @@
+"""Independent evaluation of the constraints of a blueprint, with rotation matrices of SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from sarrus.model import Blueprint, Placed
+
+
+class Places:
+    """Origin and rotation of every body of a blueprint, the ground included."""
+
+    def __init__(self, plan: Blueprint) -> None:
+        rows = plan.q.reshape(-1, 7)
+        self.r = np.vstack([np.zeros(3), rows[:, :3]])
+        p = np.vstack([[1.0, 0.0, 0.0, 0.0], rows[:, 3:]])
+        self.A = Rotation.from_quat(p, scalar_first=True).as_matrix()
+
+    def point(self, body: int, s: object) -> NDArray[np.float64]:
+        return np.asarray(self.r[body] + self.A[body] @ s)
+
+    def vector(self, body: int, a: object) -> NDArray[np.float64]:
+        return np.asarray(self.A[body] @ a)
+
+
+def spherical(at: Places, i: int, j: int, s_i: object, s_j: object) -> object:
+    return at.point(j, s_j) - at.point(i, s_i)
+
+
+def dot1(at: Places, i: int, j: int, a_i: object, a_j: object) -> object:
+    return at.vector(i, a_i) @ at.vector(j, a_j)
+
+
+def dot2(at: Places, i: int, j: int, a_i: object, s_i: object, s_j: object) -> object:
+    return at.vector(i, a_i) @ (at.point(j, s_j) - at.point(i, s_i))
+
+
+def distance(at: Places, i: int, j: int, s_i: object, s_j: object, length: float) -> object:
+    d = at.point(j, s_j) - at.point(i, s_i)
+    return d @ d - length**2
+
+
+FORMULAS: dict[str, Callable[..., object]] = {
+    "Spherical": spherical,
+    "Dot1": dot1,
+    "Dot2": dot2,
+    "Distance": distance,
+}
+
+
+def violation(plan: Blueprint) -> float:
+    """Return the largest entry of Φ in the initial pose."""
+    return float(np.max(np.abs(all_of_phi(plan))))
+
+
+def all_of_phi(plan: Blueprint) -> NDArray[np.float64]:
+    """Return Φ of the joints in the initial pose."""
+    at = Places(plan)
+    return np.concatenate([phi(at, one) for one in constraints(plan)])
+
+
+def phi(at: Places, placed: Placed) -> NDArray[np.float64]:
+    formula = FORMULAS[placed.element.__name__]
+    return np.atleast_1d(np.asarray(formula(at, *placed.bodies, *placed.values)))
+
+
+def constraints(plan: Blueprint) -> list[Placed]:
+    """Return the constraint primitives of a blueprint."""
+    return [placed for placed in plan.placed if placed.element.__name__ in FORMULAS]
+
+
+@pytest.fixture
+def largest_phi() -> Callable[[Blueprint], float]:
+    return violation
+
+
+@pytest.fixture
+def all_phi() -> Callable[[Blueprint], NDArray[np.float64]]:
+    return all_of_phi
+
+
+@pytest.fixture
+def places() -> type[Places]:
+    return Places

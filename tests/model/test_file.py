@@ -1,0 +1,283 @@
+"""The model file: what it means, that YAML and JSON say the same, and its published schema."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from sarrus.model import (
+    RSDA,
+    TSDA,
+    AxisAngle,
+    Blueprint,
+    Body,
+    Curve,
+    Distance,
+    EulerAngles,
+    Fixed,
+    Force,
+    Joint,
+    Model,
+    ModelError,
+    PointForce,
+    Revolute,
+    Spherical,
+    Torque,
+    Tyre,
+    Universal,
+    blueprint,
+    ground,
+    load,
+)
+from sarrus.model.file import print_schema, schema_text
+
+EVERYTHING = """\
+$schema: schema.json
+name: everything at once
+description: One of each.
+gravity: [0, 0, -1e1]
+bodies:
+  a: {mass: 010, inertia: [1, 1, 1], position: [1, 2, 3], orientation: {axis: [0, 1, 0], angle: 5e-1}}
+  b:
+    mass: 2
+    inertia: {xx: 2, yy: 2, zz: 3, xy: .1}
+    orientation: {angles: [0.1, 0.2, 0.3], sequence: zxz}
+    center_of_mass: [0, 0, 0.1]
+    velocity: [1, 0, 0]
+    angular_velocity: [0, 0, 2]
+  c:
+    mass: 3
+    inertia: [[1, 0, 0], [0, 1, 0.1], [0, 0.1, 1]]
+    orientation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+  d: {mass: 4, inertia: [1, 1, 1], orientation: [0, 1, 0, 0]}
+joints:
+  pin: {type: revolute, bodies: [ground, a], point: [0, 1, 0], axis: [0, 0, 2]}
+  hook: {type: universal, bodies: [a, b], point: [0, 1, 0], axis_i: [1, 0, 0], axis_j: [0, 1, 0]}
+  ball: {type: spherical, points: [{body: b, at: [1, 0, 0]}, {body: c, global: [0, 1, 0]}]}
+  weld: {type: fixed, frames: [{body: c, at: [0, 0, 1]}, {body: d, global: [0, 0, 1], x: [0, 1, 0], z: [0, 0, 1]}]}
+  rod: {type: distance, points: [{body: ground, at: [0, 0, 9]}, {body: d, at: [0, 0, 0]}]}
+forces:
+  spring: {type: tsda, points: [{body: a, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], k: 5, length: 1, c: 2}
+  bump:
+    type: tsda
+    points: [{body: a, at: [0, 0, 1]}, {body: b, at: [0, 0, 0]}]
+    k: {table: [[0, 1], [1, 3], [2, 4]]}
+    length: 1
+  coil: {type: rsda, bodies: [ground, a], point: [0, 0, 0], axis: [0, 0, 1], k: 3, torque: 1}
+  push: {type: point_force, point: {body: c, global: [0, 0, 0]}, force: [0, 0, 1], axes: body}
+  twist: {type: torque, body: d, torque: [1, 0, 0]}
+  wheel: {type: tyre, point: {body: d, at: [0, 0, 0]}, k: 10, c: 1, radius: 0.5}
+"""
+
+
+def in_python() -> Model:
+    """Return the same model, said in Python."""
+    a = Body("a", 10, (1, 1, 1), position=(1, 2, 3), orientation=AxisAngle((0, 1, 0), 0.5))
+    b = Body(
+        "b",
+        2,
+        {"xx": 2, "yy": 2, "zz": 3, "xy": 0.1},
+        orientation=EulerAngles((0.1, 0.2, 0.3), "zxz"),
+        center_of_mass=(0, 0, 0.1),
+        velocity=(1, 0, 0),
+        angular_velocity=(0, 0, 2),
+    )
+    c = Body(
+        "c", 3, [[1.0, 0, 0], [0.0, 1, 0.1], [0, 0.1, 1]], orientation=[[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    )
+    d = Body("d", 4, (1, 1, 1), orientation=(0, 1, 0, 0))
+    weld = c.frame((0, 0, 1)), d.frame(d.global_point(0, 0, 1), x=(0, 1, 0), z=(0, 0, 1))
+    joints = [
+        Revolute("pin", ground, a, point=(0, 1, 0), axis=(0, 0, 2)),
+        Universal("hook", a, b, point=(0, 1, 0), axis_i=(1, 0, 0), axis_j=(0, 1, 0)),
+        Spherical("ball", point_i=b.point(1, 0, 0), point_j=c.global_point(0, 1, 0)),
+        Fixed("weld", frame_i=weld[0], frame_j=weld[1]),
+        Distance("rod", ground.point(0, 0, 9), d.point(0, 0, 0)),
+    ]
+    forces = [
+        TSDA("spring", a.point(0, 0, 0), b.point(0, 0, 0), k=5, length=1, c=2),
+        TSDA("bump", a.point(0, 0, 1), b.point(0, 0, 0), k=Curve.table([(0, 1), (1, 3), (2, 4)]), length=1),
+        RSDA("coil", ground, a, point=(0, 0, 0), axis=(0, 0, 1), k=3, torque=1),
+        PointForce("push", c.global_point(0, 0, 0), (0, 0, 1), axes="body"),
+        Torque("twist", d, (1, 0, 0)),
+        Tyre("wheel", d.point(0, 0, 0), k=10, c=1, radius=0.5),
+    ]
+    return Model("everything at once", [a, b, c, d], joints, forces, gravity=(0, 0, -10))
+
+
+def as_json(text: str) -> str:
+    """Return the same file as JSON."""
+    data: dict[str, Any] = yaml.safe_load(
+        text.replace("1e1", "10.0").replace("010", "10").replace("5e-1", "0.5")
+    )
+    return json.dumps(data, indent=2)
+
+
+def same(one: Blueprint, other: Blueprint) -> bool:
+    """Return whether two blueprints agree in every bit."""
+    arrays = np.array_equal(one.q, other.q) and np.array_equal(one.v, other.v)
+    return arrays and (one.name, one.bodies, one.placed) == (other.name, other.bodies, other.placed)
+
+
+def test_yaml_json_and_python_say_the_same(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(EVERYTHING, encoding="utf-8-sig")
+    (tmp_path / "m.json").write_text(as_json(EVERYTHING))
+    plans = [blueprint(load(tmp_path / name)) for name in ("m.yaml", "m.json")]
+    assert all(same(plan, blueprint(in_python())) for plan in plans)
+
+
+def test_a_change_of_any_number_changes_the_blueprint(tmp_path: Path) -> None:
+    """Guards the test above: every number in the file counts."""
+    (tmp_path / "m.yaml").write_text(EVERYTHING)
+    plan = blueprint(load(tmp_path / "m.yaml"))
+    for old, new in [
+        ("mass: 010", "mass: 11"),
+        ("angle: 5e-1", "angle: 0.6"),
+        ("[1, 3]", "[1, 3.1]"),
+        ("k: 3", "k: 4"),
+    ]:
+        (tmp_path / "m.yaml").write_text(EVERYTHING.replace(old, new))
+        assert not same(plan, blueprint(load(tmp_path / "m.yaml")))
+
+
+def test_a_model_knows_where_its_parts_stand(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(EVERYTHING)
+    model = load(tmp_path / "m.yaml")
+    assert model.where("b") == f"{tmp_path / 'm.yaml'}:7"
+    assert model.where("weld") == f"{tmp_path / 'm.yaml'}:23"
+    assert model.where("nothing") == ""
+    assert in_python().where("b") == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [("1e-3", 1e-3), ("1E+3", 1e3), ("010", 10.0), (".5", 0.5), ("5.", 5.0), ("+1", 1.0), ("1.5e2", 150.0)],
+)
+def test_numbers_are_those_of_yaml_1_2(word: str, value: float, tmp_path: Path) -> None:
+    text = EVERYTHING.replace("gravity: [0, 0, -1e1]", f"gravity: [0, 0, {word}]")
+    (tmp_path / "m.yaml").write_text(text)
+    assert load(tmp_path / "m.yaml").gravity[2] == value
+
+
+@pytest.mark.parametrize("name", ["on", "yes", "1e", "Fahrzeug Ü", "12:30", "'7'", "2026-11-21"])
+def test_texts_stay_texts(name: str, tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(EVERYTHING.replace("everything at once", name), encoding="utf-8")
+    assert load(tmp_path / "m.yaml").name == name.strip("'")
+
+
+def test_json_texts_keep_their_escapes(tmp_path: Path) -> None:
+    text = as_json(EVERYTHING).replace("everything at once", r"\u00e9\ud83d\ude00\/ \"x\"")
+    (tmp_path / "m.json").write_text(text.replace("  ", "\t"))
+    assert load(tmp_path / "m.json").name == 'é😀/ "x"'
+
+
+def test_the_published_schema_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> None:
+    published = files("sarrus.model.file").joinpath("schema.json").read_text(encoding="utf-8")
+    assert published == schema_text(), "print_schema() > src/sarrus/model/file/schema.json"
+    print_schema()
+    assert capsys.readouterr().out == published
+
+
+def test_the_schema_names_every_kind_and_allows_no_other_key() -> None:
+    definitions = json.loads(schema_text())["$defs"]
+    kinds = {
+        one["properties"]["type"]["const"] for one in definitions.values() if "type" in one["properties"]
+    }
+    assert kinds >= {"revolute", "distance", "tsda", "rsda", "point_force", "torque", "tyre"}
+    assert all(one["additionalProperties"] is False for one in definitions.values())
+
+
+def test_a_new_force_is_one_class(tmp_path: Path) -> None:
+    script = tmp_path / "wind.py"
+    script.write_text(WIND)
+    (tmp_path / "m.yaml").write_text(EVERYTHING + "  gust: {type: side_wind, body: a, speed: 3}\n")
+    (tmp_path / "bad.yaml").write_text(EVERYTHING + "  gust: {type: side_wind, body: a, sped: 3}\n")
+    command = [sys.executable, str(script), str(tmp_path / "m.yaml"), str(tmp_path / "bad.yaml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[0] == "PointForce (1,) ((0.0, 0.0, 0.0), (0.0, 9.0, 0.0)) gust wind"
+    assert 'force "gust": has no key "sped"; did you mean "speed"?' in done.stdout.splitlines()[1]
+
+
+WIND = """
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+from sarrus import elements
+from sarrus.model import Force, ModelError, blueprint, load
+from sarrus.model.primitive import Primitive
+from sarrus.model.solid import Solid
+
+
+@dataclass(frozen=True, eq=False)
+class SideWind(Force):
+    '''A steady side wind.'''
+
+    body: Solid
+    speed: float
+
+    def primitives(self, poses):
+        values = ((0.0, 0.0, 0.0), (0.0, self.speed**2, 0.0))
+        yield Primitive(elements.PointForce, (self.body.name,), values, "wind")
+
+
+last = blueprint(load(sys.argv[1])).placed[-1]
+print(last.element.__name__, *last[1:])
+try:
+    load(sys.argv[2])
+except ModelError as error:
+    print(error)
+"""
+
+
+def test_importing_the_model_layer_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, sarrus.model; print(*sorted({'numba', 'scipy', 'pydantic', 'yaml'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+def test_python_models_are_refused_by_name_too() -> None:
+    body = Body("rod", 1.0, (1, 1, 1))
+    wrong = {
+        "model: gravity must have 3 numbers, but has 1; give three numbers in m/s²": Model(
+            "m", [body], gravity=(1,)
+        ),
+        "model: has no bodies; give at least one": Model("m", []),
+        'body "rod": the name "rod" is taken by another of the bodies; rename one of them': Model(
+            "m", [body, body]
+        ),
+        'model: name must be a text on one line, but is "a\\nb"; name it': Model("a\nb", [body]),
+        'joint "rod": is a Body among the joints; list only Joint objects there': Model("m", [body], [body]),  # type: ignore[list-item]
+        'joint "": is a int among the joints; list only Joint objects there': Model("m", [body], [3]),  # type: ignore[list-item]
+    }
+    for told, model in wrong.items():
+        with pytest.raises(ModelError) as caught:
+            blueprint(model)
+        assert str(caught.value) == told
+
+
+def test_a_body_can_be_exchanged_for_one_of_its_name() -> None:
+    rod = Body("rod", 1.0, (1, 1, 1), position=(1, 0, 0))
+    pin = Revolute("pin", ground, rod, point=(0, 0, 0), axis=(0, 0, 1))
+    other = Body("rod", 2.0, (1, 1, 1), position=(0, 1, 0))
+    assert blueprint(Model("m", [other], [pin])).placed[0].values[1] == (0, -1, 0)
+
+
+def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
+    guide = Path(__file__).parents[2].joinpath("docs", "model-file.md").read_text(encoding="utf-8")
+    example = guide.split("```yaml\n")[1].split("```")[0]
+    (tmp_path / "crank.yaml").write_text(example, encoding="utf-8")
+    assert [body.name for body in load(tmp_path / "crank.yaml").bodies] == ["crank", "slider"]
+    for kind in (*Joint.kinds, *Force.kinds):
+        assert f"| `{kind}` |" in guide

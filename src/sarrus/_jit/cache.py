@@ -1,7 +1,8 @@
 """Where compiled kernels are kept, and what makes them out of date.
 
 Numba looks at one file's time stamp; an edit in any other file would leave callers with old formulas. The folder is
-therefore named by everything that a kernel depends on: all sources of the package, the versions, and the processor.
+therefore named by everything that a kernel depends on: the sources of the layers in which kernels are written, recorded
+and put together, the versions, and the processor.
 """
 
 from __future__ import annotations
@@ -23,16 +24,17 @@ import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 
 PACKAGE = Path(__file__).resolve().parent.parent
+SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system/group.py")
 STALE_AFTER = 14 * 86400.0
 
 
 def fingerprint(package: Path = PACKAGE) -> str:
-    """Hash of the package's sources, the versions of Python, Numba, llvmlite and NumPy, and the processor."""
+    """Hash of the kernels' sources, the versions of Python, Numba, llvmlite and NumPy, and the processor."""
     digest = hashlib.sha256()
     for part in (sys.version, numba.__version__, llvmlite.__version__, np.__version__):
         digest.update(part.encode())
     digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
-    for source in sorted(package.rglob("*.py")):
+    for source in sorted(file for pattern in SOURCES for file in package.glob(pattern)):
         digest.update(source.relative_to(package).as_posix().encode() + source.read_bytes())
     return digest.hexdigest()[:20]
 

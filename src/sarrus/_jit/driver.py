@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -45,7 +46,8 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
 
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
-    """Compile the one function written in `lines` under a new name, or find it in the cache under that name."""
+    """Compile the one function written in `lines`, or find it in the cache under `name` and what it says."""
+    name = f"{name}_{hashlib.sha256(repr(lines).encode()).hexdigest()[:8]}"
     scope: dict[str, Any] = {}
     exec(compile("\n".join(lines), f"<{name}>", "exec"), {"__name__": __name__, **namespace}, scope)
     (function,) = scope.values()

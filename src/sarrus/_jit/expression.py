@@ -172,15 +172,22 @@ class Expression:
     __bool__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _branch
     __hash__ = None  # type: ignore[assignment]
 
-    def sqrt(self) -> Expression:
-        """Square root (also what `numpy.sqrt` calls on object arrays)."""
-        return self.graph.node("sqrt", self)
-
     def call(self, function: str, *others: Any) -> Expression:
         """A function of `sarrus._jit.functions` of this and other expressions."""
         return self.graph.node(
             function, self, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others)
         )
+
+
+def _method(function: str) -> Callable[[Expression], Expression]:
+    return lambda self: self.call(function)
+
+
+for _ufunc, _function in {
+    "sqrt": "sqrt", "sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "tanh": "tanh",
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan",
+}.items():  # fmt: skip
+    setattr(Expression, _ufunc, _method(_function))  # what numpy.sin calls on object arrays
 
 
 def _fold(a: Expression, b: Expression, operation: Any) -> Expression | None:

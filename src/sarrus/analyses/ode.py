@@ -53,8 +53,8 @@ class ODE:
                     break
                 steps += 1
                 recorder.record(motion, solver.t, solver.dense_output(), up_to=solver.t)
-                solver.y = np.concatenate(recorder.projection(*np.split(solver.y, 2)))
-                system.remember(solver.y[: system.nq], motion.b)
+                solver.y = np.concatenate(recorder.projection(solver.t, *np.split(solver.y, 2)))
+                system.remember(solver.y[: system.nq], motion.b, solver.t)
                 solver.f = motion.rate(solver.t, solver.y)
                 if progress:
                     progress(float(solver.t))
@@ -77,9 +77,9 @@ class Recorder:
         """Take all times not yet taken up to `up_to`."""
         while len(self._rows) < len(self.times) and self.times[len(self._rows)] <= up_to * (1 + 1e-15):
             time = float(self.times[len(self._rows)])
-            q, v = self.projection(*np.split(np.asarray(interpolant(time)), 2))
+            q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
             a, lam = motion.acceleration(time, q, v)
-            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q)).max(initial=0.0)))
+            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q, time)).max(initial=0.0)))
         self.last = float(t)
 
     def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:

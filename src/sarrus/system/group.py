@@ -34,7 +34,7 @@ class Group:
         self.operands = (*(n for n in found if n in SCALARS), *(n for n in found if n not in SCALARS))
         family = OPERATORS[names[0]].family
         members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
-        built_in = [n for n, p in enumerate(members) if p.kind in BUILT_IN]
+        built_in = [n for n, p in enumerate(members) if p.variant in USUAL]
         self.index = self._pack(members, built_in)
         self.compiled = built_in_driver(names)
         self._others = [
@@ -68,6 +68,7 @@ class Group:
         return [np.zeros(pattern.size) for pattern in self.patterns]
 
 
+USUAL = {variant for kind in BUILT_IN for variant in variants(kind)}
 _drivers: dict[tuple[str, ...], Any] = {}
 
 
@@ -84,7 +85,7 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 
 
 def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
-    """The driver of a group over one element type of the user's; kept under the hash of what it computes."""
+    """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
     recording = record(variant, names)
     return driver(signature(names, recording.fingerprint()), [lambda: recording], clears=False)
 

@@ -17,8 +17,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
 STEPS = 200  # most steps of a formula
-OPERATIONS = ("constant", "x", "add", "sub", "mul", "div", "neg", "sqrt", "sin", "cos", "exp", "log", "atan", "tanh",
-              "power", "min", "max")  # fmt: skip
+OPERATIONS = ("constant", "input", "add", "sub", "mul", "div", "neg", "sqrt", "sin", "cos", "tan", "asin", "acos",
+              "atan", "exp", "log", "tanh", "positive")  # fmt: skip
 CODES = {name: code for code, name in enumerate(OPERATIONS)}
 
 
@@ -52,7 +52,8 @@ def _elementary(name: str) -> Any:
 
 
 _sqrt, _sin, _cos, _exp = _elementary("sqrt"), _elementary("sin"), _elementary("cos"), _elementary("exp")
-_log, _atan, _tanh = _elementary("log"), _elementary("atan"), _elementary("tanh")
+_log, _tanh, _tan = _elementary("log"), _elementary("tanh"), _elementary("tan")
+_asin, _acos, _atan = _elementary("asin"), _elementary("acos"), _elementary("atan")
 
 
 def _real(x: Any) -> float:
@@ -113,16 +114,28 @@ def _elementary_step(code: Any, u: Any, u1: Any, u2: Any) -> Any:
     if code == 9:
         return _chain(_cos(u), -_sin(u), -_cos(u), u1, u2)
     if code == 10:
-        return _chain(_exp(u), _exp(u), _exp(u), u1, u2)
-    if code == 11:
-        return _chain(_log(u), 1.0 / u, -1.0 / (u * u), u1, u2)
-    if code == 12:
+        value = _tan(u)
+        slope = 1.0 + value * value
+        return _chain(value, slope, 2.0 * value * slope, u1, u2)
+    if code == 11 or code == 12:
+        root = _sqrt(1.0 - u * u)
+        sign = 1.0 if code == 11 else -1.0
+        value = _asin(u) if code == 11 else _acos(u)
+        return _chain(value, sign / root, sign * u / (root * root * root), u1, u2)
+    if code == 13:
         slope = 1.0 / (1.0 + u * u)
         return _chain(_atan(u), slope, -2.0 * u * slope * slope, u1, u2)
-    if code == 13:
+    if code == 14:
+        return _chain(_exp(u), _exp(u), _exp(u), u1, u2)
+    if code == 15:
+        return _chain(_log(u), 1.0 / u, -1.0 / (u * u), u1, u2)
+    if code == 16:
         value = _tanh(u)
         slope = 1.0 - value * value
         return _chain(value, slope, -2.0 * value * slope, u1, u2)
+    if code == 17:
+        step = 1.0 if _real(u) > 0.0 else 0.0
+        return step + 0.0 * u, 0.0 * u, 0.0 * u
     return -u, -u1, -u2
 
 
@@ -135,15 +148,9 @@ def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) 
         return u - w, u1 - w1, u2 - w2
     if code == 4:
         return u * w, u1 * w + u * w1, u2 * w + 2.0 * u1 * w1 + u * w2
-    if code == 5:
-        ratio = u / w
-        slope = (u1 - ratio * w1) / w
-        return ratio, slope, (u2 - 2.0 * slope * w1 - ratio * w2) / w
-    if code == 14:
-        return _chain(u**w, w * u ** (w - 1.0), w * (w - 1.0) * u ** (w - 2.0), u1, u2)
-    if (_real(u) <= _real(w)) == (code == 15):
-        return u, u1, u2
-    return w, w1, w2
+    ratio = u / w
+    slope = (u1 - ratio * w1) / w
+    return ratio, slope, (u2 - 2.0 * slope * w1 - ratio * w2) / w
 
 
 @register_jitable
@@ -159,7 +166,7 @@ def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
             value, slope, bend = x, 1.0 + 0.0 * x, 0.0 * x
         else:
             i, j = 3 * int(_real(first)), 3 * int(_real(numbers[step + 2]))
-            if code >= 6 and code <= 13:
+            if code >= 6:
                 value, slope, bend = _elementary_step(code, work[i], work[i + 1], work[i + 2])
             else:
                 value, slope, bend = _binary_step(

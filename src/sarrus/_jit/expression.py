@@ -159,12 +159,18 @@ class Expression:
     def __rtruediv__(self, other: Expression) -> Expression:
         return other / self
 
-    def __pow__(self, exponent: int) -> Expression:
-        if exponent not in (2, 3):
-            raise TypeError(
-                "a kernel may raise to the powers 2 and 3; write other powers as products or roots"
-            )
-        return self * self if exponent == 2 else self * self * self
+    def __pow__(self, exponent: Any) -> Expression:
+        if isinstance(exponent, int) and exponent >= 0:
+            return self._whole_power(exponent)
+        if isinstance(exponent, int):
+            return 1 / self._whole_power(-exponent)
+        return self.call("sqrt") if exponent == 0.5 else (exponent * self.call("log")).call("exp")
+
+    def _whole_power(self, exponent: int) -> Expression:
+        if exponent == 0:
+            return self.graph.constant(1)
+        half = self._whole_power(exponent // 2)
+        return half * half * self if exponent % 2 else half * half
 
     def _branch(self, *others: Any) -> Any:
         raise TypeError("a kernel must not branch on values known only at run time")

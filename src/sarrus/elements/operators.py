@@ -158,3 +158,6 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "force": ("Q_q", "Q_v"),
     "inertia": ("M_a_q",),
 }
+ALIASES: dict[tuple[str, ...], dict[str, str]] = {
+    GROUPS["kinematic"]: {"xi": "v"}
+}  # (Φ_q v)_q is wanted there

@@ -14,7 +14,7 @@ from .._jit.expression import Expression, Graph
 from ..algebra import Array
 from .element import Element
 from .evaluation import BODY_OPERANDS, element_from, grid
-from .operators import OPERATORS, Axis, Operator
+from .operators import ALIASES, OPERATORS, Axis, Operator
 
 SCALARS = ("t",)
 GROUND = (0, 0, 0, 1, 0, 0, 0)
@@ -22,7 +22,8 @@ GROUND = (0, 0, 0, 1, 0, 0, 0)
 
 def operands_of(names: tuple[str, ...]) -> tuple[str, ...]:
     """All operands of a group of operators, q first, in a fixed order."""
-    wanted = {operand for name in names for operand in OPERATORS[name].operands}
+    alias = ALIASES.get(names, {})
+    wanted = {alias.get(operand, operand) for name in names for operand in OPERATORS[name].operands}
     return ("q", *(operand for operand in ("xi", "eta", "v", "a", "lam", "t") if operand in wanted))
 
 
@@ -68,9 +69,11 @@ def record(variant: Variant, names: tuple[str, ...]) -> Recording:
     """Record the operators `names` of an element type in one graph."""
     graph, kind = Graph(), variant.kind
     operands = {name: _symbols(graph, variant, name) for name in operands_of(names)}
+    operands |= {name: operands[same] for name, same in ALIASES.get(names, {}).items()}
     element = element_from(kind, graph.inputs("numbers", kind.size()), t=operands.get("t", 0))
-    arrays = tuple(name for name in operands if name not in SCALARS)
-    scalars = tuple(name for name in operands if name in SCALARS)
+    taken = operands_of(names)
+    arrays = tuple(name for name in taken if name not in SCALARS)
+    scalars = tuple(name for name in taken if name in SCALARS)
     title = f"{variant.name}.{'+'.join(names)}"
     recording = Recording(title, graph, variant.moving, kind.size(), arrays, scalars)
     for name in names:

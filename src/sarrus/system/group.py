@@ -11,7 +11,7 @@ import numpy as np
 from .._jit.driver import Signature, driver
 from .._jit.emit import HEADER
 from ..algebra import Array
-from ..elements import BUILT_IN, OPERATORS
+from ..elements import BUILT_IN, GROUPS, OPERATORS
 from ..elements.recorder import SCALARS, Variant, operands_of, record, variants
 from .pattern import Pattern
 from .population import Population
@@ -99,4 +99,5 @@ def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
         arrays=tuple(n for n in found if n not in SCALARS),
         outputs=tuple(f"out_{name}" for name in names),
         sums=tuple(OPERATORS[name].sums for name in names),
+        hot=len(names) > 1 or names in GROUPS.values(),
     )

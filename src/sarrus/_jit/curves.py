@@ -11,25 +11,10 @@ import cmath
 import math
 from typing import Any
 
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic, overload, register_jitable
-
 STEPS = 200  # most steps of a formula
 OPERATIONS = ("constant", "input", "add", "sub", "mul", "div", "neg", "sqrt", "sin", "cos", "tan", "asin", "acos",
               "atan", "exp", "log", "tanh", "positive")  # fmt: skip
 CODES = {name: code for code, name in enumerate(OPERATIONS)}
-
-
-@intrinsic
-def _stack(typingctx: Any, count: Any) -> Any:
-    """Room for a formula's values and derivatives, on the stack."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return cgutils.alloca_once(builder, ir.DoubleType(), size=3 * STEPS)
-
-    return types.CPointer(types.float64)(count), codegen
 
 
 def _room() -> Any:
@@ -38,16 +23,13 @@ def _room() -> Any:
 
 
 def _elementary(name: str) -> Any:
-    """An elementary function of a real, complex or extended-precision number, that compiled code may call too."""
+    """An elementary function of a real, complex or extended-precision number."""
 
     def function(x: Any) -> Any:
         if isinstance(x, complex):
             return getattr(cmath, name)(x)
         return getattr(x.context if hasattr(x, "context") else math, name)(x)
 
-    scope: dict[str, Any] = {"math": math}
-    exec(f"def compiled(x):\n    return lambda x: math.{name}(x)", scope)
-    overload(function, strict=False)(scope["compiled"])
     return function
 
 
@@ -61,17 +43,6 @@ def _real(x: Any) -> float:
     return float(x.real)
 
 
-@overload(_room, strict=False)
-def _compiled_room() -> Any:
-    return lambda: _stack(0)  # type: ignore[call-arg]
-
-
-@overload(_real, strict=False)
-def _compiled_real(x: Any) -> Any:
-    return lambda x: x
-
-
-@register_jitable
 def _piece(numbers: Any, at: Any, x: Any) -> Any:
     """Index of the cubic piece in which x lies."""
     low, high = 0, int(_real(numbers[at])) - 1
@@ -84,7 +55,6 @@ def _piece(numbers: Any, at: Any, x: Any) -> Any:
     return low
 
 
-@register_jitable
 def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A cubic piece's value (order 0) or derivative (1, 2) at x."""
     k = _piece(numbers, at, x)
@@ -97,13 +67,11 @@ def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     return 6.0 * numbers[c] * u + 2.0 * numbers[c + 1]
 
 
-@register_jitable
 def _chain(f: Any, f1: Any, f2: Any, u1: Any, u2: Any) -> Any:
     """f(u), its first and second derivative, of f', f'' and u', u''."""
     return f, f1 * u1, f1 * u2 + f2 * u1 * u1
 
 
-@register_jitable
 def _elementary_step(code: Any, u: Any, u1: Any, u2: Any) -> Any:
     """One step of a formula with one argument."""
     if code == 7:
@@ -139,7 +107,6 @@ def _elementary_step(code: Any, u: Any, u1: Any, u2: Any) -> Any:
     return -u, -u1, -u2
 
 
-@register_jitable
 def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) -> Any:
     """One step of a formula with two arguments."""
     if code == 2:
@@ -153,7 +120,6 @@ def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) 
     return ratio, slope, (u2 - 2.0 * slope * w1 - ratio * w2) / w
 
 
-@register_jitable
 def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A formula's value (order 0) or derivative (1, 2) at x."""
     count, work = -int(_real(numbers[at])), _room()
@@ -176,26 +142,22 @@ def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     return work[3 * (count - 1) + order]
 
 
-@register_jitable
 def _evaluate(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     if _real(numbers[at]) > 0.0:
         return _cubic(numbers, at, x, order)
     return _formula(numbers, at, x, order)
 
 
-@register_jitable
 def curve_value(numbers: Any, at: Any, x: Any) -> Any:
     """Value at x of the curve stored at ``numbers[at:]``."""
     return _evaluate(numbers, at, x, 0)
 
 
-@register_jitable
 def curve_slope(numbers: Any, at: Any, x: Any) -> Any:
     """Its first derivative."""
     return _evaluate(numbers, at, x, 1)
 
 
-@register_jitable
 def curve_bend(numbers: Any, at: Any, x: Any) -> Any:
     """Its second derivative."""
     return _evaluate(numbers, at, x, 2)

@@ -18,7 +18,8 @@ from .emit import Recording, loop
 
 @dataclass(frozen=True)
 class Signature:
-    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `sums` tells which outputs add.
+    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `clears` tells which outputs
+    are set to zero first.
 
     `hot` drivers are compiled with LLVM's vectorizer of straight-line code: slower to compile, faster to run.
     """
@@ -27,7 +28,7 @@ class Signature:
     scalars: tuple[str, ...]
     arrays: tuple[str, ...]
     outputs: tuple[str, ...]
-    sums: tuple[bool, ...]
+    clears: tuple[bool, ...]
     hot: bool = False
 
     def types(self) -> tuple[Any, ...]:
@@ -41,22 +42,24 @@ class Signature:
         )
 
 
-def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], clears: bool = True) -> Any:
+def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], clear: bool = True) -> Any:
     """Compile (or find in the cache, under the signature's name) the driver of a group.
 
     Parameters
     ----------
     signature : Signature
     recorders : one function per element type, each returning the type's `Recording`
-    clears : whether outputs that are summed are set to zero first
+    clear : whether outputs are set to zero first, as the signature says
     """
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
     counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
     loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
     lines = [f"def driver(index, numbers, {operands}):"]
-    if clears:
+    if clear:
         lines += [
-            f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums
+            f"    {out}[:] = 0.0"
+            for out, wanted in zip(signature.outputs, signature.clears, strict=True)
+            if wanted
         ]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
     result = compiled(signature.name, lines, loops)

@@ -18,8 +18,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from .compiled_functions import COMPILED, READS_NUMBERS
 from .expression import Expression, Graph
-from .functions import COMPILED, READS_NUMBERS
 
 HEADER = 4  # count, bodies, rows, numbers; then one entry per output
 REAL, INT = ir.DoubleType(), ir.IntType(64)

@@ -1,7 +1,7 @@
 """The scalar functions that kernels may call, for recorded, real, complex and extended-precision numbers alike.
 
-Each stands here for numbers, and in `COMPILED` in the few words that are compiled. The complex forms carry the
-derivative of a complex step to first order; they are what independent checks differentiate through.
+Each stands here for numbers, and in `compiled_functions` in the few words that are compiled. The complex forms carry
+the derivative of a complex step to first order; they are what independent checks differentiate through.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from .curves import curve_bend, curve_slope, curve_value
 from .expression import Expression
 
 
@@ -83,22 +82,3 @@ def maximum(a: Any, b: Any) -> Any:
 NUMERIC: dict[str, Callable[..., Any]] = {
     f.__name__: f for f in (sin, cos, tan, asin, acos, atan, exp, log, tanh, sqrt, atan2, nearest, positive)
 }
-COMPILED: dict[str, Callable[..., Any]] = {
-    "sin": lambda x: math.sin(x),
-    "cos": lambda x: math.cos(x),
-    "tan": lambda x: math.tan(x),
-    "asin": lambda x: math.asin(x),
-    "acos": lambda x: math.acos(x),
-    "atan": lambda x: math.atan(x),
-    "exp": lambda x: math.exp(x),
-    "log": lambda x: math.log(x),
-    "tanh": lambda x: math.tanh(x),
-    "sqrt": lambda x: math.sqrt(x),
-    "atan2": lambda y, x: math.atan2(y, x),
-    "nearest": lambda x: math.floor(x + 0.5),
-    "positive": lambda x: 1.0 if x > 0.0 else 0.0,
-    "curve": lambda numbers, at, x: curve_value(numbers, int(at), x),
-    "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
-    "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
-}
-READS_NUMBERS = {"curve", "curve_slope", "curve_bend"}

@@ -74,10 +74,10 @@ class Curve:
 
 @dataclass(frozen=True)
 class Formula:
-    """A function y(x) given by a formula: a Python function made of arithmetic and the functions of `sarrus.functions`.
+    """A function y(x) given by a formula: a Python function made of arithmetic and of `sarrus.functions`.
 
-    It is called once with a recorded argument and stored as the list of operations that it does, so that it is evaluated
-    by compiled code, with exact first and second derivatives. It must not branch on x.
+    It is called once with a recorded argument and stored as the list of operations that it does, so that it is
+    evaluated by compiled code, with exact first and second derivatives. It must not branch on x.
     """
 
     function: Callable[[Any], Any]

@@ -87,7 +87,7 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
     """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
     recording = record(variant, names)
-    return driver(signature(names, recording.fingerprint()), [lambda: recording], clears=False)
+    return driver(signature(names, recording.fingerprint()), [lambda: recording], clear=False)
 
 
 def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
@@ -98,6 +98,6 @@ def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
         scalars=tuple(n for n in found if n in SCALARS),
         arrays=tuple(n for n in found if n not in SCALARS),
         outputs=tuple(f"out_{name}" for name in names),
-        sums=tuple(OPERATORS[name].sums for name in names),
+        clears=tuple(OPERATORS[name].sums or OPERATORS[name].is_vector for name in names),
         hot=len(names) > 1 or names in GROUPS.values(),
     )

@@ -31,7 +31,18 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, figure = tmp_path / "run.csv", tmp_path / "run.svg"
-    arguments = ["--until", "0.5", "--steps", "10", "--csv", str(table), "--plot", "slider.x", "--figure", str(figure)]
+    arguments = [
+        "--until",
+        "0.5",
+        "--steps",
+        "10",
+        "--csv",
+        str(table),
+        "--plot",
+        "slider.x",
+        "--figure",
+        str(figure),
+    ]
     assert main(["run", SLIDER_CRANK, *arguments]) == 0
     assert "slider" in capsys.readouterr().out
     assert len(table.read_text().splitlines()) == 12

@@ -80,7 +80,7 @@ class State:
 
     @property
     def element(self):
-        return element_from(self.kind, self.numbers, self.store)
+        return element_from(self.kind, self.numbers, self.store, self.operands["t"])
 
     def moved(self, by, step):
         """The state with the operand `by` (or the numbers, "b") moved."""
@@ -97,6 +97,8 @@ class State:
     def direction(self, by, seed=0):
         """A random direction in which `by` may move."""
         random = np.random.default_rng(900 + seed)
+        if by == "t":
+            return _convert(random, 1, self.arithmetic)[0]
         result = _convert(random, len(self.numbers if by == "b" else self.operands[by]), self.arithmetic)
         if by == "b":
             result[fixed(self.kind)] = 0
@@ -139,7 +141,7 @@ def is_polynomial(kind):
     graph = Graph()
     operands = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY}
     operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}
-    element = element_from(kind, graph.inputs("numbers", kind.size()))
+    element = element_from(kind, graph.inputs("numbers", kind.size()), t=operands["t"])
     for operator in kind.family:
         grid(element, operator, operands)
     return {node.op for node in graph.nodes} <= POLYNOMIAL

@@ -84,11 +84,13 @@ def by_hand(system, operator, state):
         for k in range(population.count if operator in kind.family else 0):
             numbers = slice(population.at + k * size, population.at + (k + 1) * size)
             rows = slice(population.rows[k], population.rows[k] + kind.rows)
-            local = {name: _of_bodies(state[name], population.bodies[k], name) for name in BODY_OPERANDS}
+            bodies = [population.bodies[k][slot] if slot >= 0 else -7 for slot in population.variant.slots]
+            local = {name: _of_bodies(state[name], bodies, name) for name in BODY_OPERANDS}
             local |= {"lam": state["lam"][rows] if kind.rows else None, "t": state["t"]}
-            value = dense(element_from(kind, system.b[numbers], system.b), operator, local).astype(float)
+            element = element_from(kind, system.b[numbers], system.b, state["t"])
+            value = dense(element, operator, local).astype(float)
             place = {Axis.ROWS: np.r_[rows], Axis.NUMBERS: np.r_[numbers]}
-            place[Axis.COORDINATES] = np.concatenate([b + np.arange(7) for b in population.bodies[k]])
+            place[Axis.COORDINATES] = np.concatenate([b + np.arange(7) for b in bodies])
             where = [place[axis] for axis in operator.axes]
             own = [index >= 0 for index in where]
             np.add.at(result, np.ix_(*(w[o] for w, o in zip(where, own, strict=True))), value[np.ix_(*own)])

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from numba import njit
 
+from sarrus._jit.compiled_functions import COMPILED
+from sarrus._jit.curves import curve_slope, curve_value
 from sarrus._jit.expression import Graph
-from sarrus._jit.functions import COMPILED, atan2, curve, curve_slope, nearest, sqrt
+from sarrus._jit.functions import atan2, nearest, sqrt
 
 STEP = 1e-200
 CURVE = np.array(
@@ -28,21 +30,21 @@ def by_hand(x):
 @pytest.mark.parametrize("x", PLACES)
 def test_curve_and_slope(x):
     cubic = by_hand(x)
-    assert curve(CURVE, AT, x) == pytest.approx(cubic(x), rel=1e-14)
+    assert curve_value(CURVE, AT, x) == pytest.approx(cubic(x), rel=1e-14)
     assert curve_slope(CURVE, AT, x) == pytest.approx(cubic.deriv()(x), rel=1e-14)
-    assert curve(CURVE, AT, complex(x, STEP)).imag / STEP == pytest.approx(cubic.deriv()(x), rel=1e-14)
-    assert curve(CURVE, AT, mpmath.mpf(x)) == curve(CURVE, AT, x)
+    assert curve_value(CURVE, AT, complex(x, STEP)).imag / STEP == pytest.approx(cubic.deriv()(x), rel=1e-14)
+    assert curve_value(CURVE, AT, mpmath.mpf(x)) == pytest.approx(curve_value(CURVE, AT, x), rel=1e-14)
 
 
 @pytest.mark.parametrize("name", ["curve", "curve_slope"])
 def test_curves_as_compiled(name):
-    plain, compiled = {"curve": curve, "curve_slope": curve_slope}[name], njit(COMPILED[name])
+    plain, compiled = {"curve": curve_value, "curve_slope": curve_slope}[name], njit(COMPILED[name])
     assert [compiled(CURVE, float(AT), x) for x in PLACES] == [plain(CURVE, AT, x) for x in PLACES]
 
 
 def test_a_curve_of_one_piece():
     one, compiled = np.array([1.0, 0, 1, 1, 2, 3, 4]), njit(COMPILED["curve"])
-    assert [curve(one, 0, x) for x in (-1.0, 0.5, 3.0)] == [2.0, 6.125, 58.0]
+    assert [curve_value(one, 0, x) for x in (-1.0, 0.5, 3.0)] == [2.0, 6.125, 58.0]
     assert [compiled(one, 0.0, x) for x in (-1.0, 0.5, 3.0)] == [2.0, 6.125, 58.0]
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
+import types
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -88,4 +90,18 @@ def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     function.__name__ = function.__qualname__ = name
     result: Any = njit(nogil=True, error_model="numpy")(function)
     result._cache = KernelCache(function)  # type: ignore[no-untyped-call]
+    return result
+
+
+def compiled_function(function: Any, **namespace: Any) -> Any:
+    """Compile a plain function, its globals replaced by the compiled things named; kept under all that it depends on."""
+    scope = {**function.__globals__, **namespace}
+    used = {name: scope[name] for name in sorted(function.__code__.co_names) if name in scope}
+    told = {name: getattr(value, "__name__", value) for name, value in used.items()}
+    digest = hashlib.sha256((inspect.getsource(function) + repr(told)).encode()).hexdigest()[:12]
+    name = f"{function.__name__}_{digest}"
+    copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
+    copy.__qualname__ = name
+    result: Any = njit(nogil=True, error_model="numpy")(copy)
+    result._cache = KernelCache(copy)  # type: ignore[no-untyped-call]
     return result

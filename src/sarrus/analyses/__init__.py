@@ -1,7 +1,6 @@
 """Analyses take a system and give back results."""
 
 from .assembly import assemble
-from .ode import ODE
-from .simulation import simulate
+from .dynamics import HHT, ODE, GeneralizedAlpha, simulate
 
-__all__ = ["ODE", "assemble", "simulate"]
+__all__ = ["HHT", "ODE", "GeneralizedAlpha", "assemble", "simulate"]

@@ -41,7 +41,9 @@ class Trajectory:
     lam : (nt, m) joint multipliers, then those of the normalizations
     success, status, message : whether the end was reached; if not, why, in one sentence
     nfev : evaluations of the equations of motion
-    nsteps : accepted steps
+    njev : Newton matrices formed and factored
+    nsteps, nrejected : steps accepted and rejected
+    history : (nsteps, 4) end time, length, error estimate (1 is the tolerance) and Newton iterations of each step
     violation : (nt,) largest entry of |Φ|
     """
 
@@ -58,7 +60,10 @@ class Trajectory:
     status: str = "finished"
     message: str = ""
     nfev: int = 0
+    njev: int = 0
     nsteps: int = 0
+    nrejected: int = 0
+    history: Array = field(default_factory=lambda: np.zeros((0, 4)), repr=False)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.

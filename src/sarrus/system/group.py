@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.driver import Signature, driver
+from .._jit.driver import Signature, compiled, driver
 from .._jit.emit import HEADER
 from ..algebra import Array
 from ..elements import BUILT_IN, GROUPS, OPERATORS
@@ -62,6 +62,16 @@ class Group:
         self.compiled(self.index, numbers, *arrays)
         for run, index in self._others:
             run(index, numbers, *arrays)
+
+    def bundle(self) -> tuple[Any, tuple[Array, ...]]:
+        """All drivers as one compiled function ``(indices, numbers, *operands, *outputs)``, and its indices."""
+        drivers = [self.compiled, *(run for run, _ in self._others)]
+        arguments = ", ".join(f"a{n}" for n in range(len(self.operands) + len(self.names)))
+        lines = [f"def bundle(indices, numbers, {arguments}):"]
+        lines += [f"    driver_{n}(indices[{n}], numbers, {arguments})" for n in range(len(drivers))]
+        name = "_".join(["bundle", *(run.py_func.__name__ for run in drivers)])
+        function = compiled(name, lines, {f"driver_{n}": run for n, run in enumerate(drivers)})
+        return function, (self.index, *(index for _, index in self._others))
 
     def allocate(self) -> list[Array]:
         """Fresh outputs, one array per operator."""

@@ -106,6 +106,11 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
                 refresh(p, memory, q, b, t)
 
     @property
+    def has_memory(self) -> bool:
+        """Whether any element remembers something between steps."""
+        return any(p.count and "Memory" in p.kind.fields.values() for p in self.populations)
+
+    @property
     def number_names(self) -> list[str]:
         """A name for every number of `b`, e.g. ``spring[tsda].k``."""
         return self.axis_names(Axis.NUMBERS)

@@ -7,10 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..results import Assembly, Trajectory
-from ..system import System
-from .assembly import assemble
+from ...results import Assembly, Trajectory
+from ...system import System
+from ..assembly import assemble
+from .alpha import HHT, GeneralizedAlpha
 from .ode import ODE
+
+Method = HHT | GeneralizedAlpha | ODE
 
 
 def simulate(
@@ -19,9 +22,10 @@ def simulate(
     *,
     until: float,
     t_eval: ArrayLike | None = None,
-    method: ODE | None = None,
+    method: Method | None = None,
     rtol: float = 1e-8,
     atol: float = 1e-10,
+    max_step: float = np.inf,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -32,8 +36,9 @@ def simulate(
     start : consistent state; by default the model's own, assembled
     until : end time [s]; the start is at 0
     t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
-    method : `ODE`
+    method : `HHT` (the default), `GeneralizedAlpha` or `ODE`
     rtol, atol : tolerances of the local error of q and v
+    max_step : longest step [s]
     progress : called with the time reached after every step
 
     Returns
@@ -53,5 +58,7 @@ def simulate(
         raise ValueError("t_eval must be rising times between 0 and until")
     grid = np.unique(np.concatenate([[0.0], times, [until]]))
     begin = start if start is not None else assemble(system)
-    run = (method or ODE()).run(system, begin, grid, rtol=rtol, atol=atol, progress=progress)
+    run = (method or HHT()).run(
+        system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step
+    )
     return run.at(times)

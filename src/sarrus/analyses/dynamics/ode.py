@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
-from ..results import Assembly, Trajectory
-from ..system import System
-from .motion import Motion
-from .projection import Projection
-from .saddle import SingularSystem
+from ...algebra import Array
+from ...results import Assembly, Trajectory
+from ...system import System
+from ..motion import Motion
+from ..projection import Projection
+from ..saddle import SingularSystem
+from .outcome import trajectory_of
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class ODE:
         rtol: float,
         atol: float,
         progress: Callable[[float], None] | None = None,
+        max_step: float = np.inf,
     ) -> Trajectory:
         """Integrate over the times `t_eval`; see `sarrus.simulate`."""
         from scipy import integrate
@@ -43,7 +45,7 @@ class ODE:
         status, message, steps = "finished", "reached the end", 0
         try:
             solver = getattr(integrate, self.name)(
-                motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol
+                motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol, max_step=max_step
             )
             recorder.record(motion, t_eval[0], lambda t: y, up_to=t_eval[0])
             while solver.status == "running":
@@ -79,25 +81,16 @@ class Recorder:
             time = float(self.times[len(self._rows)])
             q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
             a, lam = motion.acceleration(time, q, v)
-            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q, time)).max(initial=0.0)))
+            self._rows.append((time, q, v, a, lam))
         self.last = float(t)
 
     def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:
         """All that was recorded."""
         nq, m = self.system.nq, self.system.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,), ())
+        shapes = ((), (nq,), (nq,), (nq,), (m,))
         columns = zip(*self._rows, strict=True) if self._rows else ([] for _ in shapes)
-        t, q, v, a, lam, violation = (
+        t, q, v, a, lam = (
             np.array(list(column)).reshape(-1, *shape) for column, shape in zip(columns, shapes, strict=True)
         )
-        return Trajectory(
-            self.system.name,
-            tuple(self.system.bodies),
-            tuple(self.system.coordinate_names),
-            *(t, q, v, a, lam, violation),
-            success=status == "finished",
-            status=status,
-            message=message,
-            nfev=evaluations,
-            nsteps=steps,
-        )
+        told = {"message": message, "nfev": evaluations, "nsteps": steps}
+        return trajectory_of(self.system, (t, q, v, a, lam), status=status, **told)

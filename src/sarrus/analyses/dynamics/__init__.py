@@ -1,0 +1,7 @@
+"""Integration in time: one method in one file, behind one `simulate`."""
+
+from .alpha import HHT, GeneralizedAlpha
+from .ode import ODE
+from .simulation import simulate
+
+__all__ = ["HHT", "ODE", "GeneralizedAlpha", "simulate"]

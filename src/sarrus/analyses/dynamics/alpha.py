@@ -1,0 +1,227 @@
+"""HHT and generalized-α: implicit methods of order 2 with numerical damping, on the index-3 equations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..._jit.driver import compiled_function
+from ...algebra import Array
+from ...results import Assembly, Trajectory
+from ...system import System
+from ..linear import SingularMatrix
+from ..motion import Motion
+from . import alpha_loop as loop
+from .newton_matrix import NewtonMatrix
+from .outcome import trajectory_of
+
+CHUNK = 400  # steps for one call of the compiled loop
+GROUPS = {
+    "RESIDUAL": ("Phi", "Phi_qT_lam"),
+    "MOMENTUM": ("M_a", "S"),
+    "FORCE": ("Q",),
+    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
+    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
+    "STIFFNESS": ("Q_q", "Q_v"),
+    "VELOCITY": ("Phi_q_xi", "Phi_t"),
+}
+
+
+class _Alpha:
+    """What HHT and generalized-α share: everything but the coefficients."""
+
+    def scheme(self) -> loop.Scheme:
+        """The coefficients of the method."""
+        raise NotImplementedError
+
+    def run(
+        self,
+        system: System,
+        start: Assembly,
+        t_eval: Array,
+        *,
+        rtol: float,
+        atol: float,
+        progress: Callable[[float], None] | None = None,
+        max_step: float = np.inf,
+    ) -> Trajectory:
+        """Integrate over the times `t_eval`; see `sarrus.simulate`."""
+        return Run(system, self.scheme(), start, t_eval, rtol, atol, max_step).go(progress)
+
+
+@dataclass(frozen=True)
+class HHT(_Alpha):
+    """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: 0 does not damp, -1/3 damps high frequencies most."""
+
+    alpha: float = -0.1
+
+    def scheme(self) -> loop.Scheme:
+        if not -1 / 3 <= self.alpha <= 0:
+            raise ValueError(f"alpha of HHT must lie between -1/3 and 0, but is {self.alpha}")
+        return _scheme(0.0, -self.alpha)
+
+
+@dataclass(frozen=True)
+class GeneralizedAlpha(_Alpha):
+    """Chung and Hulbert's method; rho_inf is its spectral radius at infinite frequency: 1 does not damp, 0 damps most."""
+
+    rho_inf: float = 0.8
+
+    def scheme(self) -> loop.Scheme:
+        if not 0 <= self.rho_inf <= 1:
+            raise ValueError(f"rho_inf must lie between 0 and 1, but is {self.rho_inf}")
+        rho = self.rho_inf
+        return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
+
+
+def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
+    """Second-order accurate coefficients (Chung and Hulbert 1993), and the error h³ ȧ of a step in q."""
+    shift = alpha_m - alpha_f
+    gamma, beta = 0.5 - shift, 0.25 * (1 - shift) ** 2
+    return loop.Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
+
+
+@cache
+def _compiled(drivers: tuple[Any, ...]) -> Any:
+    """The time loop over the drivers of a kind of system."""
+    from ..linear import compiled as factors
+
+    named = dict(zip(GROUPS, drivers, strict=True))
+    solver = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
+    residual = compiled_function(loop.residual, **{k: named[k] for k in ("RESIDUAL", "MOMENTUM", "FORCE")})
+    matrices = {k: named[k] for k in ("JACOBIAN", "INERTIA", "STIFFNESS")}
+    factor = compiled_function(loop.factor, **matrices, REFACTOR=solver["REFACTOR"])
+    backsolve = compiled_function(loop.backsolve, SOLVE=solver["SOLVE"])
+    size = compiled_function(loop.size)
+    update = compiled_function(loop.update)
+    parts = {"residual": residual, "factor": factor, "backsolve": backsolve, "size": size, "update": update}
+    newton = compiled_function(loop.newton, **parts)
+    constraints = {k: named[k] for k in ("RESIDUAL", "VELOCITY")}
+    project = compiled_function(loop.project, **constraints, backsolve=backsolve)
+    write = compiled_function(loop.write, project=project)
+    rescale = compiled_function(loop.rescale, VELOCITY=named["VELOCITY"], backsolve=backsolve)
+    steps = {name: compiled_function(getattr(loop, name)) for name in ("predict", "accept")}
+    return compiled_function(loop.advance, newton=newton, write=write, size=size, rescale=rescale, **steps)
+
+
+class Run:
+    """One integration: its memory, and the calls of the compiled loop."""
+
+    def __init__(
+        self,
+        system: System,
+        scheme: loop.Scheme,
+        start: Assembly,
+        times: Array,
+        rtol: float,
+        atol: float,
+        max_step: float,
+    ) -> None:
+        self.system, self.scheme, self.times = system, scheme, times
+        self.b, self.rtol, self.atol = system.b.copy(), rtol, np.full(system.nq, atol)
+        self.max_step = max_step
+        self.matrix = NewtonMatrix(system)
+        bundles = [system.group(*names).bundle() for names in GROUPS.values()]
+        self._loop = _compiled(tuple(function for function, _ in bundles))
+        self._index = loop.Indices(*(indices for _, indices in bundles))
+        self._state = self._start(start)
+        nq, m = system.nq, system.m
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
+        self._memory = loop.Memory(*(np.zeros(length) for length in rows))
+        self._output = loop.Output(
+            times, *(np.zeros((len(times), k)) for k in (nq, nq, nq, m)), np.zeros((100000, 4))
+        )
+        self._control = loop.Control(np.zeros(7), np.zeros(6, dtype=np.int64))
+
+    def _start(self, start: Assembly) -> loop.State:
+        """Consistent accelerations and multipliers at the start."""
+        a, lam = Motion(self.system).acceleration(float(self.times[0]), start.q, start.v)
+        first = [np.array(x, dtype=float) for x in (start.q, start.v, a, a, lam)]
+        return loop.State(*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam)))
+
+    def go(self, progress: Callable[[float], None] | None) -> Trajectory:
+        """Integrate to the last time; whatever happens, what was computed is returned."""
+        numbers = self._control.numbers
+        numbers[0], numbers[1] = self.times[0], self._first_step()
+        numbers[4] = numbers[1]
+        status = loop.REPIVOT
+        try:
+            while status in (loop.RUNNING, loop.REPIVOT):
+                if status == loop.REPIVOT:
+                    self._renew_pivots()
+                status = self._advance()
+                self.system.remember(self._state.q0, self.b, numbers[0])
+                if progress:
+                    progress(float(numbers[0]))
+        except SingularMatrix:
+            return self._result("singular configuration", "the constraints become dependent")
+        except KeyboardInterrupt:
+            return self._result("stopped", "stopped by the user")
+        if status == loop.TOO_SMALL:
+            return self._result(
+                "step too small", "Newton's method or the error control asked for ever smaller steps"
+            )
+        return self._result("finished", "reached the end")
+
+    def _advance(self) -> int:
+        """One chunk of steps; one step where elements remember something."""
+        limit = 1 if self.system.has_memory else CHUNK
+        status = self._loop(
+            self.scheme, self._index, self.b, float(self.times[-1]), limit, self.max_step, self._state, self._memory,
+            self._arrays, self._control, self._output, self.rtol, self.atol,
+        )  # fmt: skip
+        return int(status)
+
+    def _renew_pivots(self) -> None:
+        """A pivot order for the matrix at the present state."""
+        system, state, views = self.system, self._state, self.matrix.views
+        t, h, scheme = self._control.numbers[0], self._control.numbers[1], self.scheme
+        kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+        operands = {"t": t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0}
+        for kind in ("JACOBIAN", "INERTIA", "STIFFNESS"):
+            group = system.group(*GROUPS[kind])
+            group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
+        self.matrix.weigh(scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
+        self.matrix.choose_pivots()
+        self._control.numbers[2] = 0.0
+        lu, matrix = self.matrix.lu, self.matrix
+        self._arrays = loop.Matrix(
+            matrix.values, matrix.segments, matrix.places, matrix.weights, matrix.data,
+            *(views[name] for name in ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v")),
+            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place, lu.column_order,
+        )  # fmt: skip
+
+    def _first_step(self) -> float:
+        """A step on which velocities and accelerations change q by little more than its tolerance."""
+        state, span = self._state, float(self.times[-1] - self.times[0])
+        scale = self.atol + self.rtol * abs(state.q0)
+        speed = float(np.sqrt(np.mean((state.v0 / scale) ** 2)))
+        force = float(np.sqrt(np.mean((state.a0 / scale) ** 2)))
+        guess = (
+            0.05
+            * min(1 / speed if speed else span, 1 / np.sqrt(force) if force else span)
+            * self.rtol ** (-1 / 6)
+        )
+        return min(max(guess, 1e-9 * span), 0.01 * span, self.max_step)
+
+    def _result(self, status: str, message: str) -> Trajectory:
+        count, numbers = self._control.counts, self._control.numbers
+        rows = int(count[4])
+        if status != "finished":
+            message = f"{message} near t = {numbers[0]:.6g} s"
+        out = self._output
+        return trajectory_of(
+            self.system,
+            (self.times[:rows], out.q[:rows], out.v[:rows], out.a[:rows], out.lam[:rows]),
+            status=status,
+            message=message,
+            nfev=int(count[2]),
+            njev=int(count[3]),
+            nsteps=int(count[0]),
+            nrejected=int(count[1]),
+            history=out.history[: min(int(count[0]), len(out.history))].copy(),
+        )

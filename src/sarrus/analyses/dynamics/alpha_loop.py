@@ -1,0 +1,402 @@
+"""The time loop of the generalized-α method, as one function that is compiled: many steps for one call from Python.
+
+Unknowns of a step are the accelerations a and multipliers λ at its end (Arnold and Brüls 2007); the update uses the
+method's own acceleration ã, (1 - α_m) ã₁ + α_m ã₀ = (1 - α_f) a₁ + α_f a₀, and
+
+    q₁ = q₀ + h v₀ + h² ((½ - β) ã₀ + β ã₁),    v₁ = v₀ + h ((1 - γ) ã₀ + γ ã₁).
+
+Constraint residuals are divided by β' = β h² κ, κ = (1 - α_f) / (1 - α_m), so that the Newton matrix stays well
+conditioned as h falls (Bottasso, Bauchau and Cardona 2007). When h changes, ã₀ - a₀, which is proportional to h, and the
+defect of the velocity constraints, which is proportional to h², are rescaled.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+RESIDUAL: Any = None  # drivers and solvers, put in place when this is compiled
+MOMENTUM: Any = None
+FORCE: Any = None
+JACOBIAN: Any = None
+INERTIA: Any = None
+STIFFNESS: Any = None
+VELOCITY: Any = None
+REFACTOR: Any = None
+SOLVE: Any = None
+RUNNING, FINISHED, REPIVOT, TOO_SMALL, NOT_FINITE = 0, 1, 2, 3, 4
+NEWTON_LIMIT = 8  # iterations
+NEWTON_SHARE = (
+    0.03  # of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
+)
+SLOW = 0.3  # contraction at which the matrix is renewed for the next step
+PROJECTIONS, PROJECTED = 8, 1e-14  # most iterations, and where they end
+SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
+KEEP = 1.3  # the step is not enlarged by less than this
+
+
+class Scheme(NamedTuple):
+    """Coefficients of the method, and of its local error in q: error h³ ȧ."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    error: float
+
+
+class State(NamedTuple):
+    """Arrays at the start (0) and the end (1) of a step, and what a and λ changed in the last one."""
+
+    q0: Any
+    v0: Any
+    a0: Any
+    x0: Any
+    lam0: Any
+    q1: Any
+    v1: Any
+    a1: Any
+    x1: Any
+    lam1: Any
+    a_change: Any
+    lam_change: Any
+
+
+class Memory(NamedTuple):
+    """Operators' outputs and work arrays."""
+
+    Phi: Any
+    Phi_qT_lam: Any
+    M_a: Any
+    S: Any
+    Q: Any
+    rate: Any
+    Phi_t: Any
+    right: Any
+    solution: Any
+    previous: Any
+
+
+class Matrix(NamedTuple):
+    """The Newton matrix: operators' numbers, their places, and the factors."""
+
+    values: Any
+    segments: Any
+    places: Any
+    weights: Any
+    data: Any
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    indptr: Any
+    indices: Any
+    pointers: Any
+    rows: Any
+    diagonal: Any
+    factors: Any
+    work: Any
+    row_place: Any
+    column_order: Any
+
+
+class Indices(NamedTuple):
+    """Index tables of the operator groups."""
+
+    residual: Any
+    momentum: Any
+    force: Any
+    jacobian: Any
+    inertia: Any
+    stiffness: Any
+    velocity: Any
+
+
+class Control(NamedTuple):
+    """Scalars that change, and counters.
+
+    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h
+    counts : steps, rejected, residuals, matrices, outputs written, solves
+    """
+
+    numbers: Any
+    counts: Any
+
+
+class Output(NamedTuple):
+    """Times wanted, and room for the states there; history of the steps (t, h, error, iterations)."""
+
+    t: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    history: Any
+
+
+def update(scheme: Any, h: Any, state: Any) -> Any:
+    """q₁, v₁, ã₁ of a₁."""
+    m, f = scheme.alpha_m, scheme.alpha_f
+    for k in range(len(state.q0)):
+        x0 = state.x0[k]
+        x1 = ((1.0 - f) * state.a1[k] + f * state.a0[k] - m * x0) / (1.0 - m)
+        state.x1[k] = x1
+        state.q1[k] = state.q0[k] + h * state.v0[k] + h * h * ((0.5 - scheme.beta) * x0 + scheme.beta * x1)
+        state.v1[k] = state.v0[k] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x1)
+
+
+def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, beta: Any) -> Any:
+    """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step."""
+    n = len(state.q0)
+    RESIDUAL(index.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
+    MOMENTUM(index.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
+    FORCE(index.force, b, t, state.q1, state.v1, memory.Q)
+    for k in range(n):
+        memory.right[k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
+    for k in range(len(memory.Phi)):
+        memory.right[n + k] = memory.Phi[k] / beta
+
+
+def factor(index: Any, b: Any, t: Any, state: Any, matrix: Any, beta: Any, gamma: Any) -> Any:
+    """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
+    JACOBIAN(index.jacobian, b, t, state.q1, state.lam1, matrix.Phi_q, matrix.Phi_qT_lam_q)
+    INERTIA(index.inertia, b, state.q1, state.v1, state.a1, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
+    STIFFNESS(index.stiffness, b, t, state.q1, state.v1, matrix.Q_q, matrix.Q_v)
+    weights = matrix.weights
+    weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
+    weights[3], weights[5] = -gamma, -gamma
+    matrix.data[:] = 0.0
+    last = len(weights) - 1
+    for s in range(last):
+        for k in range(matrix.segments[s, 0], matrix.segments[s, 1]):
+            matrix.data[matrix.places[k]] += weights[s] * matrix.values[k]
+    for k in range(len(matrix.Phi_q)):
+        matrix.data[matrix.places[matrix.segments[last, 0] + k]] += matrix.Phi_q[k]
+    return REFACTOR(
+        matrix.pointers, matrix.rows, matrix.diagonal, matrix.indptr, matrix.indices, matrix.data, matrix.factors,
+        matrix.work,
+    )  # fmt: skip
+
+
+def backsolve(matrix: Any, right: Any, solution: Any) -> Any:
+    """solution = matrix⁻¹ right."""
+    work = matrix.work
+    for k in range(len(right)):
+        work[matrix.row_place[k]] = right[k]
+    SOLVE(matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors, work)
+    for k in range(len(right)):
+        solution[matrix.column_order[k]] = work[k]
+
+
+def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> Any:
+    """Root mean square of factor x change, each entry over its tolerance."""
+    total = 0.0
+    for k in range(len(q0)):
+        entry = factor * change[k] / (atol[k] + rtol * max(abs(q0[k]), abs(q1[k])))
+        total += entry * entry
+    return (total / len(q0)) ** 0.5
+
+
+def newton(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    t: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrix: Any,
+    control: Any,
+    rtol: Any,
+    atol: Any,
+) -> Any:
+    """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
+    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+    n = len(state.q0)
+    rate, before = 0.0, 0.0
+    update(scheme, h, state)
+    for iteration in range(NEWTON_LIMIT):
+        residual(index, b, t, state, memory, beta)
+        control.counts[2] += 1
+        if control.numbers[2] != beta:
+            control.counts[3] += 1
+            if not factor(index, b, t, state, matrix, beta, gamma) > 1e-9:
+                return -1, 0.0
+            control.numbers[2] = beta
+        backsolve(matrix, memory.right, memory.solution)
+        for k in range(n):
+            state.a1[k] -= memory.solution[k]
+        for k in range(len(state.lam0)):
+            state.lam1[k] -= memory.solution[n + k]
+        update(scheme, h, state)
+        change = size(memory.solution, beta, state.q0, state.q1, rtol, atol)
+        change = max(change, size(memory.solution, gamma, state.v0, state.v1, rtol, atol))
+        if not change < 1e30:
+            return 0, 2.0
+        if iteration > 0:
+            rate = max(0.9 * rate, change / before) if before > 0.0 else 0.0
+            if rate > 0.9:
+                return 0, rate
+        if change <= 1e-4 * NEWTON_SHARE or (iteration > 0 and change * rate / (1.0 - rate) <= NEWTON_SHARE):
+            return iteration + 1, rate
+        before = change
+    return 0, 1.0
+
+
+def project(index: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, memory: Any, matrix: Any) -> Any:
+    """A state that is given out back onto Φ = 0 and Φ_q v = -Φ_t, with the factors at hand.
+
+    The integration itself goes on from the unprojected velocities: their defect stays of the order of the error, and
+    feeding projected ones back costs the method an order (measured on the slider-crank).
+    """
+    n = len(q)
+    for attempt in range(2 * PROJECTIONS):
+        position = attempt < PROJECTIONS
+        if position:
+            RESIDUAL(index.residual, b, t, q, lam, memory.Phi, memory.Phi_qT_lam)
+        else:
+            VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
+        worst = 0.0
+        for k in range(n):
+            memory.right[k] = 0.0
+        for k in range(len(memory.rate)):
+            defect = memory.Phi[k] if position else memory.rate[k] + memory.Phi_t[k]
+            memory.right[n + k] = defect
+            worst = max(worst, abs(defect))
+        if worst < PROJECTED:
+            continue
+        backsolve(matrix, memory.right, memory.solution)
+        for k in range(n):
+            if position:
+                q[k] -= memory.solution[k]
+            else:
+                v[k] -= memory.solution[k]
+
+
+def write(
+    index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, output: Any
+) -> Any:
+    """States at the wanted times of this step, by quintic Hermite interpolation of q, v, a, then projected."""
+    while control.counts[4] < len(output.t) and output.t[control.counts[4]] <= t0 + h * (1.0 + 1e-12):
+        row = control.counts[4]
+        s = (output.t[row] - t0) / h
+        for k in range(len(state.q0)):
+            slope0, slope1 = h * state.v0[k], h * state.v1[k]
+            bend0, bend1 = 0.5 * h * h * state.a0[k], 0.5 * h * h * state.a1[k]
+            rest = state.q1[k] - state.q0[k] - slope0 - bend0
+            c = 10.0 * rest - 4.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
+            d = -15.0 * rest + 7.0 * (slope1 - slope0 - 2.0 * bend0) - 2.0 * (bend1 - bend0)
+            e = 6.0 * rest - 3.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
+            output.q[row, k] = state.q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
+            velocity = slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))
+            output.v[row, k] = velocity / h
+            output.a[row, k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
+        for k in range(len(state.lam0)):
+            output.lam[row, k] = (1.0 - s) * state.lam0[k] + s * state.lam1[k]
+        time = output.t[row]
+        project(index, b, time, output.q[row], output.v[row], output.lam[row], memory, matrix)
+        control.counts[4] += 1
+
+
+def predict(ratio: Any, state: Any) -> Any:
+    """First guess of a₁ and λ₁: their last change, once more."""
+    for k in range(len(state.a0)):
+        state.a1[k] = state.a0[k] + ratio * state.a_change[k]
+    for k in range(len(state.lam0)):
+        state.lam1[k] = state.lam0[k] + ratio * state.lam_change[k]
+
+
+def accept(state: Any) -> Any:
+    """The end of the step is the start of the next."""
+    for k in range(len(state.a0)):
+        state.a_change[k] = state.a1[k] - state.a0[k]
+        state.q0[k], state.v0[k], state.a0[k] = state.q1[k], state.v1[k], state.a1[k]
+        state.x0[k] = state.x1[k]
+    for k in range(len(state.lam0)):
+        state.lam_change[k] = state.lam1[k] - state.lam0[k]
+        state.lam0[k] = state.lam1[k]
+
+
+def rescale(index: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, moving: Any) -> Any:
+    """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h²."""
+    n = len(state.q0)
+    for k in range(n):
+        state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
+    if moving:
+        VELOCITY(index.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
+        for k in range(n):
+            memory.right[k] = 0.0
+        for k in range(len(memory.rate)):
+            memory.right[n + k] = memory.rate[k] + memory.Phi_t[k]
+        backsolve(matrix, memory.right, memory.solution)
+        for k in range(n):
+            state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
+
+
+def advance(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    until: Any,
+    limit: Any,
+    h_max: Any,
+    state: Any,
+    memory: Any,
+    matrix: Any,
+    control: Any,
+    output: Any,
+    rtol: Any,
+    atol: Any,
+) -> Any:
+    """Take steps until a time, at most `limit` of them. Returns a status."""
+    numbers, counts = control.numbers, control.counts
+    n = len(state.q0)
+    taken = 0
+    while numbers[0] < until and taken < limit:
+        t0 = numbers[0]
+        h = min(numbers[1], h_max)
+        if t0 + 1.0001 * h >= until:
+            h = until - t0
+        if h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
+            return TOO_SMALL
+        if h != numbers[4]:
+            rescale(index, b, t0, h / numbers[4], state, memory, matrix, counts[0] > 0)
+            numbers[4] = h
+        predict(h / numbers[6] if counts[0] > 0 else 0.0, state)
+        iterations, rate = newton(scheme, index, b, t0 + h, h, state, memory, matrix, control, rtol, atol)
+        if iterations < 0:
+            return REPIVOT
+        if iterations == 0:
+            counts[1] += 1
+            if numbers[5] > 0.0:  # with an old matrix: once more with a new one
+                numbers[2], numbers[5] = 0.0, 0.0
+            else:
+                numbers[1], numbers[2] = 0.25 * h, 0.0
+            continue
+        for k in range(n):
+            memory.previous[k] = state.x1[k] - state.x0[k]
+        error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, rtol, atol)
+        wanted = SAFETY * max(error, 1e-8) ** (-1.0 / 3.0)
+        if error > 1.0:
+            counts[1] += 1
+            numbers[1] = h * max(SHRINK, wanted)
+            continue
+        write(index, b, t0, h, state, memory, matrix, control, output)
+        if counts[0] < len(output.history):
+            output.history[counts[0], 0], output.history[counts[0], 1] = t0 + h, h
+            output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
+        accept(state)
+        numbers[6] = h
+        numbers[0] = until if h == until - t0 else t0 + h
+        numbers[3], numbers[5] = error, 1.0
+        counts[0] += 1
+        taken += 1
+        if wanted > KEEP or wanted < 0.8:
+            numbers[1] = h * min(max(wanted, SHRINK), GROW)
+        if rate > SLOW:
+            numbers[2], numbers[5] = 0.0, 0.0
+    return FINISHED if numbers[0] >= until else RUNNING

@@ -1,0 +1,26 @@
+"""From arrays of states to a trajectory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Trajectory
+from ...system import System
+
+
+def trajectory_of(system: System, states: tuple[Array, ...], *, status: str, **told: Any) -> Trajectory:
+    """The trajectory of the arrays t, q, v, a, lam."""
+    t, q, v, a, lam = states
+    violation = np.array([abs(system.Phi(q_t, t_t)).max(initial=0.0) for t_t, q_t in zip(t, q, strict=True)])
+    return Trajectory(
+        system.name,
+        tuple(system.bodies),
+        tuple(system.coordinate_names),
+        *(t, q, v, a, lam, violation),
+        success=status == "finished",
+        status=status,
+        **told,
+    )

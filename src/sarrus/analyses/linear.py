@@ -1,0 +1,114 @@
+"""Sparse linear systems that are solved many times with one pattern: analysed once, then factored by compiled code."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from .._jit import sparse_lu
+from .._jit.driver import compiled_function
+from ..algebra import Array
+
+ORDERINGS = ("MMD_AT_PLUS_A", "COLAMD")
+PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
+TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
+
+
+class SingularMatrix(ArithmeticError):
+    """The matrix has no inverse."""
+
+
+@cache
+def compiled() -> dict[str, Any]:
+    """The compiled functions of `sparse_lu`."""
+    names = ("symbolic", "refactor", "solve", "solve_transposed")
+    return {name: compiled_function(getattr(sparse_lu, name)) for name in names}
+
+
+class SparseLU:
+    """LU factors of matrices with one pattern (CSC): `factor`, `solve`, `solve_transposed`.
+
+    Parameters
+    ----------
+    indptr, indices : the pattern by columns, rows rising
+    data : the numbers of a typical matrix, from which the pivot order is chosen
+
+    Raises
+    ------
+    SingularMatrix
+        If that matrix is singular.
+    """
+
+    def __init__(self, indptr: Array, indices: Array, data: Array) -> None:
+        self.n = len(indptr) - 1
+        self._indptr, self._indices = indptr, indices
+        self.repivot(data)
+
+    def repivot(self, data: Array) -> None:
+        """Choose the pivot order anew for these numbers, and factor them."""
+        rows_to, columns = self._order(data)
+        self.row_place, self.column_order = rows_to, columns
+        self._arrange()
+        functions = compiled()
+        self.pointers, self.rows, self.diagonal = functions["symbolic"](self.n, self.indptr, self.indices)
+        self.factors, self.work = np.zeros(len(self.rows)), np.zeros(self.n)
+        if not self._refactor(data) > 0.0:
+            raise SingularMatrix("the matrix is singular to working precision")
+
+    def _order(self, data: Array) -> tuple[Array, Array]:
+        """Row places and column order of the sparser of two factorizations."""
+        matrix = csc_array((data, self._indices, self._indptr), shape=(self.n, self.n))
+        best: Any = None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for ordering in ORDERINGS:
+                try:
+                    found = splu(matrix, permc_spec=ordering, diag_pivot_thresh=PIVOT_THRESHOLD)
+                except RuntimeError as trouble:
+                    raise SingularMatrix(str(trouble)) from None
+                if best is None or found.nnz < best.nnz:
+                    best = found
+        return best.perm_r.astype(np.int64), np.argsort(best.perm_c).astype(np.int64)
+
+    def _arrange(self) -> None:
+        """The pattern in pivot order, and where each number goes."""
+        counts = np.diff(self._indptr)[self.column_order]
+        self.indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        starts = self._indptr[:-1][self.column_order]
+        self.source = np.repeat(starts - self.indptr[:-1], counts) + np.arange(len(self._indices))
+        self.indices = self.row_place[self._indices[self.source]]
+
+    def _refactor(self, data: Array) -> float:
+        arguments = (self.pointers, self.rows, self.diagonal, self.indptr, self.indices)
+        return float(compiled()["refactor"](*arguments, data[self.source], self.factors, self.work))
+
+    def factor(self, data: Array) -> None:
+        """Factor a matrix with these numbers, with new pivots if the old ones no longer fit.
+
+        Raises
+        ------
+        SingularMatrix
+            If it is singular.
+        """
+        if not self._refactor(data) > TRUSTED:
+            self.repivot(data)
+
+    def solve(self, right: Array) -> Array:
+        """x of A x = right."""
+        x = np.empty(self.n)
+        x[self.row_place] = right
+        compiled()["solve"](self.pointers, self.rows, self.diagonal, self.factors, x)
+        result = np.empty(self.n)
+        result[self.column_order] = x
+        return result
+
+    def solve_transposed(self, right: Array) -> Array:
+        """x of Aᵀ x = right."""
+        x = right[self.column_order].astype(float)
+        compiled()["solve_transposed"](self.pointers, self.rows, self.diagonal, self.factors, x)
+        return x[self.row_place]

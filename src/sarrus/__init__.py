@@ -12,7 +12,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .analyses import HHT as HHT
     from .analyses import ODE as ODE
+    from .analyses import GeneralizedAlpha as GeneralizedAlpha
     from .analyses import assemble as assemble
     from .analyses import simulate as simulate
     from .model import RSDA as RSDA
@@ -50,7 +52,7 @@ _HOMES = {
         "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal ground load"
     ),
     "system": "System",
-    "analyses": "ODE assemble simulate",
+    "analyses": "GeneralizedAlpha HHT ODE assemble simulate",
     "results": "Assembly Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

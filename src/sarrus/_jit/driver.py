@@ -94,7 +94,7 @@ def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
 
 
 def compiled_function(function: Any, **namespace: Any) -> Any:
-    """Compile a plain function, its globals replaced by the compiled things named; kept under all that it depends on."""
+    """Compile a plain function, its globals replaced by the compiled things named; kept under what it depends on."""
     scope = {**function.__globals__, **namespace}
     used = {name: scope[name] for name in sorted(function.__code__.co_names) if name in scope}
     told = {name: getattr(value, "__name__", value) for name, value in used.items()}

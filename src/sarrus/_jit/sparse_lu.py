@@ -1,8 +1,8 @@
 """LU factors of a sparse matrix on a fixed pattern with fixed pivots, by columns (Gilbert and Peierls 1988).
 
 The pattern of the factors is found once (`symbolic`); after that a matrix with the same pattern is factored without
-searching, pivoting or allocating (`refactor`), from compiled code. The pivot order is the caller's. Plain functions, to be
-compiled by `compiled_function`.
+searching, pivoting or allocating (`refactor`), from compiled code. The pivot order is the caller's. These are plain
+functions, to be compiled by `compiled_function`.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ def refactor(
 
     Returns
     -------
-    smallest |pivot| over the largest entry below it: small values tell that the pivots no longer fit; zero or nan that the
-    matrix is singular or not finite
+    smallest |pivot| over the largest entry below it: small values tell that the pivots no longer fit; zero or nan
+    that the matrix is singular or not finite
     """
     n, worst = len(diagonal), 1.0
     for j in range(n):

@@ -19,7 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Load, assemble, check, simulate, plot, and print what was done and how fast."""
-    from ..analyses import assemble, simulate
+    from ..analyses import ODE, assemble, simulate
     from ..mechanisms import path
     from ..model import load
     from ..system import System
@@ -40,7 +40,9 @@ def run(chosen: argparse.Namespace) -> int:
     print(report)
     simulated = time.perf_counter()
     with Bar(f"simulating {UNTIL:g} s", UNTIL) as bar:
-        motion = simulate(system, start, until=UNTIL, rtol=1e-10, atol=1e-12, progress=bar.reach)
+        motion = simulate(
+            system, start, until=UNTIL, method=ODE(), rtol=1e-10, atol=1e-12, progress=bar.reach
+        )
     simulated = time.perf_counter() - simulated
     print(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
     print(

@@ -15,11 +15,13 @@ from ...results import Assembly, Trajectory
 from ...system import System
 from ..linear import SingularMatrix
 from ..motion import Motion
+from ..saddle import SingularSystem
 from . import alpha_loop as loop
 from .newton_matrix import NewtonMatrix
-from .outcome import trajectory_of
+from .outcome import nothing, trajectory_of
 
 CHUNK = 400  # steps for one call of the compiled loop
+HISTORY = 100_000  # steps whose history is kept
 GROUPS = {
     "RESIDUAL": ("Phi", "Phi_qT_lam"),
     "MOMENTUM": ("M_a", "S"),
@@ -50,12 +52,21 @@ class _Alpha:
         max_step: float = np.inf,
     ) -> Trajectory:
         """Integrate over the times `t_eval`; see `sarrus.simulate`."""
-        return Run(system, self.scheme(), start, t_eval, rtol, atol, max_step).go(progress)
+        scheme = self.scheme()
+        try:
+            return Run(system, scheme, start, t_eval, rtol, atol, max_step).go(progress)
+        except SingularSystem:
+            return nothing(
+                system, "singular configuration", f"the constraints are dependent at t = {t_eval[0]:g} s"
+            )
 
 
 @dataclass(frozen=True)
 class HHT(_Alpha):
-    """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: 0 does not damp, -1/3 damps high frequencies most."""
+    """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: -1/3 damps high frequencies most.
+
+    alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step.
+    """
 
     alpha: float = -0.1
 
@@ -67,7 +78,7 @@ class HHT(_Alpha):
 
 @dataclass(frozen=True)
 class GeneralizedAlpha(_Alpha):
-    """Chung and Hulbert's method; rho_inf is its spectral radius at infinite frequency: 1 does not damp, 0 damps most."""
+    """Chung and Hulbert's method; rho_inf, its spectral radius at infinite frequency: 1 does not damp, 0 damps most."""
 
     rho_inf: float = 0.8
 
@@ -132,16 +143,15 @@ class Run:
         nq, m = system.nq, system.m
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
-        self._output = loop.Output(
-            times, *(np.zeros((len(times), k)) for k in (nq, nq, nq, m)), np.zeros((100000, 4))
-        )
+        wanted = [np.zeros((len(times), width)) for width in (nq, nq, nq, m)]
+        self._output = loop.Output._make([times, *wanted, np.zeros((HISTORY, 4))])
         self._control = loop.Control(np.zeros(7), np.zeros(6, dtype=np.int64))
 
     def _start(self, start: Assembly) -> loop.State:
         """Consistent accelerations and multipliers at the start."""
         a, lam = Motion(self.system).acceleration(float(self.times[0]), start.q, start.v)
         first = [np.array(x, dtype=float) for x in (start.q, start.v, a, a, lam)]
-        return loop.State(*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam)))
+        return loop.State._make([*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam))])
 
     def go(self, progress: Callable[[float], None] | None) -> Trajectory:
         """Integrate to the last time; whatever happens, what was computed is returned."""
@@ -189,24 +199,23 @@ class Run:
         self.matrix.choose_pivots()
         self._control.numbers[2] = 0.0
         lu, matrix = self.matrix.lu, self.matrix
-        self._arrays = loop.Matrix(
+        self._arrays = loop.Matrix._make([
             matrix.values, matrix.segments, matrix.places, matrix.weights, matrix.data,
             *(views[name] for name in ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v")),
-            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place, lu.column_order,
-        )  # fmt: skip
+            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
+            lu.column_order,
+        ])  # fmt: skip
 
     def _first_step(self) -> float:
-        """A step on which velocities and accelerations change q by little more than its tolerance."""
+        """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
         state, span = self._state, float(self.times[-1] - self.times[0])
-        scale = self.atol + self.rtol * abs(state.q0)
-        speed = float(np.sqrt(np.mean((state.v0 / scale) ** 2)))
-        force = float(np.sqrt(np.mean((state.a0 / scale) ** 2)))
-        guess = (
-            0.05
-            * min(1 / speed if speed else span, 1 / np.sqrt(force) if force else span)
-            * self.rtol ** (-1 / 6)
-        )
-        return min(max(guess, 1e-9 * span), 0.01 * span, self.max_step)
+        ahead = 1e-5 * span
+        q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
+        a, _ = Motion(self.system).acceleration(float(self.times[0]) + ahead, q, v)
+        jerk = self.scheme.error * (a - state.a0) / ahead / (self.atol + self.rtol * abs(state.q0))
+        size = float(np.sqrt(np.mean(jerk**2)))
+        guess = 0.4 * size ** (-1 / 3) if size > 0 else span
+        return float(min(max(guess, 1e-7 * span), 0.01 * span, self.max_step))
 
     def _result(self, status: str, message: str) -> Trajectory:
         count, numbers = self._control.counts, self._control.numbers

@@ -6,8 +6,8 @@ method's own acceleration ã, (1 - α_m) ã₁ + α_m ã₀ = (1 - α_f) a₁ + 
     q₁ = q₀ + h v₀ + h² ((½ - β) ã₀ + β ã₁),    v₁ = v₀ + h ((1 - γ) ã₀ + γ ã₁).
 
 Constraint residuals are divided by β' = β h² κ, κ = (1 - α_f) / (1 - α_m), so that the Newton matrix stays well
-conditioned as h falls (Bottasso, Bauchau and Cardona 2007). When h changes, ã₀ - a₀, which is proportional to h, and the
-defect of the velocity constraints, which is proportional to h², are rescaled.
+conditioned as h falls (Bottasso, Bauchau and Cardona 2007). When h changes, ã₀ - a₀, which is proportional to h, and
+the defect of the velocity constraints, which is proportional to h², are rescaled.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ NEWTON_SHARE = (
     0.03  # of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
 )
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
-PROJECTIONS, PROJECTED = 8, 1e-14  # most iterations, and where they end
+PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 KEEP = 1.3  # the step is not enlarged by less than this
 
@@ -239,9 +239,11 @@ def newton(
             return 0, 2.0
         if iteration > 0:
             rate = max(0.9 * rate, change / before) if before > 0.0 else 0.0
-            if rate > 0.9:
-                return 0, rate
-        if change <= 1e-4 * NEWTON_SHARE or (iteration > 0 and change * rate / (1.0 - rate) <= NEWTON_SHARE):
+        if change <= 1e-4 * NEWTON_SHARE or (iteration > 0 and change <= 0.1 * NEWTON_SHARE):
+            return iteration + 1, min(rate, SLOW)
+        if rate > 0.9:
+            return 0, rate
+        if iteration > 0 and change * rate / (1.0 - rate) <= NEWTON_SHARE:
             return iteration + 1, rate
         before = change
     return 0, 1.0

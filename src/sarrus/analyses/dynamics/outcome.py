@@ -24,3 +24,10 @@ def trajectory_of(system: System, states: tuple[Array, ...], *, status: str, **t
         status=status,
         **told,
     )
+
+
+def nothing(system: System, status: str, message: str) -> Trajectory:
+    """A trajectory without states: it failed at the start."""
+    widths = (system.nq, system.nq, system.nq, system.m)
+    states = (np.zeros(0), *(np.zeros((0, width)) for width in widths))
+    return trajectory_of(system, states, status=status, message=message)

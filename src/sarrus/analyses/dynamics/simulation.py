@@ -23,8 +23,8 @@ def simulate(
     until: float,
     t_eval: ArrayLike | None = None,
     method: Method | None = None,
-    rtol: float = 1e-8,
-    atol: float = 1e-10,
+    rtol: float = 1e-6,
+    atol: float = 1e-8,
     max_step: float = np.inf,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:

@@ -1,0 +1,158 @@
+"""HHT and generalized-α: order, tolerances, stiffness, trouble; against trajectories that other programs computed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.analyses.test_simulation import rigid_velocity, table
+from tests.system.mechanisms import hmmwv, slider_crank
+
+import sarrus as sr
+from sarrus.analyses.dynamics import alpha_loop
+
+METHODS = (sr.HHT(), sr.GeneralizedAlpha(0.8), sr.HHT(0.0))
+
+
+def fixed(method: object) -> object:
+    """The method without error control: every step is the longest."""
+    blind = type("Blind", (type(method),), {"scheme": lambda self: type(method).scheme(self)._replace(error=0.0)})
+    return blind(*vars(method).values())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_order_two(method: object) -> None:
+    exact = 3.715022003716
+    errors = []
+    for h in (1e-2, 5e-3, 2.5e-3):
+        settings = {"rtol": 1e-9, "atol": 1e-9, "max_step": h, "method": fixed(method)}
+        run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], **settings)
+        errors.append(abs(run["slider"].position[-1, 0] - exact))
+    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all((slopes > 1.8) & (slopes < 2.3)), slopes
+
+
+@pytest.mark.parametrize("method", METHODS[:2])
+def test_the_error_falls_with_the_tolerance(method: object) -> None:
+    reference = table("spatial_slidercrank_paper.csv")
+    times = reference["t"][reference["t"] <= 5]
+    errors = []
+    for rtol in (1e-4, 1e-6, 1e-8):
+        run = sr.simulate(slider_crank(), until=5.0, t_eval=times, rtol=rtol, atol=rtol, method=method)
+        assert run.success
+        errors.append(abs(run["slider"].position[:, 0] - reference["x_slider"][: len(times)]).max())
+    assert errors[0] > 5 * errors[1] > 25 * errors[2]
+    assert errors[2] < 1e-4
+
+
+def test_constraints_hold_where_states_are_given_out() -> None:
+    system = slider_crank()
+    run = sr.simulate(system, until=3.0, rtol=1e-5, atol=1e-5)
+    assert run.violation.max() < 1e-12
+    assert max(abs(system.Phi_q_xi(q, v)).max() for q, v in zip(run.q, run.v, strict=True)) < 1e-11
+    p = run.q.reshape(len(run.t), -1, 7)[:, :, 3:]
+    assert abs(np.sum(p * p, axis=2) - 1).max() < 1e-12
+
+
+FINE = {"rtol": 1e-7, "atol": 1e-7}
+
+
+def test_hmmwv_follows_the_reference() -> None:
+    reference, system = table("hmmwv_T1.csv"), hmmwv()
+    v = rigid_velocity(system, np.array([5.0, 0, -0.3]), np.array([0.2, 0.1, 0.05]))
+    run = sr.simulate(system, sr.assemble(system, system.q0, v), until=reference["t"][-1], t_eval=reference["t"], **FINE)
+    assert run.success
+    for k, axis in enumerate("xyz"):
+        assert np.allclose(run["chassis"].position[:, k], reference[axis], atol=1e-4)
+
+
+def test_newton_converges_quadratically_with_the_exact_matrix() -> None:
+    """From a disturbed guess, each step with a new matrix squares the error; a missing term would not."""
+    system, state = slider_crank(), sr.assemble(slider_crank())
+    run = sr.simulate(system, state, until=0.4, t_eval=[0.4], rtol=1e-8, atol=1e-8)
+    q, v, lam, h = run.q[0], run.v[0], run.lam[0].copy(), 0.02
+    scheme = sr.HHT().scheme()
+    kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+
+    def ahead(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = (1 - scheme.alpha_f) * a + scheme.alpha_f * run.a[0]
+        moved = q + h * v + h * h * ((0.5 - scheme.beta) * run.a[0] + scheme.beta * x)
+        return moved, v + h * ((1 - scheme.gamma) * run.a[0] + scheme.gamma * x)
+
+    a, sizes = run.a[0].copy(), []
+    for _ in range(5):
+        q1, v1 = ahead(a)
+        upper = system.M_a(q1, a) + system.Phi_qT_lam(q1, lam) - system.Q(q1, v1) - system.S(q1, v1)
+        stiffness = system.M_a_q(q1, a) + system.Phi_qT_lam_q(q1, lam) - system.Q_q(q1, v1) - system.S_q(q1, v1)
+        block = system.M(q1) + beta * stiffness - gamma * (system.Q_v(q1, v1) + system.S_v(q1, v1))
+        J = system.Phi_q(q1).toarray()
+        matrix = np.block([[block.toarray(), J.T], [J, np.zeros((system.m, system.m))]])
+        step = np.linalg.solve(matrix, np.concatenate([upper, system.Phi(q1) / beta]))
+        a, lam = a - step[: system.nq], lam - step[system.nq :]
+        sizes.append(np.linalg.norm(beta * step[: system.nq]))
+    assert sizes[1] < 0.2 * sizes[0]
+    assert sizes[2] < 50 * sizes[1] ** 2 + 1e-13
+    assert sizes[3] < 1e-13
+
+
+def spring_mass(stiffness: float) -> sr.System:
+    """A pendulum whose bob hangs on a stiff spring along a light guide."""
+    bob = sr.Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(1.0, 0, 0))
+    spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), bob.point(0, 0, 0), k=stiffness, c=0.0, length=1.0)
+    return sr.System(sr.Model("spring", bodies=[bob], forces=[spring], gravity=(0, 0, -9.81)))
+
+
+def test_steps_are_set_by_the_motion_not_by_the_stiffness() -> None:
+    steps = []
+    for stiffness in (1e5, 1e7, 1e9):
+        run = sr.simulate(spring_mass(stiffness), until=2.0, rtol=1e-4, atol=1e-4, method=sr.HHT(-0.3))
+        assert run.success, run.message
+        steps.append(run.nsteps)
+    assert steps[2] < 1.6 * steps[1] < 500, steps
+
+
+def test_an_rsda_counts_its_turns() -> None:
+    wheel = sr.Body("wheel", mass=1.0, inertia=(1, 1, 2.0), angular_velocity=(0, 0, 8.0))
+    pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
+    spring = sr.RSDA("spring", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1), k=0.02)
+    system = sr.System(sr.Model("wheel", bodies=[wheel], joints=[pin], forces=[spring]))
+    run = sr.simulate(system, until=10.0, rtol=1e-7, atol=1e-7)
+    expected = 8.0 * np.cos(0.1 * run.t)
+    assert np.allclose(run["wheel"].angular_velocity[:, 2], expected, atol=1e-3)
+
+
+def test_the_history_tells_the_steps() -> None:
+    run = sr.simulate(slider_crank(), until=1.0)
+    assert len(run.history) == run.nsteps
+    assert run.history[-1, 0] == pytest.approx(1.0)
+    assert np.all(run.history[:, 2] <= 1.0)
+    assert np.allclose(np.cumsum(run.history[:, 1]), run.history[:, 0])
+    assert run.njev < run.nsteps
+
+
+def test_dependent_constraints_are_a_status() -> None:
+    box = sr.Body("box", mass=1.0, inertia=(1, 1, 1))
+    welds = [sr.Fixed(name, sr.ground, box, point=(0, 0, 0)) for name in ("first", "second")]
+    system = sr.System(sr.Model("welded twice", bodies=[box], joints=welds))
+    run = sr.simulate(system, sr.assemble(system), until=1.0)
+    assert not run.success
+    assert "dependent" in run.message
+
+
+@pytest.mark.parametrize("method", [sr.HHT(0.1), sr.HHT(-0.5), sr.GeneralizedAlpha(1.5), sr.GeneralizedAlpha(-0.1)])
+def test_wrong_coefficients_are_refused(method: object) -> None:
+    with pytest.raises(ValueError, match="must lie between"):
+        sr.simulate(slider_crank(), until=0.1, method=method)
+
+
+def test_a_kept_loop_depends_on_its_constants(monkeypatch: pytest.MonkeyPatch) -> None:
+    from sarrus._jit.driver import compiled_function
+
+    before = compiled_function(alpha_loop.size).__name__
+    assert compiled_function(alpha_loop.size).__name__ == before
+    renamed = compiled_function(alpha_loop.predict).__name__
+    assert renamed != before
+    newton = compiled_function(alpha_loop.newton, update=None).__name__
+    monkeypatch.setattr(alpha_loop, "NEWTON_SHARE", 0.5)
+    assert compiled_function(alpha_loop.newton, update=None).__name__ != newton
+    assert Path(alpha_loop.__file__).exists()

@@ -43,7 +43,7 @@ class Anchors:
         anchored.open = False
 
     def copy(self, name: str, path: Path, line: int) -> Any:
-        """Return a copy of an anchored value, as the entry at ``path``; its lines are those of the original."""
+        """Return a copy of an anchored value as the entry at ``path``; what is in it keeps the original's lines."""
         if name not in self.known:
             told = f"uses the alias {quote('*' + name)}, but there is no anchor &{name} above it"
             remedy = suggest(name, self.known) if self.known else "write the value out"
@@ -52,7 +52,10 @@ class Anchors:
         if anchored.open:
             told = f"uses the alias {quote('*' + name)} inside of its own anchor; write the value out"
             raise refusal(told, self.file, line, path)
-        return self._copied(anchored.data, anchored.path, path, line)
+        own = self.lines.get(path, line)
+        data = self._copied(anchored.data, anchored.path, path, line)
+        self.lines[path] = own
+        return data
 
     def merge(self, value: Any, place: Path, values: dict[str, Any]) -> None:
         """Add the entries of a merge key to a mapping that does not have them."""

@@ -18,6 +18,7 @@ from .units import UnitFactor, in_si
 DEEPEST = 48  # brackets within brackets
 CLOSING = {"(": ")", "${": "}"}
 POWERS = ("**", "^")
+NAMES = ("name", "quoted")
 
 
 def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
@@ -119,7 +120,7 @@ class _Parser:
             inner = self._sum()
             self._expect(CLOSING[opening])
             return inner
-        if token.kind not in ("number", "name"):
+        if token.kind not in ("number", *NAMES):
             raise self._wrong(
                 "a number or a name is missing" + (f" before {quote(token.text)}" * bool(token.text))
             )
@@ -159,19 +160,19 @@ class _Parser:
         return -int(token.text) if sign else int(token.text)
 
     def _named(self, token: Token) -> Expression:
-        if self._taken("("):
+        if token.kind == "name" and self._taken("("):
             return self._function(token.text)
-        path = token.text.strip("'")
+        path = token.text
         while self._taken("."):
             path += "." + self._step()
         return Number(CONSTANTS[path], written=path) if path in CONSTANTS else Name(path)
 
     def _step(self) -> str:
         token = self._next
-        if token.kind != "name":
+        if token.kind not in NAMES:
             raise self._wrong("a name after a point is missing")
         self.at += 1
-        return token.text.strip("'")
+        return token.text
 
     def _function(self, name: str) -> Expression:
         args = [self._sum()]

@@ -12,14 +12,15 @@ LONGEST = 4000  # characters of one formula
 
 TOKEN = re.compile(
     r"(?P<number>(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?)"
-    r"|(?P<name>[^\W\d]\w*|°|'[^']*')"
+    r"|(?P<name>[^\W\d]\w*|°)"
+    r"|'(?P<quoted>[^']*)'"
     r"|(?P<sign>\*\*|\$\{|[-+*/^(){}.,·])"
 )
 SPACE = re.compile(r"\s*")
 
 
 class Token(NamedTuple):
-    """A piece of a formula: its kind, ``number``, ``name``, ``sign`` or ``end``, and where it stands."""
+    """A piece of a formula: its kind, ``number``, ``name``, ``quoted`` (a name), ``sign`` or ``end``, and where it stands."""
 
     kind: str
     text: str
@@ -42,7 +43,7 @@ def tokens(text: str) -> list[Token]:
         match = TOKEN.match(text, at)
         if match is None:
             raise ModelError(f"holds {quote(text[at])}, which no formula has; check {quote(text)}")
-        found.append(Token(str(match.lastgroup), match[0], at, match.end()))
+        found.append(Token(str(match.lastgroup), match[str(match.lastgroup)], at, match.end()))
         at = _spaced(text, match.end())
     return [*found, Token("end", "", at, at)]
 

@@ -16,6 +16,7 @@ COMMON = (
     *("m", "mm", "cm", "km", "in", "ft", "kg", "g", "t", "lb", "s", "ms", "min", "h", "Hz", "rpm"),
     *("N", "kN", "MN", "lbf", "deg", "rad", "J", "W", "kW", "Pa", "MPa", "bar"),
 )
+SPELT = {"°": "deg", "Nm": "N*m", "Nmm": "N*mm", "kNm": "kN*m"}  # as engineers write them
 BASE = {"meter": "m", "kilogram": "kg", "second": "s", "radian": "rad", "ampere": "A", "kelvin": "K"}
 DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "1": {}}
 
@@ -74,13 +75,10 @@ def look_up(name: str) -> Unit:
     ModelError
         If there is no such unit, or it does not start at zero, as a temperature in °C.
     """
-    from pint.errors import UndefinedUnitError
-
     registry = _registry()
-    try:
-        one, zero = (registry.Quantity(float(n), name).to_base_units() for n in (1, 0))
-    except (UndefinedUnitError, AttributeError):
-        raise ModelError(f"has the unknown unit {quote(name)}; {suggest(name, COMMON)}") from None
+    if name not in SPELT and not registry.parse_unit_name(name):
+        raise ModelError(f"has the unknown unit {quote(name)}; {suggest(name, COMMON)}")
+    one, zero = (registry.Quantity(float(n), SPELT.get(name, name)).to_base_units() for n in (1, 0))
     if zero.magnitude != 0:
         raise ModelError(f"has the unit {quote(name)}, which does not start at zero; convert it")
     powers = {BASE.get(base, base): int(power) for base, power in one.unit_items()}

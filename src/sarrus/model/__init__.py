@@ -5,8 +5,11 @@ from .blueprint import Placed as Placed
 from .blueprint import blueprint as blueprint
 from .body import Body as Body
 from .curve import Curve as Curve
+from .describe import describe as describe
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
+from .expression import Expression as Expression
+from .expression import parse_expression as parse_expression
 from .file import load as load
 from .forces import RSDA as RSDA
 from .forces import TSDA as TSDA

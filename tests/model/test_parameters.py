@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 
@@ -15,6 +16,7 @@ from sarrus.model.expression import Expression
 from sarrus.model.file.stated import function_in
 from sarrus.model.file.typed import measures, typed
 from sarrus.model.inertia import Inertia
+from sarrus.model.measure import In
 from sarrus.model.quantity import Vector
 
 CRANK = """\
@@ -141,6 +143,25 @@ def test_a_function_of_time_keeps_its_variable() -> None:
     assert form.validate_python(4.0, context=numbers).value() == 4
     with pytest.raises(ValueError, match=r"expects N, but .* is in s"):
         form.validate_python("t", context=numbers)
+
+
+def test_a_curve_may_be_a_formula() -> None:
+    from pydantic import TypeAdapter
+
+    from sarrus.model.curve import Formula
+    from sarrus.model.file.fields import form_of
+    from sarrus.model.file.numbers import Numbers
+
+    form = TypeAdapter(form_of(Annotated[float | Curve | Formula, In("N", over="m")]))
+    numbers = Numbers({"parameters": {"k": "2 N/mm"}})
+    law = form.validate_python("k*x + 1 N", context=numbers).build({})
+    assert isinstance(law, Formula)
+    assert law(0.5) == 1001
+    assert len(law.numbers()) > 3
+    assert form.validate_python("k * 1 mm", context=numbers) == 2.0
+    assert form.validate_python({"table": [["0 mm", 1], [1, "2 kN"]]}, context=numbers).build({})(1) == 2000
+    with pytest.raises(ValueError, match="expects N, but"):
+        form.validate_python("x", context=numbers)
 
 
 def test_every_number_of_every_part_says_what_it_measures() -> None:

@@ -5,7 +5,6 @@ from .blueprint import Placed as Placed
 from .blueprint import blueprint as blueprint
 from .body import Body as Body
 from .curve import Curve as Curve
-from .describe import describe as describe
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
 from .expression import Expression as Expression
@@ -31,3 +30,4 @@ from .orientation import AxisAngle as AxisAngle
 from .orientation import EulerAngles as EulerAngles
 from .point import Point as Point
 from .solid import ground as ground
+from .words import describe as describe

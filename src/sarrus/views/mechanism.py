@@ -11,7 +11,7 @@ import numpy as np
 from ..algebra import Array
 from ..model import Model, blueprint
 from ..model.blueprint import Blueprint, Placed
-from ..model.describe import global_point
+from ..model.words import global_point
 from .plots import ORANGE, figure_of
 
 BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")

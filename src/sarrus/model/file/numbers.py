@@ -24,6 +24,11 @@ AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
 FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
 
 
+def variable_of(over: str) -> str:
+    """Return the name of a formula's variable: t for time, x for anything else."""
+    return "t" if over == "s" else "x"
+
+
 class Computed(float):
     """A number that a formula gave."""
 
@@ -58,8 +63,9 @@ class Numbers:
         result.expression = tree
         return result
 
-    def function(self, text: str, unit: str, over: str, variable: str = "t") -> Expression:
+    def function(self, text: str, unit: str, over: str) -> Expression:
         """Return the formula of a function of one variable, with numbers for all other names."""
+        variable = variable_of(over)
         tree = self.tree(text, variable)
         self._check_unit(tree, text, unit, {variable: powers_of(over)})
         return tree.replaced({name: Number(value) for name, value in self.values.items()})

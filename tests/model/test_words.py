@@ -9,7 +9,7 @@ import pytest
 
 from sarrus import mechanisms
 from sarrus.model import Body, Model, Revolute, blueprint, describe, ground, load
-from sarrus.model.describe import mass_and_center
+from sarrus.model.words import mass_and_center
 
 
 def test_the_slider_crank_in_words() -> None:

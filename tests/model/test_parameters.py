@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -270,6 +271,35 @@ def test_formulas_that_double_stay_quick(tmp_path: Path) -> None:
     model = written(tmp_path, BASE.format(**{**DEFAULTS, "parameters": "{p0: 1, " + doubling + "}"}))
     assert model.parameters["p149"] == 2.0**149
     assert model.formulas.derivatives("p0")["parameters", "p149"] == 2.0**149
+
+
+PIECES = [
+    "l",
+    "rod",
+    "rod.mass",
+    "A",
+    "true",
+    "[1]",
+    "{}",
+    "null",
+    "1/0",
+    "2 mm",
+    "${l}",
+    "'",
+    "-",
+    ":",
+    "sin(",
+    "t",
+    "<<",
+]
+
+
+def test_no_damage_to_formulas_gives_another_exception(tmp_path: Path) -> None:
+    """Replace a piece of the file at many places by words that mean something elsewhere."""
+    for place in range(20, len(CRANK), 9):
+        piece, length = PIECES[place % len(PIECES)], place % 5
+        with suppress(ModelError):
+            written(tmp_path, CRANK[:place] + piece + CRANK[place + length :])
 
 
 def test_json_says_the_same(tmp_path: Path) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..body import Body
 from ..errors import ModelError
@@ -33,6 +33,14 @@ class Computed(float):
     """A number that a formula gave."""
 
     expression: Expression
+
+
+class Home(NamedTuple):
+    """A part that a path leads into, and the rest of the path."""
+
+    section: str
+    entry: Any
+    steps: list[str]
 
 
 class Echo(ModelError):
@@ -134,25 +142,23 @@ class Numbers:
 
     def _definition(self, name: str, text: str) -> tuple[Any, str | None]:
         """Return what the file says for a name, and the unit that its place declares."""
-        section, part, steps = self._home(name)
-        if section:
-            raw = self._walk(self._section(section)[part], steps)
+        found = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
+        for raw, home in found:
             if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
-                return raw, self._declared(section, part, steps)
+                return raw, self._declared(home)
+        for raw, home in found:
             if raw is not None:
                 told = f"uses {quote(name)}, which is {show(raw)} and no number"
-                wrong = Echo if section == "parameters" else ModelError
+                wrong = Echo if home.section == "parameters" else ModelError
                 raise wrong(f"{told}; name one of its numbers, as in {name}.x")
         raise self._unknown(name, text)
 
-    def _home(self, name: str) -> tuple[str, str, list[str]]:
-        """Return the section that a path leads into, the part there, and the rest of the path."""
+    def _homes(self, name: str) -> Iterator[Home]:
+        """Yield every part that a path may lead into: parameters and points come before the others."""
         part, *steps = name.split(".")
-        for section in reversed(KINDS):  # parameters and points first
-            held = self._section(section)
-            if part in held and (section != "parameters" or isinstance(held[part], dict) == bool(steps)):
-                return section, part, steps
-        return "", part, steps
+        for section in reversed(KINDS):
+            if part in self._section(section):
+                yield Home(section, self._section(section)[part], steps)
 
     def _walk(self, value: Any, steps: list[str]) -> Any:
         """Return what a path leads to, or None."""
@@ -166,13 +172,13 @@ class Numbers:
                 value = value[place] if isinstance(value, list) and 0 <= place < len(value) else None
         return value
 
-    def _declared(self, section: str, part: str, steps: list[str]) -> str | None:
-        if section in ("parameters", "points"):
-            return None if section == "parameters" else "m"
-        entry = self._section(section)[part]
+    def _declared(self, home: Home) -> str | None:
+        if home.section in ("parameters", "points"):
+            return None if home.section == "parameters" else "m"
         kinds: dict[str, dict[str, Any]] = {"joints": dict(Joint.kinds), "forces": dict(Force.kinds)}
-        kind = Body if section == "bodies" else kinds[section].get(str(entry.get("type")))
-        measure = measures(kind).get(steps[0]) if kind and steps else None
+        name = str(home.entry.get("type")) if isinstance(home.entry, dict) else ""
+        kind = Body if home.section == "bodies" else kinds.get(home.section, {}).get(name)
+        measure = measures(kind).get(home.steps[0]) if kind and home.steps else None
         return measure.unit if measure else None
 
     def _unknown(self, name: str, text: str) -> ModelError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import subprocess
 import sys
 from contextlib import suppress
@@ -273,25 +274,8 @@ def test_formulas_that_double_stay_quick(tmp_path: Path) -> None:
     assert model.formulas.derivatives("p0")["parameters", "p149"] == 2.0**149
 
 
-PIECES = [
-    "l",
-    "rod",
-    "rod.mass",
-    "A",
-    "true",
-    "[1]",
-    "{}",
-    "null",
-    "1/0",
-    "2 mm",
-    "${l}",
-    "'",
-    "-",
-    ":",
-    "sin(",
-    "t",
-    "<<",
-]
+PIECES = ["l", "rod", "rod.mass", "A", "true", "[1]", "{}", "null", "1/0", "2 mm", "${l}"]
+PIECES += ["'", "-", ":", "sin(", "t", "<<"]
 
 
 def test_no_damage_to_formulas_gives_another_exception(tmp_path: Path) -> None:
@@ -300,6 +284,12 @@ def test_no_damage_to_formulas_gives_another_exception(tmp_path: Path) -> None:
         piece, length = PIECES[place % len(PIECES)], place % 5
         with suppress(ModelError):
             written(tmp_path, CRANK[:place] + piece + CRANK[place + length :])
+
+
+def test_a_model_with_formulas_can_be_sent_to_another_process(model: Model) -> None:
+    other = pickle.loads(pickle.dumps(model))
+    assert other.formulas.derivatives("l") == model.formulas.derivatives("l")
+    assert blueprint(other).q.tolist() == blueprint(model).q.tolist()
 
 
 def test_json_says_the_same(tmp_path: Path) -> None:

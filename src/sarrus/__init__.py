@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from .model import Translational as Translational
     from .model import Tyre as Tyre
     from .model import Universal as Universal
+    from .model import describe as describe
     from .model import ground as ground
     from .model import load as load
+    from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
     from .results import Trajectory as Trajectory
     from .system import System as System
@@ -49,7 +51,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "model": (
         "AxisAngle Body Curve Cylindrical Distance EulerAngles Fixed Frame Model ModelError Point PointForce RSDA "
-        "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal ground load"
+        "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": "GeneralizedAlpha HHT ODE assemble simulate",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -274,10 +275,47 @@ def test_a_body_can_be_exchanged_for_one_of_its_name() -> None:
     assert blueprint(Model("m", [other], [pin])).placed[0].values[1] == (0, -1, 0)
 
 
+GUIDE = Path(__file__).parents[2].joinpath("docs", "model-file.md").read_text(encoding="utf-8")
+EXAMPLES = [block.split("```")[0] for block in GUIDE.split("```yaml\n")[1:]]
+
+
+def example(start: str, folder: Path) -> Model:
+    """Return the model of the guide's example that begins like this; all are written, for includes."""
+    for block in EXAMPLES:
+        name = block.splitlines()[0].removeprefix("# ")
+        if name.endswith(".yaml"):
+            (folder / name).write_text(block, encoding="utf-8")
+    block = next(block for block in EXAMPLES if start in block)
+    (folder / "example.yaml").write_text(block, encoding="utf-8")
+    return load(folder / "example.yaml")
+
+
 def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
-    guide = Path(__file__).parents[2].joinpath("docs", "model-file.md").read_text(encoding="utf-8")
-    example = guide.split("```yaml\n")[1].split("```")[0]
-    (tmp_path / "crank.yaml").write_text(example, encoding="utf-8")
-    assert [body.name for body in load(tmp_path / "crank.yaml").bodies] == ["crank", "slider"]
+    assert len(EXAMPLES) == 5
+    assert [body.name for body in example("name: slider-crank", tmp_path).bodies] == ["crank", "slider"]
     for kind in (*Joint.kinds, *Force.kinds):
-        assert f"| `{kind}` |" in guide
+        assert f"| `{kind}` |" in GUIDE
+
+
+def test_the_guides_formulas_are_right(tmp_path: Path, largest_phi: Callable[[Blueprint], float]) -> None:
+    model = example("name: crank and rod", tmp_path)
+    assert model.bodies[1].mass == 1.6
+    assert model.parameters["rod_length"] == pytest.approx(0.6)
+    assert np.hypot(
+        *np.subtract(model.formulas.points["C"], model.formulas.points["B"])[1:]
+    ) == pytest.approx(0.6)
+    assert largest_phi(blueprint(model)) < 1e-15
+    assert model.forces[0].length == pytest.approx(0.597)  # type: ignore[attr-defined]
+    assert model.formulas.derivatives("tilt")["bodies", "crank", "orientation", "angle"] == 1
+
+
+def test_the_guides_car_has_two_axles(tmp_path: Path) -> None:
+    model = example("name: car", tmp_path)
+    assert [body.name for body in model.bodies] == ["chassis", "front_beam", "rear_beam"]
+    assert [body.mass for body in model.bodies] == [900, 30, 40]
+    assert [next(iter(body.position)) for body in model.bodies[1:]] == [1.5, -1.5]
+    assert list(model.parameters) == ["wheelbase", "front_x", "front_load", "rear_x", "rear_load"]
+
+
+def test_the_guides_balls_are_copies(tmp_path: Path) -> None:
+    assert [body.mass for body in example("name: three balls", tmp_path).bodies] == [2, 2, 3]

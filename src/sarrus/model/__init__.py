@@ -7,6 +7,8 @@ from .body import Body as Body
 from .curve import Curve as Curve
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
+from .expression import Expression as Expression
+from .expression import parse_expression as parse_expression
 from .file import load as load
 from .forces import RSDA as RSDA
 from .forces import TSDA as TSDA
@@ -28,3 +30,4 @@ from .orientation import AxisAngle as AxisAngle
 from .orientation import EulerAngles as EulerAngles
 from .point import Point as Point
 from .solid import ground as ground
+from .words import describe as describe

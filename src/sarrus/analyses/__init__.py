@@ -1,7 +1,8 @@
 """Analyses take a system and give back results."""
 
 from .assembly import assemble
+from .joint_space import JointSpace
 from .ode import ODE
 from .simulation import simulate
 
-__all__ = ["ODE", "assemble", "simulate"]
+__all__ = ["ODE", "JointSpace", "assemble", "simulate"]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 
+from . import model_file
 from .progress import Bar
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, and the seed of the random states."""
-    parser.add_argument("model", help="a .yaml or .json model file")
+    model_file.arguments(parser)
     parser.add_argument(
         "--seed", type=int, default=0, help="of the random velocities, directions and multipliers"
     )
@@ -18,10 +19,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> int:
     """Print the table; 1 if something does not agree."""
     from ..elements import OPERATORS
-    from ..model import load
     from ..system import System
 
-    system = System(load(chosen.model))
+    system = System(model_file.read(chosen))
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
     print(report)

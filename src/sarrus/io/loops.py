@@ -50,8 +50,8 @@ def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
 
 
 def _check_sections(document: Document) -> None:
-    where = document.origin.file
     if not isinstance(document.data, Mapping):
+        where = document.origin.where(())
         raise ModelError("must be a mapping with the key joints; add it", part="file", where=where)
     for key in document.data:
         if key not in SECTIONS:

@@ -81,7 +81,7 @@ def _describe(path: Path) -> _Told:
         root=next(iter(links)),
         gravity=triple(read.opt.gravity),
         limits=limits_of(read),
-        mimics=mimics_of(read),
+        mimics=mimics_of(read, str(path)),
         visuals=list(visuals_of(read)),
         notes=notes(read),
         zero=zeros_of(read),

@@ -36,7 +36,7 @@ def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
         )
 
 
-def mimics_of(compiled: Any) -> dict[str, Mimic]:
+def mimics_of(compiled: Any, file: str) -> dict[str, Mimic]:
     """Return the joints that follow another, linearly.
 
     Raises
@@ -46,14 +46,14 @@ def mimics_of(compiled: Any) -> dict[str, Mimic]:
     """
     names, found = joint_names(compiled), {}
     for k in _active(compiled):
-        _refuse_others(compiled, k)
+        _refuse_others(compiled, k, file)
         if _is(compiled, k, JOINT):
             offset, multiplier = (float(x) for x in compiled.eq_data[k, :2])
             found[names[compiled.eq_obj1id[k]]] = Mimic(names[compiled.eq_obj2id[k]], multiplier, offset)
     return found
 
 
-def _refuse_others(compiled: Any, k: int) -> None:
+def _refuse_others(compiled: Any, k: int, file: str) -> None:
     kind, told = int(compiled.eq_type[k]), ""
     if kind > JOINT:
         told = "is neither connect, weld nor joint; take it out of the file"
@@ -62,7 +62,7 @@ def _refuse_others(compiled: Any, k: int) -> None:
     elif kind == JOINT and any(compiled.eq_data[k, 2:5]):
         told = "is no linear relation of two joints; take it out of the file"
     if told:
-        raise ModelError(told, part=f"equality {quote(_name(compiled, k))}")
+        raise ModelError(told, part=f"equality {quote(_name(compiled, k))}", where=file)
 
 
 def _spherical(compiled: Any, k: int, name: str, robot: Robot) -> Joint:

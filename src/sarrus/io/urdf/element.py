@@ -60,6 +60,8 @@ class _Reader:
             self.parser.Parse(content, True)
         except expat.ExpatError as error:
             raise self._refusal(f"is not well-formed XML, {_reason(error)}; mend it", error.lineno) from None
+        except ModelError:
+            raise
         except (LookupError, ValueError) as error:
             raise self._refusal(f"cannot be decoded, {error}; save it as UTF-8", 1) from None
         assert self.done is not None

@@ -48,6 +48,12 @@ KINDS = {
 }
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo leaves a log where it is run."""
+    monkeypatch.chdir(tmp_path)
+
+
 def compare(path: Path, poses: int = 10) -> None:
     """Compare masses, poses of all bodies and mass matrices in random configurations."""
     robot = sr.load_mjcf(path, mimic="free", inertia="given")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,17 @@ pin = pytest.importorskip("pinocchio")
 
 EXACT = 1e-10  # rounding of two programs, through dozens of bodies
 POSES = 100
-ROBOTS = Path(sys.prefix) / "lib" / f"python3.{sys.version_info.minor}" / "site-packages/cmeel.prefix/share"
-ROBOTS = ROBOTS / "example-robot-data/robots"
+
+
+def robots() -> Path:
+    """Return the folder of the package example-robot-data; an empty path if it is not installed."""
+    try:
+        package = metadata.distribution("example-robot-data")
+    except metadata.PackageNotFoundError:
+        return Path()
+    return Path(str(package.locate_file("cmeel.prefix/share/example-robot-data/robots")))
+
+
 CHOSEN = {
     "panda_description/urdf/panda.urdf": "fixed",
     "ur_description/urdf/ur5_robot.urdf": "fixed",
@@ -32,10 +41,10 @@ CHOSEN = {
 }
 
 
-@pytest.mark.skipif(not ROBOTS.is_dir(), reason="example-robot-data is not installed")
+@pytest.mark.skipif(not robots().name, reason="example-robot-data is not installed")
 @pytest.mark.parametrize("file", CHOSEN)
 def test_robot_agrees_with_pinocchio(file: str) -> None:
-    path, base = ROBOTS / file, CHOSEN[file]
+    path, base = robots() / file, CHOSEN[file]
     robot = sr.load_urdf(path, base=base, mimic="free", inertia="given")  # type: ignore[arg-type]
     space = sr.JointSpace(sr.System(robot))
     root = [pin.JointModelFreeFlyer()] if base == "floating" else []

@@ -147,3 +147,27 @@ def test_a_planar_joint_slides_and_turns(tmp_path: Path) -> None:
     place = link_poses(found, space, space.pack({"j.x": 1.0, "j.y": 2.0, "j.angle": np.pi / 2}))["a"]
     np.testing.assert_allclose(place.r, [1, 2, 0], atol=1e-15)
     np.testing.assert_allclose(place.A[:, 0], [0, 1, 0], atol=1e-15)
+
+
+def test_hinges_through_links_without_mass_are_one_joint(tmp_path: Path) -> None:
+    x, y, z = (f'<axis xyz="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+    told = link("a", "") + joint(
+        "roll", "revolute", "world", "a", x + '<origin xyz="1 2 3" rpy="0.1 0.2 0.3"/>'
+    )
+    told += link("b", "") + joint("pitch", "revolute", "a", "b", y + '<origin xyz="0 0 0" rpy="0 0 0.5"/>')
+    told += link("c") + joint("yaw", "revolute", "b", "c", z + '<origin xyz="0 0 0" rpy="0.5 0 0"/>')
+    found = robot(tmp_path, told)
+    assert [type(one).__name__ for one in found.joints] == ["Spherical"]
+    space = sr.JointSpace(sr.System(found))
+    theta = space.pack({"roll": 0.3, "pitch": -0.4, "yaw": 0.5})
+    assert space.freedoms == space.system.nq - space.system.m == 3
+    assert abs(space.system.Phi_q(space.q(theta)) @ space.T(theta)).max() < 1e-14
+    with pytest.raises(sr.ModelError, match="no link"):
+        found.link("b")
+
+
+def test_hinges_through_links_without_mass_that_do_not_meet_are_refused(tmp_path: Path) -> None:
+    told = link("a", "") + joint("roll", "revolute", "world", "a")
+    told += link("b") + joint("pitch", "revolute", "a", "b", '<origin xyz="0 1 0"/><axis xyz="0 0 1"/>')
+    with pytest.raises(sr.ModelError, match="just the motions roll, pitch"):
+        robot(tmp_path, told)

@@ -18,6 +18,7 @@ from ...model.solid import GROUND, Solid, ground
 from ...model.tree import Branch, walk
 from .bodies import bodies_of
 from .carried import Carried
+from .chains import fold
 from .description import WORLD, Description, Edge, Link
 from .joints import Hinge, joint
 from .merge import Merged, lock, merge
@@ -49,7 +50,8 @@ def build(told: Description, wishes: Wishes) -> Robot:
         refuse_mimics(told, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
     told = replace(told, edges=lock(told.edges, stops))
-    return _robot(told, wishes, merge(told, keep_fixed=wishes.keep_fixed), values)
+    merged = fold(merge(told, keep_fixed=wishes.keep_fixed))
+    return _robot(told, wishes, merged, values)
 
 
 def _floating(told: Description) -> Description:

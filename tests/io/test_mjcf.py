@@ -142,14 +142,39 @@ def test_connect_closes_a_loop_as_in_mujoco(tmp_path: Path) -> None:
     assert np.linalg.matrix_rank(system.Phi_q(system.q0).toarray()) == system.nq - 1
 
 
-def test_weld_holds_two_bodies_as_in_the_file(tmp_path: Path) -> None:
-    path = four_bar(tmp_path, "weld", ' anchor="0.1 0.2 0.3"')
-    space = sr.JointSpace(sr.System(sr.load_mjcf(path)))
-    system = space.system
-    assert len(system.rows["closing"]) == 6
-    assert abs(system.Phi(system.q0)).max() < 1e-14
-    moved = system.Phi(space.q(space.pack({"b": 0.1})))[system.rows["closing"]]
-    assert np.sum(abs(moved) > 1e-3) >= 2
+LOOPS = {
+    "connect": ' anchor="0.1 0.2 0.3"',
+    "weld": ' anchor="0.1 0.2 0.3"',
+    "weld with a pose": ' anchor="0.1 0.2 0.3" relpose="0 0 -2 0.9 0.1 0.2 0.3"',
+}
+
+
+@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("sites", [False, True])
+def test_a_loop_blocks_what_it_blocks_in_mujoco(name: str, sites: bool, tmp_path: Path) -> None:
+    """Two free bodies and a loop: where it is closed, its equations have the row space of MuJoCo's."""
+    kind, more = name.split()[0], "" if sites else LOOPS[name]
+    ends = 'site1="s" site2="t"' if sites else 'body1="a" body2="b"'
+    bodies = "".join(
+        f'<body name="{body}" pos="{k} 0.1 0.2" euler="{k}0 20 30"><freejoint name="f{k}"/><geom size="0.1 0.2 0.3" '
+        f'type="box"/><site name="{site}" pos="{k} 0 1" euler="0 {k}0 5"/></body>'
+        for k, (body, site) in enumerate(("as", "bt"), 1)
+    )
+    path = tmp_path / "pair.xml"
+    path.write_text(
+        f"<mujoco><worldbody>{bodies}</worldbody><equality><{kind} {ends}{more}/></equality></mujoco>"
+    )
+    system = sr.System(sr.load_mjcf(path))
+    start, model = sr.assemble(system), mujoco.MjModel.from_xml_path(str(path))
+    assert start.success, start.message
+    data = at(model, start.q)
+    assert abs(data.efc_pos).max() < EXACT
+    T = sr.JointSpace(system).T(start.q)  # all is free, so q is θ
+    (loop,) = system.rows.values()
+    ours, theirs = (system.Phi_q(start.q) @ T)[loop], data.efc_J.reshape(-1, 12)
+    count = 3 if kind == "connect" else 6
+    assert np.linalg.matrix_rank(ours) == np.linalg.matrix_rank(theirs) == count
+    assert np.linalg.matrix_rank(np.vstack([ours, theirs]), tol=1e-8) == count
 
 
 def test_a_closed_loop_falls(tmp_path: Path) -> None:

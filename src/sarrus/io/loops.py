@@ -37,9 +37,7 @@ def close(robot: Robot, loops: str | os.PathLike[str] | None) -> Robot:
 
 
 def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
-    _check_sections(document)
-    data = {"name": robot.name, "bodies": {}, **document.data}
-    entry: Any = validate(Document(data, document.origin))
+    entry = _entry(document)
     solids: dict[str, Solid] = {GROUND: ground, **robot.links}
     findings = Findings(document.origin)
     parts = _built(entry.joints, "joints", Joint.kinds, solids, findings)
@@ -47,6 +45,12 @@ def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
     _check(robot, parts, findings)
     findings.raise_first()
     return parts
+
+
+def _entry(document: Document) -> Any:
+    """Return the joints and forces as the reader of model files has them; it asks for a name and bodies too."""
+    _check_sections(document)
+    return validate(Document({"name": "loops", "bodies": {}, **document.data}, document.origin))
 
 
 def _check_sections(document: Document) -> None:

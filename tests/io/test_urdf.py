@@ -171,3 +171,21 @@ def test_hinges_through_links_without_mass_that_do_not_meet_are_refused(tmp_path
     told += link("b") + joint("pitch", "revolute", "a", "b", '<origin xyz="0 1 0"/><axis xyz="0 0 1"/>')
     with pytest.raises(sr.ModelError, match="just the motions roll, pitch"):
         robot(tmp_path, told)
+
+
+def test_one_motion_of_several_may_be_locked(tmp_path: Path) -> None:
+    told = link("a") + joint("j", "planar", "world", "a", '<axis xyz="0 0 1"/>')
+    free = robot(tmp_path, told)
+    there = link_poses(free, sr.JointSpace(sr.System(free)), np.array([0.3, -0.2, 0.4]))["a"]
+    found = robot(tmp_path, told, lock=["j.y", "j.angle"], q0={"j.y": -0.2, "j.angle": 0.4})
+    space = sr.JointSpace(sr.System(found))
+    place = link_poses(found, space, space.pack({"j.x": 0.3}))["a"]
+    assert [type(one).__name__ for one in found.joints] == ["Translational"]
+    np.testing.assert_allclose([place.r, *place.A], [there.r, *there.A], atol=1e-15)
+    with pytest.raises(sr.ModelError, match="just the motions"):
+        robot(tmp_path, told, lock=["j.x"])
+
+
+def test_a_joint_called_base_and_a_floating_base_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(sr.ModelError, match="rename"):
+        robot(tmp_path, link("a") + joint("base", "revolute", "world", "a"), base="floating")

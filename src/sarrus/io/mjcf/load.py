@@ -56,24 +56,16 @@ def load_mjcf(
     ImportError
         If ``mujoco`` is not installed.
     """
-    told = _describe(Path(path))
-    robot = build(told.description, Wishes("fixed", q0 or {}, lock, mimic, inertia, keep_fixed))
-    return close(robot.adding(*closing_joints(told.compiled, robot)), loops)
+    read = compiled(Path(path))
+    robot = build(_description(read, Path(path)), Wishes("fixed", q0 or {}, lock, mimic, inertia, keep_fixed))
+    return close(robot.adding(*closing_joints(read, robot)), loops)
 
 
-class _Told:
-    """A compiled model and what it says."""
-
-    def __init__(self, compiled: Any, description: Description) -> None:
-        self.compiled, self.description = compiled, description
-
-
-def _describe(path: Path) -> _Told:
-    read = compiled(path)
+def _description(read: Any, path: Path) -> Description:
     if read.nflex:
         raise ModelError("has flexible bodies; take them out of the file", part="file", where=str(path))
     links = links_of(read)
-    description = Description(
+    return Description(
         name=path.stem,
         file=str(path),
         links=links,
@@ -86,4 +78,3 @@ def _describe(path: Path) -> _Told:
         notes=notes(read),
         zero=zeros_of(read),
     )
-    return _Told(read, description)

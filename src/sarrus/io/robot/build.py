@@ -22,7 +22,7 @@ from .chains import fold
 from .description import WORLD, Description, Edge, Link
 from .joints import Hinge, joint
 from .merge import Merged, lock, merge
-from .mimics import followers, refuse_mimics
+from .mimics import followers, freed, refuse_mimics
 from .names import legal
 from .robot import Robot
 from .values import known, values_of
@@ -49,13 +49,16 @@ def build(told: Description, wishes: Wishes) -> Robot:
     if wishes.mimic == "refuse":
         refuse_mimics(told, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
-    told = replace(told, edges=lock(told.edges, stops))
+    told = replace(told, edges=lock(told.edges, stops), notes=[*told.notes, *freed(told, locked)])
     merged = fold(merge(told, keep_fixed=wishes.keep_fixed))
     return _robot(told, wishes, merged, values)
 
 
 def _floating(told: Description) -> Description:
     """Return the description with what stands still as its root, on which the former root moves freely."""
+    if any(edge.name == BASE for edge in told.edges):
+        sentence = f"has the name of the motion of a floating root; rename joint {quote(BASE)}"
+        raise ModelError(sentence, part=f"joint {quote(BASE)}", where=told.file)
     edge = Edge(BASE, WORLD, told.root, GROUND_POSE, (Free(BASE),), told.links[told.root].line)
     links = {WORLD: Link(WORLD, None), **told.links}
     return replace(told, root=WORLD, edges=[edge, *told.edges], links=links)

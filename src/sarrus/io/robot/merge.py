@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from ...model.motion import compose
+from ...model.errors import ModelError
+from ...model.motion import Motion, compose
 from ...model.pose import GROUND_POSE, Pose
 from ...model.quantity import Array
+from ...model.show import quote
 from .description import WORLD, Description, Edge, Inertial, combined
 
 
@@ -58,12 +60,23 @@ def lock(edges: Iterable[Edge], values: Mapping[str, Array]) -> list[Edge]:
 
 
 def _stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
-    if not edge.motions or any(motion.name not in values for motion in edge.motions):
-        return edge
-    pose = edge.pose
+    """Return the edge with a constant displacement in place of each stopped motion, before those that are left."""
+    pose, left = edge.pose, list[Motion]()
     for motion in edge.motions:
-        pose = motion.moved(pose, values[motion.name])
-    return Edge(edge.name, edge.parent, edge.child, pose, (), edge.line)
+        if motion.name in values:
+            stop = motion.moved(GROUND_POSE, values[motion.name])
+            pose, left = compose(pose, stop), [_behind(stop, one) for one in left]
+        else:
+            left.append(motion)
+    return replace(edge, pose=pose, motions=tuple(left))
+
+
+def _behind(stop: Pose, motion: Motion) -> Motion:
+    said = motion.said_in(stop)
+    if said is None:
+        told = "can be locked only together with the joints after it; lock them all, or none"
+        raise ModelError(told, part=f"joint {quote(motion.name)}")
+    return said
 
 
 def _take(merged: Merged, told: Description, link: str) -> None:

@@ -35,12 +35,16 @@ def refuse_mimics(told: Description, locked: set[str]) -> None:
             raise ModelError(f"{sentence}; {remedy}", part=f"joint {quote(name)}", where=where)
 
 
+def freed(told: Description, locked: set[str]) -> list[str]:
+    """Return the sentence that says how many following joints move on their own."""
+    n = len(set(told.mimics) - locked)
+    return [f"{n} joints that follow another move freely"] if n else []
+
+
 def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:
     if name not in found:
-        zero = np.zeros(1)
-        led = name in mimics
-        found[name] = zero
-        if led:
-            mimic = mimics[name]
-            found[name] = mimic.multiplier * _follow(mimic.joint, mimics, found) + mimic.offset
+        found[name] = np.zeros(1)
+        if name in mimics:
+            leader, multiplier, offset = mimics[name]
+            found[name] = multiplier * _follow(leader, mimics, found) + offset
     return found[name]

@@ -1,4 +1,4 @@
-"""A <joint>: what it connects, how it moves, its limits and whom it follows."""
+"""A <joint>: what it connects, how it moves, and its limits."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...model.motion import Free, Motion, Slide, Turn
 from ...model.quantity import Array
 from ...model.rotation import perpendicular
 from ...model.show import quote, suggest
-from ..robot import Edge, Limit, Mimic
+from ..robot import Edge, Limit
 from .element import Element
 from .reader import Reader
 
@@ -46,16 +46,6 @@ def read_limit(element: Element, reader: Reader) -> Limit | None:
     if limit is None:
         return None
     return Limit(*(reader.maybe(limit, name) for name in Limit._fields))
-
-
-def read_mimic(element: Element, reader: Reader) -> Mimic | None:
-    """Return whom a joint follows, if it does."""
-    mimic = reader.one(element, "mimic")
-    if mimic is None:
-        return None
-    reader.check(mimic, Mimic._fields)
-    leader = reader.text(mimic, "joint")
-    return Mimic(leader, reader.number(mimic, "multiplier", 1.0), reader.number(mimic, "offset", 0.0))
 
 
 def _link_of(element: Element, tag: str, reader: Reader) -> str:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One command each from a fresh clone: demo, test, check, docs, format, clean. Standard library only.
+"""One command each from a fresh clone: demo, test, robots, check, docs, format, clean. Standard library only.
 
 The first use makes `.venv` beside this file and installs Sarrus into it with what the command needs; a stamp
 remembers what was installed, and the work is done again when pyproject.toml or the Python version changes.
@@ -22,10 +22,18 @@ STAMP = VENV / "sarrus-installed.json"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = str(BIN / "python")
 
-EXTRAS = {"demo": ["plot"], "test": ["test"], "check": ["lint", "test"], "docs": ["docs"], "format": ["lint"]}
+EXTRAS = {
+    "demo": ["plot"],
+    "test": ["test"],
+    "robots": ["robots"],
+    "check": ["lint", "test"],
+    "docs": ["docs"],
+    "format": ["lint"],
+}
 COMMANDS = {
     "demo": [[str(BIN / "sarrus"), "demo"]],
     "test": [[PYTHON, "-m", "pytest"]],
+    "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],
         [str(BIN / "ruff"), "format", "--check", "."],

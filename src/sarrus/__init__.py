@@ -15,8 +15,13 @@ if TYPE_CHECKING:
     from .analyses import HHT as HHT
     from .analyses import ODE as ODE
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
+    from .analyses import JointSpace as JointSpace
     from .analyses import assemble as assemble
     from .analyses import simulate as simulate
+    from .io import Robot as Robot
+    from .io import load_any as load_any
+    from .io import load_mjcf as load_mjcf
+    from .io import load_urdf as load_urdf
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
     from .model import AxisAngle as AxisAngle
@@ -54,7 +59,8 @@ _HOMES = {
         "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal describe ground load parse_expression"
     ),
     "system": "System",
-    "analyses": "GeneralizedAlpha HHT ODE assemble simulate",
+    "analyses": "GeneralizedAlpha HHT JointSpace ODE assemble simulate",
+    "io": "Robot load_any load_mjcf load_urdf",
     "results": "Assembly Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

@@ -2,5 +2,6 @@
 
 from .assembly import assemble
 from .dynamics import HHT, ODE, GeneralizedAlpha, simulate
+from .joint_space import JointSpace
 
-__all__ = ["HHT", "ODE", "GeneralizedAlpha", "assemble", "simulate"]
+__all__ = ["HHT", "ODE", "GeneralizedAlpha", "JointSpace", "assemble", "simulate"]

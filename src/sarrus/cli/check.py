@@ -6,6 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
+from . import model_file
 from .progress import Bar
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the seed of the random states, and a file for a drawing."""
-    parser.add_argument("model", help="a .yaml or .json model file")
+    model_file.arguments(parser)
     parser.add_argument(
         "--seed", type=int, default=0, help="of the random velocities, directions and multipliers"
     )
@@ -24,10 +25,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> int:
     """Print the words and the table; 1 if something does not agree."""
     from ..elements import OPERATORS
-    from ..model import describe, load
+    from ..model import describe
     from ..system import System
 
-    model = load(chosen.model)
+    model = model_file.read(chosen)
     print(describe(model), end="\n\n", flush=True)
     if chosen.draw:
         _draw(model, chosen.draw)

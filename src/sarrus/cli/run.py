@@ -1,4 +1,4 @@
-"""``sarrus run MODEL``: assemble and simulate a model file."""
+"""``sarrus run MODEL``: assemble and simulate a model file or robot description."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import argparse
 import sys
 import time
 
+from . import model_file
 from .progress import Bar
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the end time, and what to write."""
-    parser.add_argument("model", help="a .yaml or .json model file")
+    model_file.arguments(parser)
     parser.add_argument("--until", type=float, default=1.0, help="end time [s] (1)")
     parser.add_argument("--steps", type=int, default=1000, help="output intervals (1000)")
     parser.add_argument("--rtol", type=float, default=1e-8, help="relative tolerance (1e-8)")
@@ -26,13 +27,12 @@ def run(chosen: argparse.Namespace) -> int:
     import numpy as np
 
     from ..analyses import assemble, simulate
-    from ..model import load
     from ..model.errors import SarrusError
     from ..system import System
 
     if not chosen.until > 0 or chosen.steps < 1:
         raise SarrusError("--until must be a positive time and --steps at least 1")
-    system = System(load(chosen.model))
+    system = System(model_file.read(chosen))
     start = assemble(system)
     print(start.message)
     if not start.success:

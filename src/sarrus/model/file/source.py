@@ -20,13 +20,14 @@ def read_text(path: Path) -> str:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise _refusal(path, f"must end in {', '.join(SUFFIXES)}; rename it")
-    text = _decoded(path, _bytes(path))
+    text = _decoded(path, read_bytes(path))
     if not text.strip():
         raise _refusal(path, "is empty; give at least a name and bodies")
     return text
 
 
-def _bytes(path: Path) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file, or raise a ModelError that says why there is none."""
     try:
         if path.is_dir():
             raise _refusal(path, "is a directory; give the path of a file in it")

@@ -1,0 +1,65 @@
+"""Which reader a file needs, told by its ending."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..model import Model, ModelError, load
+from ..model.show import suggest
+
+
+def load_any(path: str | os.PathLike[str], **wishes: Any) -> Model:
+    """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf) or an MJCF (.xml).
+
+    Parameters
+    ----------
+    path
+        The file. An ``.xml`` whose first element is ``<robot>`` is a URDF too.
+    wishes
+        Handed to `load_urdf` or `load_mjcf`; a model file takes none.
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong with the file, or a wish that its reader does not have.
+    """
+    read = _reader(Path(path))
+    _refuse_unknown(read, wishes, str(path))
+    model: Model = read(path, **wishes)
+    return model
+
+
+def _reader(path: Path) -> Callable[..., Model]:
+    ending = path.suffix.lower()
+    if ending == ".urdf" or (ending == ".xml" and _is_urdf(path)):
+        from .urdf import load_urdf
+
+        return load_urdf
+    if ending == ".xml":
+        from .mjcf import load_mjcf
+
+        return load_mjcf
+    return load
+
+
+def _refuse_unknown(read: Callable[..., Model], wishes: Mapping[str, Any], file: str) -> None:
+    known = [name for name in inspect.signature(read).parameters if name != "path"]
+    for name in wishes:
+        if name not in known:
+            raise ModelError(
+                f"is read without the option {name}; {suggest(name, known)}", part="file", where=file
+            )
+
+
+def _is_urdf(path: Path) -> bool:
+    """Whether an XML file begins as a robot; one that cannot be read is told of by its reader."""
+    from .urdf.element import read_xml
+
+    try:
+        return read_xml(path).tag == "robot"
+    except ModelError:
+        return False

@@ -1,0 +1,85 @@
+"""The side file of a robot description: joints and forces between links, as those that close its loops."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..model.errors import ModelError
+from ..model.expand import expand
+from ..model.file.document import Document
+from ..model.file.load import read, validate
+from ..model.findings import Findings
+from ..model.forces import Force
+from ..model.joints import Joint
+from ..model.show import quote, suggest
+from ..model.solid import GROUND, Solid, ground
+from .robot.carried import part_on_bodies
+from .robot.robot import Robot
+
+SECTIONS = ("joints", "forces", "description", "$schema")
+
+
+def close(robot: Robot, loops: str | os.PathLike[str] | None) -> Robot:
+    """Return the checked robot with the joints and forces of a side file.
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong with the file or the robot.
+    """
+    if loops is not None:
+        robot = robot.adding(*_parts(robot, read(Path(loops))))
+    expand(robot)
+    return robot
+
+
+def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
+    entry = _entry(document)
+    solids: dict[str, Solid] = {GROUND: ground, **robot.links}
+    findings = Findings(document.origin)
+    parts = _built(entry.joints, "joints", Joint.kinds, solids, findings)
+    parts += _built(entry.forces, "forces", Force.kinds, solids, findings)
+    _check(robot, parts, findings)
+    findings.raise_first()
+    return parts
+
+
+def _entry(document: Document) -> Any:
+    """Return the joints and forces as the reader of model files has them; it asks for a name and bodies too."""
+    _check_sections(document)
+    return validate(Document({"name": "loops", "bodies": {}, **document.data}, document.origin))
+
+
+def _check_sections(document: Document) -> None:
+    if not isinstance(document.data, Mapping):
+        where = document.origin.where(())
+        raise ModelError("must be a mapping with the key joints; add it", part="file", where=where)
+    for key in document.data:
+        if key not in SECTIONS:
+            told = f"a side file has no key {quote(key)}; {suggest(key, SECTIONS[:2])}"
+            raise ModelError(told, part="file", where=document.origin.where((key,)))
+
+
+def _built(
+    entries: Any, section: str, kinds: Mapping[str, Any], solids: Mapping[str, Solid], findings: Findings
+) -> list[Joint | Force]:
+    from ..model.file.forms import build
+
+    built: list[Joint | Force] = []
+    for name, entry in entries.items():
+        with findings.about(section, name):
+            built.append(part_on_bodies(build(kinds[entry.type], name, entry, solids)))
+    return built
+
+
+def _check(robot: Robot, parts: list[Joint | Force], findings: Findings) -> None:
+    poses = {GROUND: ground.pose(), **{body.name: body.pose() for body in robot.bodies}}
+    taken = {part.name for parts_ in robot.sections().values() for part in parts_}
+    for part in parts:
+        with findings.about("joints" if isinstance(part, Joint) else "forces", part.name):
+            if part.name in taken:
+                raise ModelError(f"the name {quote(part.name)} is taken by a part of the robot; rename it")
+            list(part.primitives(poses))

@@ -1,0 +1,68 @@
+"""The bodies of an MJCF model as links and edges of a tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ...model.motion import pose, unit
+from ...model.pose import GROUND_POSE, Pose
+from ..robot import Edge, Inertial, Link, Visual
+from .compiled import mujoco, name_of
+from .joints import motions_of
+
+SHAPES = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
+
+
+def links_of(compiled: Any) -> dict[str, Link]:
+    """Return the bodies by name, the world first."""
+    names = names_of(compiled)
+    return {name: Link(name, _inertial(compiled, k)) for k, name in enumerate(names)}
+
+
+def names_of(compiled: Any) -> list[str]:
+    """Return the names of the bodies."""
+    return [name_of(compiled.body(k), "body") for k in range(compiled.nbody)]
+
+
+def edges_of(compiled: Any) -> list[Edge]:
+    """Return how each body hangs on its parent; MuJoCo lists parents first."""
+    names = names_of(compiled)
+    return [_edge(compiled, k, names) for k in range(1, compiled.nbody)]
+
+
+def visuals_of(compiled: Any) -> Iterator[Visual]:
+    """Yield the shapes; a mesh is known by its name, its pose is that of MuJoCo's centred copy."""
+    names = names_of(compiled)
+    for k in range(compiled.ngeom):
+        if int(compiled.geom_type[k]) in SHAPES:
+            yield _visual(compiled, k, names[compiled.geom_bodyid[k]])
+
+
+def placed(r: Any, p: Any) -> Pose:
+    """Return the pose of MuJoCo's position and quaternion, which has its scalar first too."""
+    return pose(np.array(r, dtype=float), unit(np.array(p, dtype=float)))
+
+
+def _edge(compiled: Any, k: int, names: list[str]) -> Edge:
+    motions = motions_of(compiled, k)
+    free = bool(motions) and motions[0].freedoms == 6
+    where = GROUND_POSE if free else placed(compiled.body_pos[k], compiled.body_quat[k])
+    joint = motions[0].name if motions else f"{names[k]}_weld"
+    return Edge(joint, names[compiled.body_parentid[k]], names[k], where, motions)
+
+
+def _inertial(compiled: Any, k: int) -> Inertial | None:
+    mass, moments = float(compiled.body_mass[k]), np.diag(compiled.body_inertia[k])
+    frame = placed(compiled.body_ipos[k], compiled.body_iquat[k])
+    return Inertial(mass, np.zeros(3), moments).seen_from(frame) if mass else None
+
+
+def _visual(compiled: Any, k: int, link: str) -> Visual:
+    shape = SHAPES[int(compiled.geom_type[k])]
+    mesh = mujoco().mj_id2name(compiled, mujoco().mjtObj.mjOBJ_MESH, compiled.geom_dataid[k])
+    size = tuple(float(x) for x in compiled.geom_size[k])
+    color = tuple(float(x) for x in compiled.geom_rgba[k])
+    return Visual(link, shape, size, placed(compiled.geom_pos[k], compiled.geom_quat[k]), mesh or "", color)

@@ -1,0 +1,52 @@
+"""An MJCF file as MuJoCo compiles it: defaults, classes, includes and shapes are resolved there."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ...model.errors import ModelError
+
+
+def mujoco() -> Any:
+    """Return the module ``mujoco``.
+
+    Raises
+    ------
+    ImportError
+        If it is not installed, with the command that does it.
+    """
+    try:
+        return import_module("mujoco")
+    except ImportError:
+        told = 'reading MJCF needs the package mujoco; install it, pip install "sarrus[mjcf]"'
+        raise ImportError(told) from None
+
+
+def compiled(path: Path) -> Any:
+    """Return the compiled ``MjModel`` of a file.
+
+    Raises
+    ------
+    ModelError
+        If there is no such file, or MuJoCo cannot read it.
+    """
+    if not path.is_file():
+        raise ModelError("does not exist, or is no file; check the path", part="file", where=str(path))
+    try:
+        return mujoco().MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise _refusal(path, " ".join(str(error).split())) from None
+
+
+def name_of(named: Any, word: str) -> str:
+    """Return the name of a body, joint or equality, or its kind and number if it has none."""
+    return str(named.name) or f"{word}{named.id}"
+
+
+def _refusal(path: Path, told: str) -> ModelError:
+    line = re.search(r"line (\d+)", told)
+    where = f"{path}:{line[1]}" if line else str(path)
+    return ModelError(f"cannot be read by MuJoCo, {told.rstrip('.')}; mend it", part="file", where=where)

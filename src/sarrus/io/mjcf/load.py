@@ -1,0 +1,80 @@
+"""``load_mjcf``: from an MJCF file to a model, by way of the ``mujoco`` package."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...model.errors import ModelError
+from ...model.quantity import triple
+from ..loops import close
+from ..robot import Description, Robot, Wishes, build
+from ..robot.wishes import InertiaWish, MimicWish
+from .bodies import edges_of, links_of, visuals_of
+from .compiled import compiled
+from .joints import limits_of, zeros_of
+from .loops import closing_joints, mimics_of
+from .notes import notes
+
+
+def load_mjcf(
+    path: str | os.PathLike[str],
+    *,
+    q0: Mapping[str, Any] | None = None,
+    loops: str | os.PathLike[str] | None = None,
+    lock: Sequence[str] = (),
+    mimic: MimicWish = "refuse",
+    inertia: InertiaWish = "check",
+    keep_fixed: bool = False,
+) -> Robot:
+    """Read a model from an MJCF file: bodies, their joints, inertials, gravity, and ``connect`` and ``weld``.
+
+    The world is the ground. Several joints of one body become one joint that leaves the same freedoms: two crossed
+    hinges a universal joint, three a spherical one, two slides and a hinge a planar one.
+
+    Parameters
+    ----------
+    path
+        The file; the package ``mujoco`` reads it, with its includes and meshes.
+    q0
+        Where joints start, by name, from the pose of the file: angle [rad], displacement [m]; for a ball four Euler
+        parameters; for a free body [r, p], by default as in the file.
+    loops, lock, mimic, inertia, keep_fixed
+        As in `sarrus.load_urdf`.
+
+    Returns
+    -------
+    Robot
+        Its ``notes`` say what was left out: actuators, contact, damping, armature, ...
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong or cannot be said here.
+    ImportError
+        If ``mujoco`` is not installed.
+    """
+    read = compiled(Path(path))
+    robot = build(_description(read, Path(path)), Wishes("fixed", q0 or {}, lock, mimic, inertia, keep_fixed))
+    return close(robot.adding(*closing_joints(read, robot)), loops)
+
+
+def _description(read: Any, path: Path) -> Description:
+    if read.nflex:
+        raise ModelError("has flexible bodies; take them out of the file", part="file", where=str(path))
+    links = links_of(read)
+    return Description(
+        name=path.stem,
+        file=str(path),
+        links=links,
+        edges=edges_of(read),
+        root=next(iter(links)),
+        gravity=triple(read.opt.gravity),
+        limits=limits_of(read),
+        mimics=mimics_of(read, str(path)),
+        visuals=list(visuals_of(read)),
+        notes=notes(read),
+        zero=zeros_of(read),
+    )

@@ -1,0 +1,12 @@
+"""Robots: what every robot description says, whatever its format, and the model made of it."""
+
+from .build import build as build
+from .description import Description as Description
+from .description import Edge as Edge
+from .description import Inertial as Inertial
+from .description import Link as Link
+from .description import Visual as Visual
+from .robot import Limit as Limit
+from .robot import Mimic as Mimic
+from .robot import Robot as Robot
+from .wishes import Wishes as Wishes

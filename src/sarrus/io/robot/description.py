@@ -1,0 +1,102 @@
+"""A robot description without its format: links, and edges that say how each hangs on its parent."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model.motion import Motion
+from ...model.pose import Pose
+from ...model.quantity import Array, Vec3
+from .robot import Limit, Mimic
+
+WORLD = ""  # the name of no link: what stands still
+
+
+class Inertial(NamedTuple):
+    """Mass [kg], centre of mass (3,) [m] and inertia about it (3, 3) [kg m²], in some axes."""
+
+    mass: float
+    center: Array
+    tensor: Array
+
+    def seen_from(self, frame: Pose) -> Inertial:
+        """Return the same in the axes in which ``frame``, the present axes, is given."""
+        return Inertial(self.mass, frame.global_point(self.center), frame.A @ self.tensor @ frame.A.T)
+
+    def about(self, point: Array) -> Array:
+        """Return the inertia about a point: Steiner. (3, 3)"""
+        d = self.center - point
+        return np.asarray(self.tensor + self.mass * ((d @ d) * np.eye(3) - np.outer(d, d)))
+
+
+def combined(parts: Iterable[Inertial]) -> Inertial:
+    """Return the inertial of parts that move as one, all in the same axes; its mass may be 0."""
+    parts = list(parts)
+    mass = sum(part.mass for part in parts)
+    if not mass:
+        return Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+    if len(parts) == 1:
+        return parts[0]
+    center = sum((part.mass / mass * part.center for part in parts), np.zeros(3))
+    return Inertial(mass, center, sum((part.about(center) for part in parts), np.zeros((3, 3))))
+
+
+class Visual(NamedTuple):
+    """What a link looks like: kept for drawing, never used in an equation.
+
+    ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as the format gives them [m], for a mesh
+    the scale; ``file`` the mesh as the description names it; ``pose`` in link axes.
+    """
+
+    link: str
+    shape: str
+    size: tuple[float, ...]
+    pose: Pose
+    file: str = ""
+    color: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link with its inertials, and the line it is on."""
+
+    name: str
+    inertial: Inertial | None
+    line: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """How ``child`` hangs on ``parent``: its frame in the parent's axes, then its motions."""
+
+    name: str
+    parent: str
+    child: str
+    pose: Pose
+    motions: tuple[Motion, ...] = ()
+    line: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """A robot: its root, all other links in the order of the tree, and what the model only keeps."""
+
+    name: str
+    file: str
+    links: Mapping[str, Link]
+    edges: Sequence[Edge]
+    root: str
+    gravity: Vec3
+    limits: Mapping[str, Limit] = field(default_factory=dict)
+    mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    visuals: Sequence[Visual] = ()
+    notes: Sequence[str] = ()
+    zero: Mapping[str, Any] = field(default_factory=dict)
+
+    def where(self, line: int) -> str:
+        """Return ``file:line``, or the file alone if the format has no lines."""
+        return f"{self.file}:{line}" if line else self.file

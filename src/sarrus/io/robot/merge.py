@@ -1,0 +1,95 @@
+"""Links that move as one become one body: fixed and locked edges disappear, the others become branches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from ...model.errors import ModelError
+from ...model.motion import Motion, compose
+from ...model.pose import GROUND_POSE, Pose
+from ...model.quantity import Array
+from ...model.show import quote
+from .description import WORLD, Description, Edge, Inertial, combined
+
+
+class Place(NamedTuple):
+    """The link whose frame is the body's, and where a link is in it."""
+
+    head: str
+    pose: Pose
+
+
+@dataclass
+class Merged:
+    """What became of the links.
+
+    Attributes
+    ----------
+    places : every link -> its place; the head is WORLD for what does not move
+    edges : those that are left, between heads, in the order of the tree
+    inertials : head -> the inertial of all that is merged into it
+    """
+
+    places: dict[str, Place] = field(default_factory=dict)
+    edges: list[Edge] = field(default_factory=list)
+    inertials: dict[str, Inertial] = field(default_factory=dict)
+
+
+def merge(told: Description, *, keep_fixed: bool) -> Merged:
+    """Return the heads and branches of a description, whose root stands still."""
+    merged = Merged()
+    merged.places[told.root] = Place(WORLD, GROUND_POSE)
+    _take(merged, told, told.root)
+    for edge in told.edges:
+        parent = merged.places[edge.parent]
+        pose = compose(parent.pose, edge.pose)
+        if not edge.motions and not (keep_fixed and _can_stand_alone(merged, told, edge)):
+            merged.places[edge.child] = Place(parent.head, pose)
+        else:
+            merged.places[edge.child] = Place(edge.child, GROUND_POSE)
+            merged.edges.append(Edge(edge.name, parent.head, edge.child, pose, edge.motions, edge.line))
+        _take(merged, told, edge.child)
+    return merged
+
+
+def lock(edges: Iterable[Edge], values: Mapping[str, Array]) -> list[Edge]:
+    """Return the edges with the named motions stopped at the given values."""
+    return [_stopped(edge, values) for edge in edges]
+
+
+def _stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
+    """Return the edge with a constant displacement in place of each stopped motion, before those that are left."""
+    pose, left = edge.pose, list[Motion]()
+    for motion in edge.motions:
+        if motion.name in values:
+            stop = motion.moved(GROUND_POSE, values[motion.name])
+            pose, left = compose(pose, stop), [_behind(stop, one) for one in left]
+        else:
+            left.append(motion)
+    return replace(edge, pose=pose, motions=tuple(left))
+
+
+def _behind(stop: Pose, motion: Motion) -> Motion:
+    said = motion.said_in(stop)
+    if said is None:
+        told = "can be locked only together with the joints after it; lock them all, or none"
+        raise ModelError(told, part=f"joint {quote(motion.name)}")
+    return said
+
+
+def _take(merged: Merged, told: Description, link: str) -> None:
+    """Add a link's inertial to that of its head."""
+    head, pose = merged.places[link]
+    inertial = told.links[link].inertial
+    if inertial is not None and head != WORLD:
+        held = [merged.inertials[head]] if head in merged.inertials else []
+        merged.inertials[head] = combined([*held, inertial.seen_from(pose)])
+
+
+def _can_stand_alone(merged: Merged, told: Description, edge: Edge) -> bool:
+    """Whether a fixed link may stay a body: it and what it hangs on have mass."""
+    inertial, head = told.links[edge.child].inertial, merged.places[edge.parent].head
+    heavy = head == WORLD or (head in merged.inertials and merged.inertials[head].mass > 0)
+    return inertial is not None and inertial.mass > 0 and heavy

@@ -1,0 +1,95 @@
+"""A model that was imported from a robot description: links by name, limits, visuals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...model.errors import ModelError
+from ...model.forces import Force
+from ...model.frame import Frame
+from ...model.joints import Joint
+from ...model.point import Point
+from ...model.quantity import Vector
+from ...model.show import quote, suggest
+from ...model.tree import TreeModel
+from .carried import Carried
+
+if TYPE_CHECKING:
+    from .description import Visual
+
+
+class Limit(NamedTuple):
+    """What a description says a joint can do, in SI units; None where it says nothing. Not enforced."""
+
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    velocity: float | None = None
+
+
+class Mimic(NamedTuple):
+    """A joint that follows another: its value is ``multiplier`` times the other's plus ``offset``."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Robot(TreeModel):
+    """A model with the names of a robot description.
+
+    Attributes
+    ----------
+    links
+        Every link by name, also those that were merged into another body.
+    limits, mimics
+        By joint name, as the description says; kept, not enforced.
+    visuals
+        What the links look like.
+    notes
+        What the description says and this model does not.
+    """
+
+    links: Mapping[str, Carried] = field(default_factory=dict, repr=False)
+    limits: Mapping[str, Limit] = field(default_factory=dict, repr=False)
+    mimics: Mapping[str, Mimic] = field(default_factory=dict, repr=False)
+    visuals: tuple[Visual, ...] = field(default=(), repr=False)
+    notes: tuple[str, ...] = field(default=(), repr=False)
+
+    def link(self, name: str) -> Carried:
+        """Return a link, which has points and frames in its own axes.
+
+        Raises
+        ------
+        ModelError
+            If there is no such link.
+        """
+        if name not in self.links:
+            told = f"there is no link {quote(name)}; {suggest(name, self.links)}"
+            raise ModelError(told, part=f"model {quote(self.name)}")
+        return self.links[name]
+
+    def point(self, link: str, coordinates: Vector = (0.0, 0.0, 0.0)) -> Point:
+        """Return the point with these coordinates in the axes of a link [m]; its origin if left out."""
+        x, y, z = coordinates
+        return self.link(link).point(x, y, z)
+
+    def frame(
+        self,
+        link: str,
+        point: Vector = (0.0, 0.0, 0.0),
+        *,
+        x: Vector | None = None,
+        z: Vector | None = None,
+    ) -> Frame:
+        """Return a frame fixed to a link; point [m] and directions in the link's axes, by default the link's own."""
+        return self.link(link).frame(point, x=x, z=z)
+
+    def adding(self, *parts: Joint | Force) -> Robot:
+        """Return the robot with further joints and forces, as to close a loop."""
+        joints = tuple(part for part in parts if isinstance(part, Joint))
+        forces = tuple(part for part in parts if isinstance(part, Force))
+        return replace(self, joints=(*self.joints, *joints), forces=(*self.forces, *forces))

@@ -1,0 +1,73 @@
+"""A <robot>: its links and joints as one tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ...model.quantity import Vec3
+from ...model.show import quote, suggest
+from ..robot import Description, Edge, Limit, Link, Visual
+from .element import Element, read_xml
+from .joint import read_joint, read_limit
+from .link import read_link, read_visuals
+from .mimics import read_mimics
+from .notes import notes
+from .part import Part, named
+from .reader import Reader
+from .tree import in_order, root_of
+
+CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
+
+
+def describe(path: Path, gravity: Vec3) -> Description:
+    """Return the description that a URDF file gives.
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong with it, in one sentence with file, line, part and remedy.
+    """
+    root, file = read_xml(path), str(path)
+    _check_root(root, Reader(file, "robot"))
+    link_parts, joint_parts = (named(root, tag, Reader(file, "robot")) for tag in ("link", "joint"))
+    links = {name: read_link(part.element, name, part.reader) for name, part in link_parts.items()}
+    edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
+    start = root_of(edges, links, file)
+    return Description(
+        name=root.attributes.get("name", "").strip() or path.stem,
+        file=file,
+        links=links,
+        edges=in_order(edges, links, start, file),
+        root=start,
+        gravity=gravity,
+        limits=_limits(joint_parts),
+        mimics=read_mimics(joint_parts, edges),
+        visuals=_visuals(link_parts),
+        notes=notes(root),
+    )
+
+
+def _check_root(root: Element, reader: Reader) -> None:
+    if root.tag != "robot":
+        raise reader.refusal(f"the file is a <{root.tag}>, not a <robot>; give a URDF file", root.line)
+    reader.check(root, ("name", "version"), CHILDREN)
+    if not any(root.all("link")):
+        raise reader.refusal("has no links; give at least one", root.line)
+
+
+def _edge(part: Part, name: str, links: Mapping[str, Link]) -> Edge:
+    edge = read_joint(part.element, name, part.reader)
+    for end in (edge.parent, edge.child):
+        if end not in links:
+            raise part.reader.refusal(f"there is no link {quote(end)}; {suggest(end, links)}", edge.line)
+    return edge
+
+
+def _limits(parts: Mapping[str, Part]) -> dict[str, Limit]:
+    limits = {name: read_limit(part.element, part.reader) for name, part in parts.items()}
+    return {name: limit for name, limit in limits.items() if limit}
+
+
+def _visuals(parts: Mapping[str, Part]) -> list[Visual]:
+    return [seen for name, part in parts.items() for seen in read_visuals(part.element, name, part.reader)]

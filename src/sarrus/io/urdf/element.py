@@ -1,0 +1,95 @@
+"""An XML file as elements that know their line, straight from expat's events.
+
+No document type is accepted, so no entity can be declared, and nothing outside the file is ever read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from ...model.errors import ModelError
+from ...model.file.source import read_bytes
+from ...model.show import quote
+
+DEEPEST = 64  # levels of nesting
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """An element with its attributes, its children in order, and its line."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list, repr=False)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """Yield the children with a tag."""
+        return (child for child in self.children if child.tag == tag)
+
+
+def read_xml(path: Path) -> Element:
+    """Return the root element of an XML file.
+
+    Raises
+    ------
+    ModelError
+        If it cannot be read, is not well-formed, has a document type, or nests too deep.
+    """
+    content = read_bytes(path)
+    if not content.strip():
+        raise ModelError("is empty; give a robot with at least one link", part="file", where=str(path))
+    return _Reader(str(path)).root(content)
+
+
+class _Reader:
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.open: list[Element] = []
+        self.parser = expat.ParserCreate()
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = self._end
+        self.parser.StartDoctypeDeclHandler = self._doctype
+        self.done: Element | None = None
+
+    def root(self, content: bytes) -> Element:
+        try:
+            self.parser.Parse(content, True)
+        except expat.ExpatError as error:
+            raise self._refusal(f"is not well-formed XML, {_reason(error)}; mend it", error.lineno) from None
+        except ModelError:
+            raise
+        except (LookupError, ValueError) as error:
+            raise self._refusal(f"cannot be decoded, {error}; save it as UTF-8", 1) from None
+        assert self.done is not None
+        return self.done
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        line = self.parser.CurrentLineNumber
+        element = Element(tag, attributes, line)
+        if tag.startswith("xacro:"):
+            told = f"has the macro <{tag}>; expand it first, xacro robot.urdf.xacro > robot.urdf"
+            raise self._refusal(told, line)
+        if len(self.open) == DEEPEST:
+            told = f"is nested deeper than {DEEPEST} levels at {quote(tag)}; remove levels"
+            raise self._refusal(told, line)
+        if self.open:
+            self.open[-1].children.append(element)
+        self.open.append(element)
+
+    def _end(self, tag: str) -> None:
+        self.done = self.open.pop()
+
+    def _doctype(self, *declared: object) -> None:
+        told = "declares a document type, which could define entities; remove the line with <!DOCTYPE"
+        raise self._refusal(told, self.parser.CurrentLineNumber)
+
+    def _refusal(self, sentence: str, line: int) -> ModelError:
+        return ModelError(sentence, part="file", where=f"{self.file}:{line}")
+
+
+def _reason(error: expat.ExpatError) -> str:
+    return expat.ErrorString(error.code).lower()

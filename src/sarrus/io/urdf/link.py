@@ -1,0 +1,72 @@
+"""A <link>: its inertial and what it looks like."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...model.pose import Pose
+from ..robot import Inertial, Link, Visual
+from .element import Element
+from .reader import Reader
+
+CHILDREN = ("inertial", "visual", "collision")
+ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+SIZES = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": (),
+}
+
+
+def read_link(element: Element, name: str, reader: Reader) -> Link:
+    """Return a link; one without <inertial> has no mass."""
+    reader.check(element, ("name", "type"), CHILDREN)
+    inertial = reader.one(element, "inertial")
+    return Link(name, None if inertial is None else _inertial(inertial, reader), element.line)
+
+
+def read_visuals(element: Element, name: str, reader: Reader) -> Iterator[Visual]:
+    """Yield what a link looks like; shapes that are not known are left out."""
+    for visual in element.all("visual"):
+        for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in SIZES):
+            size, file = _size(shape, reader), shape.attributes.get("filename", "")
+            yield Visual(name, shape.tag, size, reader.pose(visual), file, _color(visual, reader))
+
+
+def _inertial(element: Element, reader: Reader) -> Inertial:
+    reader.check(element, (), ("origin", "mass", "inertia"))
+    mass = reader.needed(element, "mass", '<mass value="1.5"/>')
+    reader.check(mass, ("value",))
+    value = reader.number(mass, "value")
+    if value < 0:
+        raise reader.refusal(f"<mass> must not be negative, but is {value:g}; give it in kg", mass.line)
+    frame = reader.pose(element)
+    inertia = reader.needed(element, "inertia", '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>')
+    return _turned(value, _tensor(inertia, reader), frame)
+
+
+def _tensor(element: Element, reader: Reader) -> list[list[float]]:
+    reader.check(element, ENTRIES)
+    xx, xy, xz, yy, yz, zz = (reader.number(element, entry) for entry in ENTRIES)
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+
+
+def _turned(mass: float, tensor: list[list[float]], frame: Pose) -> Inertial:
+    return Inertial(mass, np.zeros(3), np.array(tensor)).seen_from(frame)
+
+
+def _size(shape: Element, reader: Reader) -> tuple[float, ...]:
+    if shape.tag == "box":
+        return tuple(float(x) for x in reader.vector(shape, "size", (0.0, 0.0, 0.0)))
+    if shape.tag == "mesh":
+        return tuple(float(x) for x in reader.vector(shape, "scale", (1.0, 1.0, 1.0)))
+    return tuple(reader.number(shape, name) for name in SIZES[shape.tag])
+
+
+def _color(visual: Element, reader: Reader) -> tuple[float, ...]:
+    colors = [color for material in visual.all("material") for color in material.all("color")]
+    return tuple(float(x) for x in reader.vector(colors[0], "rgba", (0.0,) * 4)) if colors else ()

@@ -1,0 +1,71 @@
+"""``load_urdf``: from a URDF file to a model."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...model.quantity import Vector, vector
+from ..loops import close
+from ..robot import Robot, Wishes, build
+from ..robot.wishes import Base, InertiaWish, MimicWish
+from .describe import describe
+
+GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
+
+
+def load_urdf(
+    path: str | os.PathLike[str],
+    *,
+    base: Base = "fixed",
+    q0: Mapping[str, Any] | None = None,
+    loops: str | os.PathLike[str] | None = None,
+    lock: Sequence[str] = (),
+    mimic: MimicWish = "refuse",
+    inertia: InertiaWish = "check",
+    keep_fixed: bool = False,
+    gravity: Vector = GRAVITY,
+) -> Robot:
+    """Read a robot from a URDF file.
+
+    Each link that moves becomes a body whose frame is the link's; links that are fixed to it are merged into it, and
+    their points and frames are had from ``robot.link(name)``. Limits and visuals are kept, not used.
+
+    Parameters
+    ----------
+    path
+        The file. Meshes are not read.
+    base
+        ``"fixed"``: the root link is the ground. ``"floating"``: it is a body that moves freely, its motion is called
+        ``base``.
+    q0
+        Where joints start, by name: angle [rad], displacement [m]; for a floating joint [r, p], seven numbers.
+        The others start at zero. A planar joint ``j`` has the three motions ``j.x``, ``j.y`` and ``j.angle``.
+    loops
+        A YAML or JSON file with further ``joints`` and ``forces`` between links, as a model file has them.
+    lock
+        Joints that are stopped where they start.
+    mimic
+        Joints that follow another: ``"refuse"``, take as ``"free"``, or ``"lock"`` as well.
+    inertia
+        ``"check"`` refuses what no distribution of mass has; ``"given"`` takes the numbers as they are.
+    keep_fixed
+        Keep fixed links that have mass as bodies of their own, with a fixed joint.
+    gravity
+        In global axes [m/s²].
+
+    Returns
+    -------
+    Robot
+        A `Model` that also knows its links, limits and joint space.
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong, in one sentence with file, line, part and remedy.
+    """
+    told = describe(Path(path), vector(gravity, "gravity", "give three numbers in m/s²"))
+    wishes = Wishes(base, q0 or {}, lock, mimic, inertia, keep_fixed)
+    return close(build(told, wishes), loops)

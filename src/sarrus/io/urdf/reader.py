@@ -1,0 +1,128 @@
+"""How attributes of a URDF element are read: numbers, vectors, poses; what is wrong is said with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import contextmanager
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...model.errors import ModelError
+from ...model.motion import pose
+from ...model.orientation import EulerAngles, euler_parameters
+from ...model.quantity import Array, direction, number
+from ...model.show import quote, suggest
+from .element import Element
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ...model.pose import Pose
+
+
+class Reader:
+    """Reads the elements of one named part, as ``joint "elbow"``, of a file."""
+
+    def __init__(self, file: str, part: str) -> None:
+        self.file, self.part = file, part
+
+    def refusal(self, sentence: str, line: int) -> ModelError:
+        """Return the error for something on a line."""
+        return ModelError(sentence, part=self.part, where=f"{self.file}:{line}")
+
+    @contextmanager
+    def placed(self, line: int) -> Iterator[None]:
+        """Say where a ModelError raised inside stands."""
+        try:
+            yield
+        except ModelError as error:
+            raise self.refusal(error.sentence, line) from None
+
+    def check(self, element: Element, attributes: Sequence[str], children: Sequence[str] = ()) -> None:
+        """Refuse what looks like a misspelt attribute or child; what is really unknown is let pass."""
+        for given in element.attributes:
+            self._spelling(f"<{element.tag}> has no attribute", given, attributes, element.line)
+        for child in element.children:
+            self._spelling(f"<{element.tag}> has no element", child.tag, children, child.line)
+
+    def one(self, element: Element, tag: str) -> Element | None:
+        """Return the only child with a tag, or None."""
+        found = list(element.all(tag))
+        if len(found) > 1:
+            told = f"has <{tag}> twice, the first time on line {found[0].line}; remove one of them"
+            raise self.refusal(told, found[1].line)
+        return found[0] if found else None
+
+    def needed(self, element: Element, tag: str, example: str) -> Element:
+        """Return the only child with a tag; it must be there."""
+        found = self.one(element, tag)
+        if found is None:
+            raise self.refusal(f"<{element.tag}> has no <{tag}>; add it, as in {example}", element.line)
+        return found
+
+    def text(self, element: Element, attribute: str) -> str:
+        """Return an attribute that must be there and not be empty."""
+        value = element.attributes.get(attribute, "").strip()
+        if not value:
+            told = f'<{element.tag}> has no {attribute}; add it, as in {attribute}="..."'
+            raise self.refusal(told, element.line)
+        return value
+
+    def number(self, element: Element, attribute: str, default: float | None = None) -> float:
+        """Return an attribute as a finite number."""
+        if default is not None and attribute not in element.attributes:
+            return default
+        return self._numbers(element, attribute, self.text(element, attribute), 1)[0]
+
+    def maybe(self, element: Element, attribute: str) -> float | None:
+        """Return an attribute as a finite number, or None if it is not there."""
+        return self.number(element, attribute) if attribute in element.attributes else None
+
+    def vector(self, element: Element | None, attribute: str, default: Sequence[float]) -> Array:
+        """Return an attribute as finite numbers, as many as the default has."""
+        if element is None or attribute not in element.attributes:
+            return np.array(default, dtype=float)
+        text = self.text(element, attribute)
+        return np.array(self._numbers(element, attribute, text, len(default)))
+
+    def pose(self, element: Element) -> Pose:
+        """Return the pose that the child <origin> gives: xyz [m], and rpy [rad] about fixed x, y, z in turn."""
+        origin = self.one(element, "origin")
+        if origin is not None:
+            self.check(origin, ("xyz", "rpy"))
+        roll, pitch, yaw = self.vector(origin, "rpy", (0.0, 0.0, 0.0))
+        turn = EulerAngles((yaw, pitch, roll), "zyx")
+        return pose(self.vector(origin, "xyz", (0.0, 0.0, 0.0)), euler_parameters(turn))
+
+    def direction(self, element: Element | None, default: Sequence[float]) -> Array:
+        """Return the unit vector of the attribute xyz."""
+        given = self.vector(element, "xyz", default)
+        if element is None:
+            return given
+        self.check(element, ("xyz",))
+        with self.placed(element.line):
+            return direction(given, f"<{element.tag}> xyz")
+
+    def _numbers(self, element: Element, attribute: str, text: str, count: int) -> list[float]:
+        words = text.split()
+        said = f"<{element.tag}> {attribute}"
+        if len(words) != count:
+            wanted = "1 number" if count == 1 else f"{count} numbers with spaces between"
+            told = f"{said} must be {wanted}, but is {quote(text)}; correct it"
+            raise self.refusal(told, element.line)
+        return [self._number(word, said, element.line) for word in words]
+
+    def _number(self, word: str, said: str, line: int) -> float:
+        try:
+            value = float(word) if "_" not in word else float("_")
+        except ValueError:
+            told = f"{said} must be a number, but is {quote(word)}; write it as in 1.5e-3"
+            raise self.refusal(told, line) from None
+        with self.placed(line):
+            return number(value, said)
+
+    def _spelling(self, told: str, given: str, known: Sequence[str], line: int) -> None:
+        if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
+            raise self.refusal(f"{told} {quote(given)}; {suggest(given, known)}", line)

@@ -1,0 +1,58 @@
+"""A file's ending says who reads it; the command line takes them all."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+import sarrus as sr
+from sarrus import mechanisms
+from sarrus.cli import main
+
+PANDA = Path(__file__).parent / "data" / "panda.urdf"
+
+
+def test_a_model_file_is_read_as_ever() -> None:
+    assert sr.load_any(mechanisms.path("slider_crank")).name == sr.load(mechanisms.path("slider_crank")).name
+
+
+def test_an_xml_that_begins_as_a_robot_is_a_urdf(tmp_path: Path) -> None:
+    path = tmp_path / "panda.xml"
+    path.write_bytes(PANDA.read_bytes())
+    assert sr.load_any(path, mimic="free").name == "panda"
+
+
+def test_a_wish_that_a_reader_does_not_have_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(sr.ModelError, match="without the option base"):
+        sr.load_any(mechanisms.path("slider_crank"), base="floating")
+    with pytest.raises(sr.ModelError, match="without the option base"):
+        sr.load_any(tmp_path / "model.xml", base="floating")
+
+
+def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(sr.ModelError, match="must end in"):
+        sr.load_any(tmp_path / "model.sdf")
+
+
+def test_without_mujoco_one_sentence_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text("<mujoco/>")
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ImportError, match=r"pip install .*sarrus\[mjcf\]"):
+        sr.load_mjcf(path)
+
+
+def test_the_command_line_runs_a_urdf(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(PANDA), "--mimic", "lock", "--until", "0.01", "--steps", "2"]) == 0
+    assert "panda_link7" in capsys.readouterr().out
+
+
+def test_the_command_line_says_why_it_does_not(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(PANDA)]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"sarrus: {PANDA}:342: ")
+    assert 'mimic="free"' in told

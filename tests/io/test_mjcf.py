@@ -1,0 +1,252 @@
+"""MJCF: bodies, joints, loops and what is left out, against the numbers that MuJoCo itself computes."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.io.poses import link_poses, pose_difference
+
+import sarrus as sr
+
+mujoco = pytest.importorskip("mujoco")
+
+EXACT = 1e-10  # rounding of two programs
+WIDTHS = {0: (7, 6), 1: (4, 3), 2: (1, 1), 3: (1, 1)}
+
+FOUR_BAR = """\
+<mujoco model="four-bar">
+  <option gravity="0 0 -3.71"/>
+  <worldbody>
+    <body name="crank"><joint name="a" axis="0 1 0"/>
+      <geom type="capsule" size="0.05" fromto="0 0 0 0 0 2"/>
+      <body name="coupler" pos="0 0 2"><joint name="b" axis="0 1 0"/>
+        <geom type="capsule" size="0.05" fromto="0 0 0 3 0 0"/>
+        <body name="tip" pos="3 0 0" euler="0 0 40"/></body></body>
+    <body name="rocker" pos="3 0 0"><joint name="c" axis="0 1 0"/>
+      <geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1" euler="10 20 30"/></body>
+  </worldbody>
+  <equality><{loop} name="closing" body1="tip" body2="rocker"{more}/></equality>
+</mujoco>
+"""
+KINDS = {
+    "hinges": '<joint name="x" axis="1 0 0"/><joint name="y" axis="0 1 0"/><joint name="z" axis="0 0 1"/>',
+    "crossed hinges": '<joint name="x" axis="1 0 0"/><joint name="y" axis="0 1 0"/>',
+    "hinge beside the origin": '<joint name="x" axis="1 1 0" pos="0.1 0.2 0.3"/>',
+    "hinge with reference": '<joint name="x" axis="1 1 0" pos="0.1 0.2 0.3" ref="30"/>',
+    "slide": '<joint name="x" type="slide" axis="1 1 0"/>',
+    "screwlike": '<joint name="x" type="slide" axis="1 1 0"/><joint name="y" axis="1 1 0"/>',
+    "plane": '<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>'
+    '<joint name="y" axis="0 1 0"/>',
+    "ball": '<joint name="x" type="ball" pos="0.1 0.2 0.3"/>',
+    "free": '<freejoint name="x"/>',
+    "six": "".join(f'<joint name="s{a}" type="slide" axis="{a}"/>' for a in ("1 0 0", "0 1 0", "0 0 1"))
+    + "".join(f'<joint name="t{a}" axis="{a}"/>' for a in ("1 0 0", "0 1 0", "0 0 1")),
+}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo leaves a log where it is run."""
+    monkeypatch.chdir(tmp_path)
+
+
+def compare(path: Path, poses: int = 10) -> None:
+    """Compare masses, poses of all bodies and mass matrices in random configurations."""
+    robot = sr.load_mjcf(path, mimic="free", inertia="given")
+    space, model = sr.JointSpace(sr.System(robot)), mujoco.MjModel.from_xml_path(str(path))
+    rng, moving = np.random.default_rng(3), model.body_weldid != 0
+    assert sum(body.mass for body in robot.bodies) == pytest.approx(model.body_mass[moving].sum(), rel=1e-14)
+    for _ in range(poses):
+        theta, qpos, order = random_configuration(space, model, rng)
+        data = at(model, qpos)
+        found = link_poses(robot, space, theta)
+        for k in range(1, model.nbody):
+            link = found[model.body(k).name or f"body{k}"]
+            assert pose_difference(link, data.xpos[k], data.xmat[k].reshape(3, 3)) < EXACT
+        M = mass_matrix(model, data)
+        np.testing.assert_allclose(space.M(theta)[np.ix_(order, order)], M, rtol=0, atol=EXACT * abs(M).max())
+
+
+def random_configuration(
+    space: sr.JointSpace, model: Any, rng: np.random.Generator
+) -> tuple[Any, Any, list[int]]:
+    theta, qpos, order = space.zero(), model.qpos0.copy(), [0] * model.nv
+    for k in range(model.njnt):
+        width, freedoms = WIDTHS[int(model.jnt_type[k])]
+        value, first = rng.normal(size=width), model.jnt_qposadr[k]
+        value[-4:] /= np.linalg.norm(value[-4:]) if width >= 4 else 1
+        name = model.joint(k).name or f"joint{k}"
+        theta[space.coordinates_of[name]] = value
+        qpos[first : first + width] = value + (model.qpos0[first] if width == 1 else 0)
+        start = space.velocities_of[name].start
+        order[model.jnt_dofadr[k] : model.jnt_dofadr[k] + freedoms] = range(start, start + freedoms)
+    return theta, qpos, order
+
+
+def at(model: Any, qpos: Any) -> Any:
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def mass_matrix(model: Any, data: Any) -> Any:
+    """MuJoCo's, without what motors add."""
+    M = np.zeros((model.nv, model.nv))
+    for k, column in enumerate(np.eye(model.nv)):
+        mujoco.mj_mulM(model, data, M[k], column)
+    return M - np.diag(model.dof_armature)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_body_with_joints(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    box = '<geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1" euler="10 20 30"/>'
+    inner = f'<body name="b" pos="0 0 2" euler="50 0 10">{KINDS[kind]}{box}</body>'
+    outer = (
+        inner
+        if kind == "free"
+        else f'<body name="a" euler="1 2 3"><joint name="arm" axis="1 2 3"/>{box}{inner}</body>'
+    )
+    path.write_text(f"<mujoco><worldbody>{outer}</worldbody></mujoco>")
+    compare(path)
+    space = sr.JointSpace(sr.System(sr.load_mjcf(path)))
+    system, theta = space.system, space.zero() + np.random.default_rng(4).uniform(-1, 1, space.width)
+    assert system.nq - system.m == space.freedoms
+    assert abs(system.Phi(space.q(theta))).max() < 1e-14
+    assert abs(system.Phi_q(space.q(theta)) @ space.T(theta)).max() < 1e-14
+
+
+def four_bar(tmp_path: Path, loop: str, more: str) -> Path:
+    path = tmp_path / "four_bar.xml"
+    path.write_text(FOUR_BAR.format(loop=loop, more=more))
+    return path
+
+
+def test_connect_closes_a_loop_as_in_mujoco(tmp_path: Path) -> None:
+    path = four_bar(tmp_path, "connect", ' anchor="0.1 0.2 0.3"')
+    robot, model = sr.load_mjcf(path), mujoco.MjModel.from_xml_path(str(path))
+    space, rng = sr.JointSpace(sr.System(robot)), np.random.default_rng(5)
+    system = space.system
+    assert tuple(robot.gravity) == (0, 0, -3.71)
+    assert abs(system.Phi(system.q0)).max() < 1e-14
+    for _ in range(10):
+        theta, qpos, _ = random_configuration(space, model, rng)
+        gap = system.Phi(space.q(theta))[system.rows["closing"]]
+        apart = at(model, qpos).efc_pos[:3]
+        assert min(abs(gap - apart).max(), abs(gap + apart).max()) < EXACT
+    assert np.linalg.matrix_rank(system.Phi_q(system.q0).toarray()) == system.nq - 1
+
+
+LOOPS = {
+    "connect": ' anchor="0.1 0.2 0.3"',
+    "weld": ' anchor="0.1 0.2 0.3"',
+    "weld with a pose": ' anchor="0.1 0.2 0.3" relpose="0 0 -2 0.9 0.1 0.2 0.3"',
+}
+
+
+@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("sites", [False, True])
+def test_a_loop_blocks_what_it_blocks_in_mujoco(name: str, sites: bool, tmp_path: Path) -> None:
+    """Two free bodies and a loop: where it is closed, its equations have the row space of MuJoCo's."""
+    kind, more = name.split()[0], "" if sites else LOOPS[name]
+    ends = 'site1="s" site2="t"' if sites else 'body1="a" body2="b"'
+    bodies = "".join(
+        f'<body name="{body}" pos="{k} 0.1 0.2" euler="{k}0 20 30"><freejoint name="f{k}"/><geom size="0.1 0.2 0.3" '
+        f'type="box"/><site name="{site}" pos="{k} 0 1" euler="0 {k}0 5"/></body>'
+        for k, (body, site) in enumerate(("as", "bt"), 1)
+    )
+    path = tmp_path / "pair.xml"
+    path.write_text(
+        f"<mujoco><worldbody>{bodies}</worldbody><equality><{kind} {ends}{more}/></equality></mujoco>"
+    )
+    system = sr.System(sr.load_mjcf(path))
+    start, model = sr.assemble(system), mujoco.MjModel.from_xml_path(str(path))
+    assert start.success, start.message
+    data = at(model, start.q)
+    assert abs(data.efc_pos).max() < EXACT
+    T = sr.JointSpace(system).T(start.q)  # all is free, so q is θ
+    (loop,) = system.rows.values()
+    ours, theirs = (system.Phi_q(start.q) @ T)[loop], data.efc_J.reshape(-1, 12)
+    count = 3 if kind == "connect" else 6
+    assert np.linalg.matrix_rank(ours) == np.linalg.matrix_rank(theirs) == count
+    assert np.linalg.matrix_rank(np.vstack([ours, theirs]), tol=1e-8) == count
+
+
+def test_a_closed_loop_falls(tmp_path: Path) -> None:
+    path = four_bar(tmp_path, "connect", ' anchor="0 0 0"')
+    system = sr.System(sr.load_mjcf(path, q0={"a": 0.3, "b": -0.3, "c": 0.3}))
+    start = sr.assemble(system)
+    assert start.success, start.message
+
+
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(
+        '<mujoco><worldbody><body name="b"><joint name="j" damping="1" armature="0.1" stiffness="2" range="0 90"/>'
+        '<geom size="1"/></body></worldbody><actuator><motor joint="j"/></actuator></mujoco>'
+    )
+    robot = sr.load_mjcf(path)
+    for word in ("damping", "armature", "springs", "actuators", "limits", "no contact"):
+        assert any(word in note for note in robot.notes), word
+    assert robot.limits["j"].upper == pytest.approx(np.pi / 2)
+
+
+ONE = '<body name="b"><joint name="j"/><geom size="1"/></body>'
+TWO = '<body name="b"><joint name="j"/><joint name="k" type="slide"/><joint name="l"/><geom size="1"/></body>'
+PAIR = ONE + '<body name="c"><joint name="k"/><geom size="1"/></body>'
+MALFORMED = {
+    "no XML": ("<mujoco>", "cannot be read by MuJoCo"),
+    "unknown element": ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "cannot be read by MuJoCo"),
+    "no joint fits": (f"<mujoco><worldbody>{TWO}</worldbody></mujoco>", "no joint leaves just the motions"),
+    "nothing moves": ("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", "nothing in it moves"),
+    "follows": (
+        f'<mujoco><worldbody>{PAIR}</worldbody><equality><joint joint1="j" joint2="k"/></equality></mujoco>',
+        'mimic="free"',
+    ),
+    "polynomial": (
+        f"<mujoco><worldbody>{PAIR}</worldbody>"
+        '<equality><joint joint1="j" joint2="k" polycoef="0 1 1 0 0"/></equality></mujoco>',
+        "no linear relation",
+    ),
+    "held": (
+        f'<mujoco><worldbody>{ONE}</worldbody><equality><joint joint1="j"/></equality></mujoco>',
+        "holds one joint",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_a_wrong_file_is_refused(name: str, tmp_path: Path) -> None:
+    text, words = MALFORMED[name]
+    path = tmp_path / "model.xml"
+    path.write_text(text)
+    with pytest.raises(sr.ModelError) as error:
+        sr.load_mjcf(path)
+    assert words in str(error.value)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+GYMNASIUM = (
+    "ant",
+    "half_cheetah",
+    "hopper",
+    "humanoid",
+    "inverted_double_pendulum",
+    "swimmer",
+    "walker2d_v5",
+)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", GYMNASIUM)
+def test_models_of_gymnasium(name: str) -> None:
+    found = find_spec("gymnasium")
+    if found is None or found.origin is None:
+        pytest.skip("gymnasium is not installed")
+    compare(Path(found.origin).parent / "envs/mujoco/assets" / f"{name}.xml", poses=100)

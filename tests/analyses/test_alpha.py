@@ -15,7 +15,9 @@ METHODS = (sr.HHT(), sr.GeneralizedAlpha(0.8), sr.HHT(0.0))
 
 def fixed(method: object) -> object:
     """The method without error control: every step is the longest."""
-    blind = type("Blind", (type(method),), {"scheme": lambda self: type(method).scheme(self)._replace(error=0.0)})
+    blind = type(
+        "Blind", (type(method),), {"scheme": lambda self: type(method).scheme(self)._replace(error=0.0)}
+    )
     return blind(*vars(method).values())
 
 
@@ -59,7 +61,9 @@ FINE = {"rtol": 1e-7, "atol": 1e-7}
 def test_hmmwv_follows_the_reference() -> None:
     reference, system = table("hmmwv_T1.csv"), hmmwv()
     v = rigid_velocity(system, np.array([5.0, 0, -0.3]), np.array([0.2, 0.1, 0.05]))
-    run = sr.simulate(system, sr.assemble(system, system.q0, v), until=reference["t"][-1], t_eval=reference["t"], **FINE)
+    run = sr.simulate(
+        system, sr.assemble(system, system.q0, v), until=reference["t"][-1], t_eval=reference["t"], **FINE
+    )
     assert run.success
     for k, axis in enumerate("xyz"):
         assert np.allclose(run["chassis"].position[:, k], reference[axis], atol=1e-4)
@@ -83,7 +87,9 @@ def test_newton_converges_quadratically_with_the_exact_matrix() -> None:
     for _ in range(5):
         q1, v1 = ahead(a)
         upper = system.M_a(q1, a) + system.Phi_qT_lam(q1, lam) - system.Q(q1, v1) - system.S(q1, v1)
-        stiffness = system.M_a_q(q1, a) + system.Phi_qT_lam_q(q1, lam) - system.Q_q(q1, v1) - system.S_q(q1, v1)
+        stiffness = (
+            system.M_a_q(q1, a) + system.Phi_qT_lam_q(q1, lam) - system.Q_q(q1, v1) - system.S_q(q1, v1)
+        )
         block = system.M(q1) + beta * stiffness - gamma * (system.Q_v(q1, v1) + system.S_v(q1, v1))
         J = system.Phi_q(q1).toarray()
         matrix = np.block([[block.toarray(), J.T], [J, np.zeros((system.m, system.m))]])
@@ -139,7 +145,9 @@ def test_dependent_constraints_are_a_status() -> None:
     assert "dependent" in run.message
 
 
-@pytest.mark.parametrize("method", [sr.HHT(0.1), sr.HHT(-0.5), sr.GeneralizedAlpha(1.5), sr.GeneralizedAlpha(-0.1)])
+@pytest.mark.parametrize(
+    "method", [sr.HHT(0.1), sr.HHT(-0.5), sr.GeneralizedAlpha(1.5), sr.GeneralizedAlpha(-0.1)]
+)
 def test_wrong_coefficients_are_refused(method: object) -> None:
     with pytest.raises(ValueError, match="must lie between"):
         sr.simulate(slider_crank(), until=0.1, method=method)

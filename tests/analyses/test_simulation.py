@@ -17,7 +17,9 @@ def table(name: str) -> np.ndarray:
 
 def test_slider_crank_follows_the_reference() -> None:
     reference = table("spatial_slidercrank_paper.csv")
-    run = sr.simulate(slider_crank(), until=10.0, t_eval=reference["t"], rtol=1e-11, atol=1e-13, method=sr.ODE())
+    run = sr.simulate(
+        slider_crank(), until=10.0, t_eval=reference["t"], rtol=1e-11, atol=1e-13, method=sr.ODE()
+    )
     assert run.success
     assert np.allclose(run["slider"].position[:, 0], reference["x_slider"], atol=1e-9)
     assert np.allclose(run["slider"].velocity[:, 0], reference["v_slider"], atol=1e-9)
@@ -29,7 +31,9 @@ def test_the_error_falls_with_the_tolerance() -> None:
     reference = table("spatial_slidercrank_paper.csv")
     errors = []
     for rtol in (1e-5, 1e-7, 1e-9):
-        run = sr.simulate(slider_crank(), until=10.0, t_eval=reference["t"], rtol=rtol, atol=0.01 * rtol, method=sr.ODE())
+        run = sr.simulate(
+            slider_crank(), until=10.0, t_eval=reference["t"], rtol=rtol, atol=0.01 * rtol, method=sr.ODE()
+        )
         errors.append(abs(run["slider"].position[:, 0] - reference["x_slider"]).max())
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
 

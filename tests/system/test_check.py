@@ -66,3 +66,9 @@ def test_users_element_is_compiled_and_right() -> None:
     system = sr.System(model_with(Leaning))
     assert system.check_derivatives()
     assert np.allclose(system.Phi(system.q0), 0)
+
+
+@pytest.mark.parametrize("system", [slider_crank, hmmwv])
+def test_residuals_that_cancel_are_no_error(system: object) -> None:
+    made = system()  # type: ignore[operator]
+    assert made.check_derivatives(made.q0)

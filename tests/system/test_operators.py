@@ -90,3 +90,28 @@ def test_group_equals_its_operators() -> None:
     for name, output in zip(group.names, outputs, strict=True):
         alone = getattr(system, name)(**{key: state[key] for key in ("q", *OPERATORS[name].operands)})
         assert np.allclose(output, alone.data, rtol=1e-13, atol=1e-14)
+
+
+def test_results_do_not_share_the_pattern() -> None:
+    system, state = slider_crank(), random_state(slider_crank(), None, seed=6)
+    before = system.Phi_q_xi_q(state["q"], state["v"]).toarray()
+    system.Phi_q_xi_q(state["q"], state["v"]).eliminate_zeros()
+    system.Phi_q_xi_q(state["q"], 0 * state["v"]).eliminate_zeros()
+    assert np.array_equal(system.Phi_q_xi_q(state["q"], state["v"]).toarray(), before)
+
+
+def test_out_must_not_be_an_operand() -> None:
+    system, state = slider_crank(), random_state(slider_crank(), None, seed=7)
+    with pytest.raises(ValueError, match="must not share memory with an operand"):
+        system.M_a(state["q"], state["a"], out=state["a"])
+
+
+def test_out_must_have_the_operators_pattern() -> None:
+    system, state = slider_crank(), random_state(slider_crank(), None, seed=8)
+    matrix = system.Phi_q(state["q"])
+    with pytest.raises(ValueError, match="out must be a matrix"):
+        system.Phi_q(state["q"], out=matrix.tocoo())
+    shuffled = matrix.copy()
+    shuffled.indices[:2] = shuffled.indices[1::-1]
+    with pytest.raises(ValueError, match="out must be a matrix"):
+        system.Phi_q(state["q"], out=shuffled)

@@ -11,6 +11,7 @@ from ..model.errors import ModelError
 from ..model.expand import expand
 from ..model.file.document import Document
 from ..model.file.load import read, validate
+from ..model.file.numbers import Numbers
 from ..model.findings import Findings
 from ..model.forces import Force
 from ..model.joints import Joint
@@ -50,7 +51,8 @@ def _parts(robot: Robot, document: Document) -> list[Joint | Force]:
 def _entry(document: Document) -> Any:
     """Return the joints and forces as the reader of model files has them; it asks for a name and bodies too."""
     _check_sections(document)
-    return validate(Document({"name": "loops", "bodies": {}, **document.data}, document.origin))
+    whole = Document({"name": "loops", "bodies": {}, **document.data}, document.origin)
+    return validate(whole, Numbers(whole.data))
 
 
 def _check_sections(document: Document) -> None:

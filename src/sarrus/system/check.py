@@ -21,7 +21,9 @@ from .memory import GROUND, firsts, local
 from .population import WIDTH, Population
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
-TOLERANCE = 1e-9  # relative to the largest entry of the row
+TOLERANCE = 1e-9  # relative to the largest term of the block
+SHARE = 1e-4  # of the row's largest term: blocks beside much larger ones carry their round-off
+NEARBY = 0.03  # how far from the state the size of its terms is taken, since they may cancel there
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,7 @@ def random_state(system: Any, q: Any, seed: int) -> dict[str, Any]:
     return state
 
 
+PLAIN = "kernel in plain NumPy"
 Formula = Callable[[Any, dict[str, Any], Array, Array], Array]
 
 
@@ -111,7 +114,7 @@ def _route(operator: Operator) -> tuple[str, Formula]:
     if operator.name == "S":
         return "Lagrange, from M", _lagrange
     if operator.name not in DERIVATIVES:
-        return "kernel in plain NumPy", lambda *args: _value(operator, *args)
+        return PLAIN, lambda *args: _value(operator, *args)
     rule = DERIVATIVES[operator.name]
     along = f" {rule.along}" if rule.along else ""
     return f"complex step of {rule.of}{along}", lambda *args: _complex_step(operator, *args)
@@ -152,21 +155,26 @@ def _compare(
     system: Any, operator: Operator, route: str, found: Array, formula: Formula, state: dict[str, Any]
 ) -> Finding:
     want, scale = np.zeros(found.shape), np.zeros(found.shape)
+    nearby = {**state, "q": state["q"] + NEARBY * state["eta"]}
     for p, k in _members(system, operator):
         size = p.kind.size()
         numbers = system.b[p.at + k * size : p.at + (k + 1) * size]
         value = np.real(formula(p.kind, _operands(p, k, state), numbers, system.b))
+        terms = (
+            value if route != PLAIN else np.real(formula(p.kind, _operands(p, k, nearby), numbers, system.b))
+        )
         rows, columns = _places(operator, p, k)
         value = value.reshape(len(rows), len(columns))[rows >= 0][:, columns >= 0]
         at = np.ix_(rows[rows >= 0], columns[columns >= 0])
         np.add.at(want, at, value)
-        np.add.at(scale, at, abs(value))
+        np.add.at(
+            scale, at, abs(value) + abs(terms.reshape(len(rows), len(columns))[rows >= 0][:, columns >= 0])
+        )
     return _finding(system, operator, route, found, want, scale)
 
 
 def _finding(system: Any, operator: Operator, route: str, found: Array, want: Array, scale: Array) -> Finding:
-    size = np.maximum(scale.max(axis=1, keepdims=True, initial=0.0), np.finfo(float).tiny)
-    error = np.where(np.isfinite(found), abs(found - want) / np.maximum(size, abs(found) * 1e-3), np.inf)
+    error = np.where(np.isfinite(found), abs(found - want) / _size(system, operator, scale), np.inf)
     if not error.size:
         return Finding(operator, route, 0, 0.0, "")
     row, column = np.unravel_index(np.argmax(error), error.shape)
@@ -174,6 +182,19 @@ def _finding(system: Any, operator: Operator, route: str, found: Array, want: Ar
     if not operator.is_vector:
         where += f", {system.axis_names(operator.axes[1])[column]}"
     return Finding(operator, route, int(np.count_nonzero(scale)), float(error[row, column]), where)
+
+
+def _size(system: Any, operator: Operator, scale: Array) -> Array:
+    """What an error is measured by: the largest term of its block, but at least a small share of its row's."""
+    row = scale.max(axis=1, keepdims=True, initial=0.0)
+    block = scale
+    if not operator.is_vector and scale.size:
+        starts = system.atoms(operator.axes[1])
+        block = np.repeat(
+            np.maximum.reduceat(scale, starts, axis=1), np.diff([*starts, scale.shape[1]]), axis=1
+        )
+    size: Array = np.maximum(np.maximum(block, SHARE * row), np.finfo(float).tiny)
+    return size
 
 
 def _operands(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:

@@ -73,13 +73,17 @@ class Operators:
     def matrix(self, name: str, data: Array) -> csr_array:
         """The numbers of an operator as a sparse matrix that shares their memory."""
         pattern = self.pattern(name)
-        return csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+        return csr_array((data, pattern.indices.copy(), pattern.indptr.copy()), shape=pattern.shape)
 
     def _evaluate(self, name: str, out: Any, b: Any, /, **operands: Any) -> Any:
         group = self.group(name)
         checked = {key: self._operand(key, value) for key, value in operands.items()}
         result = self._output(name, out)
         data = result if isinstance(result, np.ndarray) else result.data
+        if any(
+            np.may_share_memory(data, operand) for operand in (*checked.values(), b) if operand is not None
+        ):
+            raise ValueError(f"out of {name} must not share memory with an operand; give another array")
         numbers = self.b if b is None else self._vector("b", b, len(self.b))
         group.run(numbers, *(checked[key] for key in group.operands), data)
         return result
@@ -105,12 +109,24 @@ class Operators:
         if out is None:
             fresh = np.zeros(pattern.size)
             return fresh if OPERATORS[name].is_vector else self.matrix(name, fresh)
-        held: Any = out if isinstance(out, np.ndarray) else getattr(out, "data", None)
-        same_kind = OPERATORS[name].is_vector == isinstance(out, np.ndarray)
-        if not (same_kind and _holds(held, pattern.size)):
+        if not self._fits(name, out):
             kind = "a float array" if OPERATORS[name].is_vector else "a matrix"
             raise ValueError(f"out must be {kind} returned by an earlier call of {name} of this system")
         return out
+
+    def _fits(self, name: str, out: Any) -> bool:
+        """Whether an object can take an operator's result: the right kind, shape and pattern, and writable."""
+        pattern = self.pattern(name)
+        if OPERATORS[name].is_vector:
+            return isinstance(out, np.ndarray) and _holds(out, pattern.size)
+        if not isinstance(out, csr_array) or out.shape != pattern.shape or not _holds(out.data, pattern.size):
+            return False
+        return np.array_equal(out.indptr, pattern.indptr) and np.array_equal(out.indices, pattern.indices)
+
+    def atoms(self, axis: Axis) -> Array:
+        """Where the blocks along an axis begin: equations of one element, r and p of a body, an element's fields."""
+        found = self._layout.atoms(axis)
+        return found.start[found.width > 0]
 
     def axis_names(self, axis: Axis) -> list[str]:
         """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point 0`` or ``spring.k``."""
@@ -145,7 +161,8 @@ COMPONENTS = {"Vec3": (".x", ".y", ".z"), "Inertia": (".xx", ".yy", ".zz", ".xy"
 def _number_names(system: Any) -> list[str]:
     names: list[str] = []
     for p in system.populations:
-        fields = [f + part for f, kind in p.kind.fields.items() for part in COMPONENTS.get(kind, ("",))]
+        numbers = {f: kind for f, kind in p.kind.fields.items() if kind != "Time"}
+        fields = [f + part for f, kind in numbers.items() for part in COMPONENTS.get(kind, ("",))]
         for owner, label in zip(p.owners, p.labels, strict=True):
             names += [f"{owner}[{label}].{field}" for field in fields]
     return names

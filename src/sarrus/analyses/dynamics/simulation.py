@@ -12,6 +12,7 @@ from ...system import System
 from ..assembly import assemble
 from .alpha import HHT, GeneralizedAlpha
 from .ode import ODE
+from .outcome import nothing
 
 Method = HHT | GeneralizedAlpha | ODE
 
@@ -58,6 +59,8 @@ def simulate(
         raise ValueError("t_eval must be rising times between 0 and until")
     grid = np.unique(np.concatenate([[0.0], times, [until]]))
     begin = start if start is not None else assemble(system)
+    if not begin.success:
+        return nothing(system, "inconsistent start", begin.message)
     run = (method or HHT()).run(
         system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step
     )

@@ -1,6 +1,6 @@
 """Results are values: plain arrays with names."""
 
-from .assembly import Assembly
+from .assembly import Asked, Assembly
 from .trajectory import BodyMotion, Trajectory
 
-__all__ = ["Assembly", "BodyMotion", "Trajectory"]
+__all__ = ["Asked", "Assembly", "BodyMotion", "Trajectory"]

@@ -36,6 +36,10 @@ class CoordinateRate:
         """(C ξ)_q (nq,): zero."""
         return np.zeros(self.size)
 
+    def row_q(self, q: Array) -> Array:
+        """(Cᵀ)_q (nq, nq): zero."""
+        return np.zeros((self.size, self.size))
+
 
 @dataclass(frozen=True)
 class JointRate:
@@ -61,6 +65,14 @@ class JointRate:
             return self._spread(np.real(second))
         z, z_q = self._get("Phi", q)[0], self._get("Phi_q", q)
         return self._spread(np.imag(second / z - (z_q @ self._local(xi, np.zeros(7))) * z_q / z**2))
+
+    def row_q(self, q: Array) -> Array:
+        """(Cᵀ)_q (nq, nq), symmetric."""
+        found = np.zeros((self.system.nq, self.system.nq))
+        for body in (b for b in self.bodies if b != GROUND):
+            for n in range(*self.system.coordinates_of(body).indices(self.system.nq)):
+                found[n] = self.row_xi_q(q, np.eye(1, self.system.nq, n)[0])
+        return found
 
     def _get(self, name: str, q: Array, **directions: Array) -> Array:
         operands = {n: self._local(x, np.zeros(7)) for n, x in directions.items()}

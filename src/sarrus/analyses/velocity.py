@@ -19,6 +19,11 @@ def velocity_right_side(system: System, q: Array, t: float) -> Array:
     return np.zeros(system.m)
 
 
+def velocity_right_side_along(system: System, q: Array, t: float, dq: Array, db: Array) -> Array:
+    """-(Φ_t)_q dq - (Φ_t)_b db, (m,) or (m, k): zero while no constraint depends on time."""
+    return np.zeros((system.m, *dq.shape[1:]))
+
+
 @dataclass(frozen=True)
 class Velocity:
     """v (nq,) with its multipliers μ (m,) and ν, and how far each equation is from being satisfied."""
@@ -44,6 +49,13 @@ class Rates:
     def rows_xi_q(self, q: Array, xi: Array) -> csr_array:
         """(C ξ)_q (number of rates, nq)."""
         return csr_array(np.array([r.row_xi_q(q, xi) for r in self.rates]).reshape(-1, self.size))
+
+    def curvature(self, q: Array, nu: Array) -> csr_array:
+        """(Cᵀν)_q (nq, nq), symmetric."""
+        total = np.zeros((self.size, self.size))
+        for one, factor in zip(self.rates, nu, strict=True):
+            total += factor * one.row_q(q)
+        return csr_array(total)
 
 
 def assemble_velocity(

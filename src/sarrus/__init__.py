@@ -13,8 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .analyses import ODE as ODE
+    from .analyses import AssemblyDerivatives as AssemblyDerivatives
+    from .analyses import NoDerivative as NoDerivative
     from .analyses import assemble as assemble
+    from .analyses import mobility as mobility
     from .analyses import simulate as simulate
+    from .analyses import singularities as singularities
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
     from .model import AxisAngle as AxisAngle
@@ -39,6 +43,8 @@ if TYPE_CHECKING:
     from .model import ground as ground
     from .model import load as load
     from .results import Assembly as Assembly
+    from .results import Mobility as Mobility
+    from .results import Singularity as Singularity
     from .results import Trajectory as Trajectory
     from .system import System as System
 
@@ -50,8 +56,8 @@ _HOMES = {
         "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal ground load"
     ),
     "system": "System",
-    "analyses": "ODE assemble simulate",
-    "results": "Assembly Trajectory",
+    "analyses": "AssemblyDerivatives NoDerivative ODE assemble mobility simulate singularities",
+    "results": "Assembly Mobility Singularity Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

@@ -5,7 +5,10 @@ import numpy as np
 import sarrus as sr
 from sarrus.model.joints import Joint
 
-ROD_INERTIA = (1 / 600, 1.01 / 12)  # of a rod of 1 m and 1 kg with a square section of 0.1 m: along it, across it
+ROD_INERTIA = (
+    1 / 600,
+    1.01 / 12,
+)  # of a rod of 1 m and 1 kg with a square section of 0.1 m: along it, across it
 X, Y, Z = np.eye(3)
 
 
@@ -21,7 +24,9 @@ def hinge(name: str, one: sr.Body, other: sr.Body, point: np.ndarray, axis: np.n
     return sr.Revolute(name, one, other, point=tuple(point), axis=tuple(axis))
 
 
-def system(name: str, bodies: list[sr.Body], joints: list[Joint], gravity: np.ndarray = -9.81 * Y) -> sr.System:
+def system(
+    name: str, bodies: list[sr.Body], joints: list[Joint], gravity: np.ndarray = -9.81 * Y
+) -> sr.System:
     return sr.System(sr.Model(name, bodies=bodies, joints=joints, gravity=tuple(gravity)))
 
 
@@ -44,7 +49,9 @@ def crooked_door(angle: float = 0.02) -> sr.System:
     """A door whose upper hinge is inclined: the hinges contradict each other as soon as it turns; it is stuck."""
     panel = sr.Body("panel", mass=20.0, inertia=(8.0, 6.0, 2.0), position=(0.4, 0, 1.0))
     lower = hinge("hinge_1", sr.ground, panel, np.array([0, 0, 0.2]), Z)
-    upper = hinge("hinge_2", sr.ground, panel, np.array([0, 0, 1.8]), np.array([np.sin(angle), 0, np.cos(angle)]))
+    upper = hinge(
+        "hinge_2", sr.ground, panel, np.array([0, 0, 1.8]), np.array([np.sin(angle), 0, np.cos(angle)])
+    )
     return system("crooked door", [panel], [lower, upper])
 
 
@@ -58,8 +65,10 @@ def contradictory_door() -> sr.System:
     return system("contradictory door", [panel], joints)
 
 
-def four_bar(crank: float, coupler: float, rocker: float, base: float, angle: float, side: int = 1) -> sr.System:
-    """A planar four-bar in the x-y plane; `side` chooses the branch: the coupler's end left or right of its diagonal."""
+def four_bar(
+    crank: float, coupler: float, rocker: float, base: float, angle: float, side: int = 1
+) -> sr.System:
+    """A planar four-bar in the x-y plane; `side` chooses the branch: left or right of its diagonal."""
     return chain("four-bar", four_bar_points(crank, coupler, rocker, base, angle, side), np.tile(Z, (4, 1)))
 
 
@@ -113,7 +122,9 @@ def sarrus(lift: float = 1.2) -> sr.System:
     return system("Sarrus linkage", bodies, joints, -9.81 * Z)
 
 
-def bennett(turn: float = 1.1, a: float = 1.0, alpha: float = np.radians(50), beta: float = np.radians(80)) -> sr.System:
+def bennett(
+    turn: float = 1.1, a: float = 1.0, alpha: float = np.radians(50), beta: float = np.radians(80)
+) -> sr.System:
     """Bennett's linkage: opposite links alike, sin α / a = sin β / b, four skew hinges and one degree of freedom."""
     b = a * np.sin(beta) / np.sin(alpha)
     ratio = np.sin((beta + alpha) / 2) / np.sin((beta - alpha) / 2)

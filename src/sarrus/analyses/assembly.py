@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..results import Assembly, Asked
+from ..results import Asked, Assembly
 from ..system import System
 from .feasible import Feasible, Reached, Renormalization
 from .held import held_coordinates
@@ -19,7 +19,12 @@ from .open_joints import open_joints
 from .saddle import Saddle
 from .velocity import Rates, assemble_velocity
 
-SHAKE = (0.05, 0.1, 0.2, 0.3)  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
+SHAKE = (
+    0.05,
+    0.1,
+    0.2,
+    0.3,
+)  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
 SPEED_TOLERANCE = 1e-9  # of the largest entry of |Φ_q v + Φ_t|, per unit of velocity
 
 
@@ -38,8 +43,8 @@ def assemble(
 ) -> Assembly:
     """Find consistent coordinates and velocities near given ones.
 
-    First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is restarted
-    from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,
+    First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is
+    restarted from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,
     q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
     Φ_q v = -Φ_t and the given rates. Dependent equations do no harm as long as they do not contradict each other.
 
@@ -134,7 +139,11 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     if abs(speed.gap).max(initial=0.0) <= limit:
         return done
     opening = open_joints(system, found.q, speed.gap[: system.m], limit, per_second=True)
-    missed = [f"{name} by {gap:.3g}" for name, gap in zip(asked.rates, speed.gap[system.m :], strict=True) if abs(gap) > limit]
+    missed = [
+        f"{name} by {gap:.3g}"
+        for name, gap in zip(asked.rates, speed.gap[system.m :], strict=True)
+        if abs(gap) > limit
+    ]
     told = ", ".join(filter(None, [opening, *missed]))
     message = (
         f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {told}; "

@@ -1,4 +1,6 @@
-"""Exact derivatives of assembled coordinates and velocities: the implicit function theorem on the conditions of least change.
+"""Exact derivatives of assembled coordinates and velocities, by the implicit function theorem.
+
+The conditions of least change,
 
     W (q - q₀) + Φ_qᵀλ = 0,         Φ(q, b) = 0,
     W (v - v₀) + Φ_qᵀμ + Cᵀν = 0,   Φ_q v = -Φ_t,  C v = rates,
@@ -14,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 
 from ..algebra import Array
-from ..results import Assembly, Asked
+from ..results import Asked, Assembly
 from ..system import System
 from .kkt import KKT
 from .velocity import Rates, velocity_right_side_along
@@ -47,7 +49,9 @@ class AssemblyDerivatives:
 
     def __init__(self, system: System, found: Assembly) -> None:
         if not found.success or not found.nearest or found.asked is None:
-            raise ValueError(f"an assembly has derivatives if it succeeded with the least change, but: {found.message}")
+            raise ValueError(
+                f"an assembly has derivatives if it succeeded with the least change, but: {found.message}"
+            )
         self._system, self._found, self._asked = system, found, found.asked
         self._free = np.flatnonzero(~self._asked.held)
         self._rates = Rates(system, self._asked.rates)
@@ -91,8 +95,8 @@ class AssemblyDerivatives:
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
             row = self._system.row_names[int(np.unravel_index(np.argmax(gap), gap.shape)[0])]
             raise NoDerivative(
-                f"{self._system.name}: such a change would open {row}, which repeats other equations; change together what "
-                "keeps them consistent"
+                f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
+                "together what keeps them consistent"
             )
         return q_dot, self._velocity_along(db, dv, q_dot)
 

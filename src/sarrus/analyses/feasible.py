@@ -41,8 +41,8 @@ def attainable(tolerance: float, q: Array) -> float:
 class Feasible:
     """Searches of one system from any number of starts, with some coordinates held.
 
-    Steps are the damped steps of least size in the metric; the damping is proportional to |Φ|², so that convergence stays
-    quadratic where equations are dependent but consistent (Yamashita and Fukushima 2001). Euler parameters are
+    Steps are the damped steps of least size in the metric; the damping is proportional to |Φ|², so that convergence
+    stays quadratic where equations are dependent but consistent (Yamashita and Fukushima 2001). Euler parameters are
     brought back to unit length after every step.
 
     Parameters

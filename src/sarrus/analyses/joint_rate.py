@@ -80,7 +80,9 @@ class JointRate:
         return np.asarray(value.astype(complex)).reshape(-1)
 
     def _local(self, x: Array, ground: Array) -> Array:
-        return np.concatenate([ground if b == GROUND else x[self.system.coordinates_of(b)] for b in self.bodies])
+        return np.concatenate(
+            [ground if b == GROUND else x[self.system.coordinates_of(b)] for b in self.bodies]
+        )
 
     def _spread(self, local: Array) -> Array:
         row = np.zeros(self.system.nq)

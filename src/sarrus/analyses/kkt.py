@@ -21,8 +21,8 @@ SMALL = 1e-15  # correction, relative, at which refinement ends
 class KKT:
     """Solves A x + Jᵀ y = f, J x = g, factored once for any number of right sides; A is symmetric.
 
-    With -δI in the place of 0 the matrix is regular whatever the rank of J, if A is positive on the null space of J. Refining
-    the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers.
+    With -δI in the place of 0 the matrix is regular whatever the rank of J, if A is positive on the null space of J.
+    Refining the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers.
 
     Parameters
     ----------
@@ -41,7 +41,8 @@ class KKT:
         m, n = self._J.shape
         if m + n >= DENSE_BELOW:
             corner = -self._delta * eye_array(m)
-            return splu(block_array([[self._A, self._J.T], [self._J, corner]]).tocsc()).solve  # type: ignore[no-any-return]
+            whole = block_array([[self._A, self._J.T], [self._J, corner]]).tocsc()
+            return splu(whole).solve  # type: ignore[no-any-return]
         matrix = np.zeros((n + m, n + m))
         matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
         matrix[:n, n:] = matrix[n:, :n].T

@@ -12,8 +12,10 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ..algebra import Array
 
-TOLERANCE = 1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
-DENSE_UP_TO = 1500  # rows of a component that are analysed by singular values
+TOLERANCE = (
+    1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
+)
+DENSE_UP_TO = 700  # rows of a component that are analysed by singular values
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
 
 
@@ -70,8 +72,8 @@ def independent_rows(null: Array, last: Array) -> Array:
 
     Notes
     -----
-    The k rows left out are the pivots of a QR factorization of the combinations: what these rows say follows from the others
-    with the least amplification.
+    The k rows left out are the pivots of a QR factorization of the combinations: what these rows say follows from the
+    others with the least amplification.
     """
     candidates = np.flatnonzero(~last)
     if not null.shape[1]:
@@ -114,4 +116,6 @@ def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]
         zero = values <= max(tolerance, 1e-7) * np.sqrt(normal.diagonal().max())
         if not np.all(zero):
             return vectors[:, zero], float(values[~zero].min())
-    raise ArithmeticError("more than 500 dependent equations in one mechanism; look for joints that were copied")
+    raise ArithmeticError(
+        "more than 500 dependent equations in one mechanism; look for joints that were copied"
+    )

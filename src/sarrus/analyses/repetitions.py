@@ -28,7 +28,9 @@ def repetitions(system: System, q: Array, J: csr_array, null: Array) -> tuple[Re
     owner = {int(row): joint for joint, rows in system.rows.items() for row in rows}
     found: dict[str, list[tuple[int, set[str]]]] = {}
     for row, combination in _later_first(null, sorted(owner)):
-        others = {owner[n] for n in np.flatnonzero(abs(combination) > PART) if n in owner and n != row}
+        others = {
+            owner[n] for n in np.flatnonzero(abs(combination) > PART).tolist() if n in owner and n != row
+        }
         found.setdefault(owner[row], []).append((row, others - {owner[row]}))
     return tuple(_repetition(system, q, J, joint, found[joint]) for joint in system.rows if joint in found)
 

@@ -38,7 +38,7 @@ class Restraint:
         return {"displacement": "m", "rotation": "rad", "nothing": "in its own unit"}[self.kind]
 
     def gap(self, residual: float, curvature: float = 0.0) -> float:
-        """How far the equation is open [m], [rad]: the least |s| with Φ + Φ' s + ½ Φ'' s² = 0, or only to first order."""
+        """How far the equation is open [m], [rad]: |s| with Φ + Φ' s + ½ Φ'' s² = 0, or else to first order."""
         if self.kind == "nothing":
             return abs(residual)
         inside = self.rate**2 - 2 * curvature * residual
@@ -65,8 +65,8 @@ def axis_name(direction: Array) -> str:
     best = int(np.argmax(abs(direction)))
     if abs(direction[best]) > ALONG:
         return "xyz"[best]
-    sign = np.sign(direction[best])
-    return "(" + ", ".join(f"{sign * c + 0.0:.3f}" for c in direction) + ")"
+    components = np.round(np.sign(direction[best]) * direction, 3) + 0.0
+    return "(" + ", ".join(f"{c:.3f}" for c in components) + ")"
 
 
 def restraint(J: csr_array, row: int, q: Array) -> Restraint:

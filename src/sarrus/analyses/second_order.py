@@ -28,4 +28,6 @@ def _search(forms: Array, xi: Array) -> bool:
     def residual(x: Array) -> Array:
         return np.append(np.einsum("i,kij,j->k", x, forms, x), x @ x - 1)
 
-    return bool(least_squares(residual, xi / np.linalg.norm(xi), xtol=1e-15, ftol=1e-15, gtol=1e-15).cost < ZERO**2)
+    return bool(
+        least_squares(residual, xi / np.linalg.norm(xi), xtol=1e-15, ftol=1e-15, gtol=1e-15).cost < ZERO**2
+    )

@@ -1,4 +1,4 @@
-"""``sarrus check MODEL``: every derivative of a model against an independent one."""
+"""``sarrus check MODEL``: degrees of freedom and redundancies; every derivative against an independent one."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Print the table; 1 if something does not agree."""
+    from ..analyses import assemble, mobility
     from ..elements import OPERATORS
     from ..model import load
     from ..system import System
 
     system = System(load(chosen.model))
+    start = assemble(system)
+    print(mobility(system, start.q) if start.success else start.message)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
     print(report)

@@ -2,6 +2,7 @@
 
 from .assembly import Asked, Assembly
 from .mobility import Mobility, Repetition
+from .singularity import Singularity
 from .trajectory import BodyMotion, Trajectory
 
-__all__ = ["Asked", "Assembly", "BodyMotion", "Mobility", "Repetition", "Trajectory"]
+__all__ = ["Asked", "Assembly", "BodyMotion", "Mobility", "Repetition", "Singularity", "Trajectory"]

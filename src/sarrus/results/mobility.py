@@ -44,9 +44,9 @@ class Mobility:
     name : of the system
     coordinates, equations, rank : size of Φ_q and its rank
     degrees_of_freedom : coordinates less rank: the motions that are possible at this instant
-    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, as far as second
-        order tells. "branching": motions cross here, and are fewer elsewhere. "shaky": a motion is possible for an
-        instant only. "untested": too large for the test of second order.
+    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, as far as
+        second order tells. "branching": motions cross here, and are fewer elsewhere. "shaky": a motion is possible for
+        an instant only. "untested": too large for the test of second order.
     finite : degrees of freedom of motions that go on; None where they branch or were not tested
     repetitions : dependent equations by joint
     kept : places in Φ of a well-conditioned choice of independent equations (rank,)
@@ -82,7 +82,9 @@ class Mobility:
         if self.kind == "shaky":
             return f"{freedom} for an instant only: second order lets no more than {self.finite} go on"
         if self.kind == "branching":
-            return f"{freedom} at this position, where motions cross; fewer elsewhere"
+            return (
+                f"{freedom} at this position only: motions cross or touch here, and there are fewer elsewhere"
+            )
         return freedom + (", whether they go on was not tested" if self.kind == "untested" else "")
 
     def _counts(self) -> list[str]:
@@ -106,4 +108,7 @@ def _grouped(directions: tuple[str, ...]) -> str:
                 break
         else:
             groups.setdefault(direction, [])
-    return ", ".join(kind + _listed(tuple(dict.fromkeys(axes))) if axes else kind for kind, axes in groups.items())
+    return ", ".join(
+        kind + _listed(tuple(sorted(set(axes), key=lambda axis: (len(axis), axis)))) if axes else kind
+        for kind, axes in groups.items()
+    )

@@ -22,8 +22,8 @@ STRAIGHT = 1e-6  # curvature, relative, that counts as zero
 def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = TOLERANCE) -> Mobility:
     """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
 
-    A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of equations
-    with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.
+    A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
+    equations with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.
 
     Parameters
     ----------
@@ -35,8 +35,13 @@ def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = T
     -------
     Mobility
         Printed, it says all this in words.
+
+    Raises
+    ------
+    ValueError
+        If no position is given and the model cannot be assembled.
     """
-    at = assemble(system).q if q is None else np.asarray(q, dtype=float)
+    at = _assembled(system) if q is None else np.asarray(q, dtype=float)
     J = system.Phi_q(at)
     found = rank_of(J, tolerance)
     null = found.null / row_lengths(J)[:, None]
@@ -51,6 +56,13 @@ def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = T
         motions=motions,
         smallest=found.smallest,
     )
+
+
+def _assembled(system: System) -> Array:
+    start = assemble(system)
+    if not start.success:
+        raise ValueError(start.message)
+    return start.q
 
 
 def normalizations(system: System) -> Array:

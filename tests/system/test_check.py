@@ -41,7 +41,6 @@ class Leaning(Dot1, rows=1):
         return row(super().Phi(x))[0]
 
 
-
 def model_with(element: type[Element]) -> sr.Model:
     @dataclass(frozen=True, eq=False)
     class Own(AboutAxis, Joint):

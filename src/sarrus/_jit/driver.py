@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 from numba import njit
+from numba.core import config as numba_config
 
 from .cache import KernelCache
 from .emit import Recording, loop
@@ -15,34 +18,65 @@ from .emit import Recording, loop
 
 @dataclass(frozen=True)
 class Signature:
-    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `sums` tells which outputs add."""
+    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `clears` tells which outputs
+    are set to zero first.
+
+    `hot` drivers are compiled with LLVM's vectorizer of straight-line code: slower to compile, faster to run.
+    """
 
     name: str
     scalars: tuple[str, ...]
     arrays: tuple[str, ...]
     outputs: tuple[str, ...]
-    sums: tuple[bool, ...]
+    clears: tuple[bool, ...]
+    hot: bool = False
+
+    def types(self) -> tuple[Any, ...]:
+        """The types of a driver's arguments."""
+        array, table = numba.float64[::1], numba.int64[::1]
+        return (
+            table,
+            array,
+            *(numba.float64,) * len(self.scalars),
+            *(array,) * (len(self.arrays) + len(self.outputs)),
+        )
 
 
-def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], clears: bool = True) -> Any:
+def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], clear: bool = True) -> Any:
     """Compile (or find in the cache, under the signature's name) the driver of a group.
 
     Parameters
     ----------
     signature : Signature
     recorders : one function per element type, each returning the type's `Recording`
-    clears : whether outputs that are summed are set to zero first
+    clear : whether outputs are set to zero first, as the signature says
     """
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
     counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
     loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
     lines = [f"def driver(index, numbers, {operands}):"]
-    if clears:
+    if clear:
         lines += [
-            f"    {out}[:] = 0.0" for out, sums in zip(signature.outputs, signature.sums, strict=True) if sums
+            f"    {out}[:] = 0.0"
+            for out, wanted in zip(signature.outputs, signature.clears, strict=True)
+            if wanted
         ]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
-    return compiled(signature.name, lines, loops)
+    result = compiled(signature.name, lines, loops)
+    with _vectorizer(signature.hot):
+        result.compile(signature.types())
+    return result
+
+
+@contextmanager
+def _vectorizer(on: bool) -> Iterator[None]:
+    config: Any = numba_config
+    before = config.SLP_VECTORIZE
+    config.SLP_VECTORIZE = int(on)
+    try:
+        yield
+    finally:
+        config.SLP_VECTORIZE = before
 
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:

@@ -18,8 +18,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from .compiled_functions import COMPILED, READS_NUMBERS
 from .expression import Expression, Graph
-from .functions import COMPILED, READS_NUMBERS
 
 HEADER = 4  # count, bodies, rows, numbers; then one entry per output
 REAL, INT = ir.DoubleType(), ir.IntType(64)
@@ -184,6 +184,8 @@ def _put(builder: Any, emitter: Emitter, at: Any, n: int, result: Any, block: An
         if r:
             row = builder.gep(row, [stride])
         for c, value in enumerate(line):
+            if adds and isinstance(value, ir.Constant) and value.constant == 0.0:
+                continue
             target = builder.gep(row, [INT(c)])
             builder.store(builder.fadd(builder.load(target), value) if adds else value, target)
 
@@ -220,9 +222,11 @@ def _codegen(record: Callable[[], Recording], scalars: int) -> Callable[..., Any
 
         operands = [args[3 + n] if n < scalars else data(3 + n) for n in range(len(args) - 3)]
         function = _emit_loop(builder.module, context, recording)
-        call = [entry(0), table(1), table(2), builder.gep(numbers, [entry(3)]), numbers]
-        call += [table(HEADER + n) for n in range(outputs)] + operands
-        builder.call(function, call)
+        count = entry(0)
+        with builder.if_then(builder.icmp_signed(">", count, INT(0))):
+            call = [count, table(1), table(2), builder.gep(numbers, [entry(3)]), numbers]
+            call += [table(HEADER + n) for n in range(outputs)] + operands
+            builder.call(function, call)
         return context.get_dummy_value()
 
     return codegen

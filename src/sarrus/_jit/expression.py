@@ -159,12 +159,18 @@ class Expression:
     def __rtruediv__(self, other: Expression) -> Expression:
         return other / self
 
-    def __pow__(self, exponent: int) -> Expression:
-        if exponent not in (2, 3):
-            raise TypeError(
-                "a kernel may raise to the powers 2 and 3; write other powers as products or roots"
-            )
-        return self * self if exponent == 2 else self * self * self
+    def __pow__(self, exponent: Any) -> Expression:
+        if isinstance(exponent, int) and exponent >= 0:
+            return self._whole_power(exponent)
+        if isinstance(exponent, int):
+            return 1 / self._whole_power(-exponent)
+        return self.call("sqrt") if exponent == 0.5 else (exponent * self.call("log")).call("exp")
+
+    def _whole_power(self, exponent: int) -> Expression:
+        if exponent == 0:
+            return self.graph.constant(1)
+        half = self._whole_power(exponent // 2)
+        return half * half * self if exponent % 2 else half * half
 
     def _branch(self, *others: Any) -> Any:
         raise TypeError("a kernel must not branch on values known only at run time")
@@ -172,15 +178,22 @@ class Expression:
     __bool__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _branch
     __hash__ = None  # type: ignore[assignment]
 
-    def sqrt(self) -> Expression:
-        """Square root (also what `numpy.sqrt` calls on object arrays)."""
-        return self.graph.node("sqrt", self)
-
     def call(self, function: str, *others: Any) -> Expression:
         """A function of `sarrus._jit.functions` of this and other expressions."""
         return self.graph.node(
             function, self, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others)
         )
+
+
+def _method(function: str) -> Callable[[Expression], Expression]:
+    return lambda self: self.call(function)
+
+
+for _ufunc, _function in {
+    "sqrt": "sqrt", "sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "tanh": "tanh",
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan",
+}.items():  # fmt: skip
+    setattr(Expression, _ufunc, _method(_function))  # what numpy.sin calls on object arrays
 
 
 def _fold(a: Expression, b: Expression, operation: Any) -> Expression | None:

@@ -33,6 +33,7 @@ def assemble(
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     *,
+    t: float = 0.0,
     fixed: Iterable[str] = (),
     rates: Mapping[str, float] | None = None,
     metric: str | ArrayLike = "unit",
@@ -54,6 +55,7 @@ def assemble(
     ----------
     system : System
     q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
+    t : time [s]
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
     rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: the angle of a revolute joint [rad/s], the
         displacement of a translational joint [m/s], ``name.angle`` and ``name.displacement`` of a cylindrical one
@@ -79,7 +81,7 @@ def assemble(
     inverse = np.where(held, 0.0, 1 / weight)
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
     speed = _vector("v", system.v0 if v is None else v, system.nq)
-    asked = Asked(guess, speed, weight, held, dict(rates or {}))
+    asked = Asked(guess, speed, weight, held, dict(rates or {}), float(t))
     given = Rates(system, asked.rates)
     reached = _search(system, asked, inverse, tolerance, iterations, restarts, seed)
     if not reached.ok:
@@ -98,7 +100,7 @@ def _search(
     system: System, asked: Asked, inverse: Array, tolerance: float, iterations: int, restarts: int, seed: int
 ) -> Reached:
     """The first search that reaches the constraints, or the one that came nearest."""
-    search, random = Feasible(system, inverse), np.random.default_rng(seed)
+    search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
     best, steps = search(asked.q, tolerance, iterations), 0
     for n in range(restarts):
         if best.ok or not np.any(inverse):
@@ -119,8 +121,8 @@ def _shaken(asked: Asked, part: float, random: np.random.Generator) -> Array:
 
 def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
     """From the first consistent coordinates to the nearest ones, with the last digits of Φ removed."""
-    near = LeastChange(system, asked.weight, ~asked.held)(reached.q, asked.q, tolerance)
-    last = Feasible(system, inverse)(near.q, 0.0, 1)
+    near = LeastChange(system, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
+    last = Feasible(system, inverse, asked.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"
     if not near.stationary:
@@ -138,7 +140,7 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     limit = SPEED_TOLERANCE * max(1.0, float(abs(speed.v).max(initial=0.0)))
     if abs(speed.gap).max(initial=0.0) <= limit:
         return done
-    opening = open_joints(system, found.q, speed.gap[: system.m], limit, per_second=True)
+    opening = open_joints(system, found.q, speed.gap[: system.m], limit, asked.t, per_second=True)
     missed = [
         f"{name} by {gap:.3g}"
         for name, gap in zip(asked.rates, speed.gap[system.m :], strict=True)
@@ -153,7 +155,10 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
 
 
 def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
-    told = open_joints(system, reached.q, reached.Phi, tolerance) or "the unit length of Euler parameters"
+    told = (
+        open_joints(system, reached.q, reached.Phi, tolerance, asked.t)
+        or "the unit length of Euler parameters"
+    )
     message = (
         f"{system.name} could not be assembled; still open after {reached.steps} steps: {told}; "
         "start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"

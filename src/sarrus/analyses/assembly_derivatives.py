@@ -19,7 +19,7 @@ from ..algebra import Array
 from ..results import Asked, Assembly
 from ..system import System
 from .kkt import KKT
-from .velocity import Rates, velocity_right_side_along
+from .velocity import Rates
 
 OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent equations contradict each other
 
@@ -55,26 +55,32 @@ class AssemblyDerivatives:
         self._system, self._found, self._asked = system, found, found.asked
         self._free = np.flatnonzero(~self._asked.held)
         self._rates = Rates(system, self._asked.rates)
-        self._position = _Block(self._asked, self._free, self._curvature(found.lam), system.Phi_q(found.q))
-        both = csr_array(vstack([system.Phi_q(found.q), self._rates.rows(found.q)]))
+        J = system.Phi_q(found.q, found.asked.t)
+        self._position = _Block(self._asked, self._free, self._curvature(found.lam), J)
+        both = csr_array(vstack([J, self._rates.rows(found.q)]))
         self._velocity = _Block(self._asked, self._free, None, both)
         self._make_blocks()
 
     def _curvature(self, lam: Array) -> csr_array:
-        return self._system.Phi_qT_lam_q(self._found.q, lam)
+        return self._system.Phi_qT_lam_q(self._found.q, lam, self._asked.t)
 
     def _make_blocks(self) -> None:
-        system, q, v, mu = self._system, self._found.q, self._found.v, self._found.mu
-        self._f1_b, self._g1_b = -system.Phi_qT_lam_b(q, self._found.lam), -system.Phi_b(q)
-        self._f2_q = -(self._curvature(mu) + self._rates.curvature(q, self._found.nu))
-        self._f2_b = -system.Phi_qT_lam_b(q, mu)
-        self._g2_q = -csr_array(vstack([system.Phi_q_xi_q(q, v), self._rates.rows_xi_q(q, v)]))
+        system, found, q, t = self._system, self._found, self._found.q, self._asked.t
+        self._f1_b, self._g1_b = self._by_b("Phi_qT_lam_b", lam=found.lam), self._by_b("Phi_b")
+        self._f2_b = self._by_b("Phi_qT_lam_b", lam=found.mu)
+        self._f2_q = -(self._curvature(found.mu) + self._rates.curvature(q, found.nu))
+        # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
+        by_q = 0.5 * system.gamma_v(q, found.v, t)
+        self._g2_q = csr_array(vstack([by_q, -self._rates.rows_xi_q(q, found.v)]))
+        by_b = self._by_b("Phi_q_xi_b", xi=found.v) + self._by_b("Phi_t_b")
         none = csr_array((len(self._rates.values), len(system.b)))
-        by_b = csr_array(system.Phi_q_xi_b(q, v))
-        by_b.resize((system.m, len(system.b)))
-        self._g2_b = -csr_array(vstack([by_b, none]))
-        for matrix in (self._f1_b, self._g1_b, self._f2_b):
-            matrix.resize((matrix.shape[0], len(system.b)))
+        self._g2_b = csr_array(vstack([by_b, none]))
+
+    def _by_b(self, name: str, **operands: Array) -> csr_array:
+        """An operator with its sign turned, as wide as `system.b`."""
+        matrix = -getattr(self._system, name)(self._found.q, t=self._asked.t, **operands)
+        matrix.resize((matrix.shape[0], len(self._system.b)))
+        return csr_array(matrix)
 
     def along(self, db: Any = None, *, dq: Any = None, dv: Any = None) -> tuple[Array, Array]:
         """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
@@ -118,9 +124,7 @@ class AssemblyDerivatives:
         return self._position.solve(self._f1_b @ db, g1, dq), g1
 
     def _velocity_along(self, db: Array, dv: Array, q_dot: Array) -> Array:
-        right = velocity_right_side_along(self._system, self._found.q, self._asked.t, q_dot, db)
-        none = np.zeros((len(self._rates.values), *right.shape[1:]))
-        g2 = self._g2_q @ q_dot + self._g2_b @ db + np.concatenate([right, none])
+        g2 = self._g2_q @ q_dot + self._g2_b @ db
         return self._velocity.solve(self._f2_q @ q_dot + self._f2_b @ db, g2, dv)
 
     def q_b(self, db: Any) -> Array:

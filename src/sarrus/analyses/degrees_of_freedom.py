@@ -19,7 +19,9 @@ DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are compute
 STRAIGHT = 1e-6  # curvature, relative, that counts as zero
 
 
-def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = TOLERANCE) -> Mobility:
+def mobility(
+    system: System, q: ArrayLike | None = None, *, t: float = 0.0, tolerance: float = TOLERANCE
+) -> Mobility:
     """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
 
     A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
@@ -29,6 +31,7 @@ def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = T
     ----------
     system : System
     q : (nq,) a position that satisfies the constraints; by default the model's, assembled
+    t : time [s]
     tolerance : relative size of a singular value that counts as zero
 
     Returns
@@ -41,12 +44,12 @@ def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = T
     ValueError
         If no position is given and the model cannot be assembled.
     """
-    at = _assembled(system) if q is None else np.asarray(q, dtype=float)
-    J = system.Phi_q(at)
+    at = _assembled(system, t) if q is None else np.asarray(q, dtype=float)
+    J = system.Phi_q(at, t)
     found = rank_of(J, tolerance)
     null = found.null / row_lengths(J)[:, None]
     motions = _motions(J, found)
-    kind, finite = _kind(system, at, null, motions)
+    kind, finite = _kind(system, at, t, null, motions)
     return Mobility(
         system.name,
         *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
@@ -58,8 +61,8 @@ def mobility(system: System, q: ArrayLike | None = None, *, tolerance: float = T
     )
 
 
-def _assembled(system: System) -> Array:
-    start = assemble(system)
+def _assembled(system: System, t: float) -> Array:
+    start = assemble(system, t=t)
     if not start.success:
         raise ValueError(start.message)
     return start.q
@@ -80,22 +83,22 @@ def _motions(J: csr_array, found: Rank) -> Array:
     return np.asarray(right[found.rank :].T)
 
 
-def _kind(system: System, q: Array, null: Array, motions: Array) -> tuple[Kind, int | None]:
+def _kind(system: System, q: Array, t: float, null: Array, motions: Array) -> tuple[Kind, int | None]:
     """Which motions go on, by second order, and how many degrees of freedom they have."""
     freedom, repeated = motions.shape[1], null.shape[1]
     if system.nq > DENSE_UP_TO:
         return "untested", None
     if not repeated:
         return "regular", freedom
-    forms = [_form(system, q, null[:, n], motions) for n in range(repeated)]
+    forms = [_form(system, q, t, null[:, n], motions) for n in range(repeated)]
     curved = [form for form in forms if abs(form).max(initial=0.0) > STRAIGHT]
     if not curved:
         return "redundant", freedom
     return ("branching", None) if common_zeros(np.array(curved)) else ("shaky", 0)
 
 
-def _form(system: System, q: Array, n: Array, motions: Array) -> Array:
+def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:
     """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z, relative to the size of the matrix in the middle."""
-    H = system.Phi_qT_lam_q(q, n)
+    H = system.Phi_qT_lam_q(q, n, t)
     size = abs(H).max() or 1.0
     return np.asarray(motions.T @ (H @ motions)) / size

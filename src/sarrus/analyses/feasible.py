@@ -49,10 +49,11 @@ class Feasible:
     ----------
     system : System
     inverse_weight : (nq,) 1/w for every coordinate, zero for those that are held
+    t : time [s]
     """
 
-    def __init__(self, system: System, inverse_weight: Array) -> None:
-        self.system, self.inverse_weight = system, inverse_weight
+    def __init__(self, system: System, inverse_weight: Array, t: float = 0.0) -> None:
+        self.system, self.inverse_weight, self.t = system, inverse_weight, t
         self.unit = Renormalization(inverse_weight)
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> Reached:
@@ -67,16 +68,16 @@ class Feasible:
         return at
 
     def _at(self, q: Array, steps: int, tolerance: float) -> Reached:
-        Phi = self.system.Phi(q)
+        Phi = self.system.Phi(q, self.t)
         return Reached(q, Phi, steps, bool(abs(Phi).max(initial=0.0) <= attainable(tolerance, q)))
 
     def _step(self, at: Reached, strength: float, tolerance: float) -> tuple[Reached, float]:
         """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with."""
-        step, size = MinimumStep(self.system.Phi_q(at.q), self.inverse_weight), float(at.Phi @ at.Phi)
+        step, size = MinimumStep(self.system.Phi_q(at.q, self.t), self.inverse_weight), float(at.Phi @ at.Phi)
         while strength < LARGEST_DAMPING:
             change = step(at.Phi, strength * step.scale * min(size, 1.0))
             there = self._at(self.unit(at.q + change), at.steps + 1, tolerance)
-            predicted = size - float(np.sum((at.Phi + self.system.Phi_q_xi(at.q, change)) ** 2))
+            predicted = size - float(np.sum((at.Phi + self.system.Phi_q_xi(at.q, change, self.t)) ** 2))
             ratio = (size - float(there.Phi @ there.Phi)) / max(predicted, np.finfo(float).tiny)
             if ratio > GOOD:
                 strength = max(strength / 10, 1e-10)

@@ -32,15 +32,16 @@ class Independence:
     ----------
     system : System
     q : (nq,) a position that satisfies the constraints
+    t : time [s]
 
     Attributes
     ----------
     kept : places in Φ of the equations chosen, or None where all are independent
     """
 
-    def __init__(self, system: System, q: Array) -> None:
+    def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
-        self._null = rank_of(system.Phi_q(q)).null
+        self._null = rank_of(system.Phi_q(q, t)).null
         self.kept: Array | None = None
         if self._null.shape[1]:
             self._choose(self._null)
@@ -50,39 +51,39 @@ class Independence:
         self._saddle = Saddle(self._system, "I", self.kept)
         self._dropped = np.setdiff1d(np.arange(self._system.m), self.kept)
 
-    def renew(self, q: Array) -> bool:
+    def renew(self, t: float, q: Array) -> bool:
         """Choose again at another position, if the choice is no longer good there; true if there is another choice.
 
         Where the rank is not what it was, at a singular position, the choice stays.
         """
-        if self.kept is None or not self._poor(q):
+        if self.kept is None or not self._poor(t, q):
             return False
-        null = rank_of(self._system.Phi_q(q)).null
+        null = rank_of(self._system.Phi_q(q, t)).null
         if null.shape != self._null.shape:
             return False
         self._choose(null)
         return True
 
-    def _poor(self, q: Array) -> bool:
+    def _poor(self, t: float, q: Array) -> bool:
         try:
-            return bool(abs(self._combinations(q)).max() > AMPLIFICATION)
+            return bool(abs(self._combinations(t, q)).max() > AMPLIFICATION)
         except SingularSystem:
             return True
 
-    def _combinations(self, q: Array) -> Array:
+    def _combinations(self, t: float, q: Array) -> Array:
         """For every equation left out, itself less what it follows from (m, k): nᵀΦ_q = 0."""
-        J, nothing = self._system.Phi_q(q), np.zeros(self._system.m)
+        J, nothing = self._system.Phi_q(q, t), np.zeros(self._system.m)
         self._saddle.factor(np.ones(self._system.nq), J.data)
         left_out = J[self._dropped].toarray()
         found = -np.array([self._saddle.solve(row, nothing)[1] for row in left_out]).T
         found[self._dropped, np.arange(len(left_out))] = 1
         return found
 
-    def shortest(self, q: Array, lam: Array) -> Array:
+    def shortest(self, t: float, q: Array, lam: Array) -> Array:
         """The shortest multipliers (m,) that give the same constraint forces."""
         if self.kept is None:
             return lam
-        basis = qr(self._combinations(q), mode="economic")[0]
+        basis = qr(self._combinations(t, q), mode="economic")[0]
         return np.asarray(lam - basis @ (basis.T @ lam))
 
     def check(self, start: Assembly) -> None:
@@ -97,7 +98,9 @@ class Independence:
             raise Inconsistent(start.message)
         if self.kept is None:
             return
-        scaled = self._system.gamma(start.q, start.v) / row_lengths(self._system.Phi_q(start.q))
+        t = start.asked.t if start.asked else 0.0
+        lengths = row_lengths(self._system.Phi_q(start.q, t))
+        scaled = self._system.gamma(start.q, start.v, t) / lengths
         missing = self._null @ (self._null.T @ scaled)
         if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):
             row = self._system.row_names[int(np.argmax(abs(missing)))]

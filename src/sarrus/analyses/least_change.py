@@ -40,17 +40,18 @@ class LeastChange:
     system : System
     weight : (nq,) the diagonal of W
     free : (nq,) which coordinates are not held
+    t : time [s]
     """
 
-    def __init__(self, system: System, weight: Array, free: Array) -> None:
-        self.system, self.weight, self.free = system, weight, np.flatnonzero(free)
+    def __init__(self, system: System, weight: Array, free: Array, t: float) -> None:
+        self.system, self.weight, self.free, self.t = system, weight, np.flatnonzero(free), t
         self._inverse = np.where(free, 1 / weight, 0.0)
-        self._feasible = Feasible(system, self._inverse)
+        self._feasible = Feasible(system, self._inverse, t)
 
     def __call__(self, q: Array, guess: Array, tolerance: float) -> Nearest:
         """Descend from q, on the constraints, towards the guess (both (nq,))."""
         for steps in range(ITERATIONS):
-            J = self.system.Phi_q(q)
+            J = self.system.Phi_q(q, self.t)
             lam, slope = self._multipliers(J, q - guess)
             size = np.linalg.norm(self.weight * (q - guess))
             if np.linalg.norm(slope) <= STATIONARY * (size + 1e-3):
@@ -86,7 +87,7 @@ class LeastChange:
     def _direction(self, q: Array, J: csr_array, lam: Array, slope: Array) -> Array:
         """Newton's step along the constraints, its curvature shifted until it goes downhill."""
         F = self.free
-        J_F, H = csr_array(J[:, F]), self.system.Phi_qT_lam_q(q, lam).toarray()[np.ix_(F, F)]
+        J_F, H = csr_array(J[:, F]), self.system.Phi_qT_lam_q(q, lam, self.t).toarray()[np.ix_(F, F)]
         step, W = np.zeros(len(q)), np.diag(self.weight[F])
         for shift in SHIFTS:
             A = (1 + shift) * W + H

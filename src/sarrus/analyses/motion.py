@@ -41,7 +41,7 @@ class Motion:
             If the constraints are dependent there.
         """
         self.evaluations += 1
-        self._constraints.run(self.b, q, v, self._Phi_q, self._gamma)
+        self._constraints.run(self.b, t, q, v, self._Phi_q, self._gamma)
         self._inertia.run(self.b, q, v, self._M, self._S)
         self._forces.run(self.b, t, q, v, self._Q)
         self._saddle.factor(self._M, self._Phi_q)

@@ -42,7 +42,7 @@ class ODE:
         """Integrate over the times `t_eval`; see `sarrus.simulate`."""
         from scipy import integrate
 
-        independence = Independence(system, start.q)
+        independence = Independence(system, start.q, t_eval[0])
         motion, recorder = Motion(system, independence.kept), Recorder(system, t_eval, independence)
         y = np.concatenate([start.q, start.v])
         status, message, steps = "finished", "reached the end", 0
@@ -64,11 +64,11 @@ class ODE:
                     status, message = "step too small", _stuck(solver.t)
                     break
                 recorder.record(motion, solver.t, solver.dense_output(), up_to=solver.t)
-                solver.y = np.concatenate(recorder.projection(*np.split(solver.y, 2)))
-                if independence.renew(solver.y[: system.nq]):
+                solver.y = np.concatenate(recorder.projection(solver.t, *np.split(solver.y, 2)))
+                if independence.renew(solver.t, solver.y[: system.nq]):
                     motion.keep(independence.kept)
                     recorder.projection.keep(independence.kept)
-                system.remember(solver.y[: system.nq], motion.b)
+                system.remember(solver.y[: system.nq], motion.b, solver.t)
                 solver.f = motion.rate(solver.t, solver.y)
                 if progress:
                     progress(float(solver.t))
@@ -100,10 +100,10 @@ class Recorder:
         """Take all times not yet taken up to `up_to`."""
         while len(self._rows) < len(self.times) and self.times[len(self._rows)] <= up_to * (1 + 1e-15):
             time = float(self.times[len(self._rows)])
-            q, v = self.projection(*np.split(np.asarray(interpolant(time)), 2))
+            q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
             a, lam = motion.acceleration(time, q, v)
-            lam = self._independence.shortest(q, lam)
-            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q)).max(initial=0.0)))
+            lam = self._independence.shortest(time, q, lam)
+            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q, time)).max(initial=0.0)))
         self.last = float(t)
 
     def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:

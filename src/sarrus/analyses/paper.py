@@ -1,8 +1,8 @@
 """The numerical experiments of the paper, on a mechanism: exact derivatives against finite differences.
 
 Differences: the largest entry of |exact - differenced|, over the largest of |exact|, for falling perturbations, with
-forward and central differences. (Central differences of a constraint that is quadratic in q have no error of their own.)
-Times: each group of operators exact, beside finite differences over compiled functions made in the same way; called from
+forward and central differences. (Central differences of a constraint quadratic in q have no error of their own.) Times:
+each group of operators exact, beside finite differences over compiled functions made in the same way; called from
 compiled code, interleaved, medians. The functions are computed together in one sweep ("shared") or one by one; the
 speed-up is taken over the faster of the two, with central differences.
 """

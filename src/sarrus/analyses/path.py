@@ -41,11 +41,16 @@ class Path:
         if self.grid.ndim != 1 or len(self.grid) < 2 or np.any(np.diff(self.grid) <= 0):
             raise ValueError("the grid must be at least two rising numbers")
         self._guess = _interpolant(motion) if isinstance(motion, Trajectory) else motion
-        self._feasible = Feasible(system, np.ones(system.nq))
+        self._system, self._timed = system, isinstance(motion, Trajectory)
+
+    def time(self, s: float) -> float:
+        """The time at s [s]: s itself on a trajectory, 0 in a family of positions."""
+        return s if self._timed else 0.0
 
     def __call__(self, s: float) -> Array:
         """q (nq,) at s."""
-        return self._feasible(np.asarray(self._guess(s), dtype=float), TOLERANCE, STEPS).q
+        onto = Feasible(self._system, np.ones(self._system.nq), self.time(s))
+        return onto(np.asarray(self._guess(s), dtype=float), TOLERANCE, STEPS).q
 
 
 def _interpolant(motion: Trajectory) -> Callable[[float], ArrayLike]:

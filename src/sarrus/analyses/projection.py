@@ -13,7 +13,7 @@ STEPS = 5
 
 
 class Projection:
-    """Projects states of one system onto Φ = 0 and Φ_q v = 0; the Jacobian's factors serve both."""
+    """Projects states of one system onto Φ = 0 and Φ_q v = -Φ_t; the Jacobian's factors serve both."""
 
     def __init__(self, system: System, kept: Array | None = None) -> None:
         self._system = system
@@ -26,13 +26,14 @@ class Projection:
         """Go on with another choice of independent equations."""
         self._saddle = Saddle(self._system, "I", kept)
 
-    def __call__(self, q: Array, v: Array) -> tuple[Array, Array]:
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """The projected q and v."""
-        self._group.run(self._system.b, q, self._Phi_q)
+        self._group.run(self._system.b, t, q, self._Phi_q)
         self._saddle.factor(self._weight, self._Phi_q)
         for _ in range(STEPS):
-            residual = self._system.Phi(q)
+            residual = self._system.Phi(q, t)
             if abs(residual).max(initial=0.0) <= TOLERANCE:
                 break
             q = q + self._saddle.solve(self._nothing, -residual)[0]
-        return q, v + self._saddle.solve(self._nothing, -self._system.Phi_q_xi(q, v))[0]
+        residual = self._system.Phi_q_xi(q, v, t) + self._system.Phi_t(q, t)
+        return q, v + self._saddle.solve(self._nothing, -residual)[0]

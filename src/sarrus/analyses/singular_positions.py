@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +20,7 @@ from .path import Path
 from .rank import independent_rows, rank_of, unit_rows
 
 SINGULAR = 1e-6  # a smallest singular value that counts as zero, rows scaled to unit length
+SAME = 1e-7  # of the length of the path: nearer ones are the same
 SAMPLES = 5  # positions of the grid from which the regular rank is taken
 
 
@@ -56,19 +59,18 @@ def singularities(
         If there is no such coordinate or joint.
     """
     path, names = Path(system, motion, grid), tuple(inputs)
-    watch = _Watch(system, [path(s) for s in path.grid], names)
-    found: list[Singularity] = []
-    for s in _roots(path, watch):
-        if not found or abs(s - found[-1].at) > 1e-7 * (path.grid[-1] - path.grid[0]):
-            found.append(_describe(system, watch, s, path(s), names))
+    watch, found = _Watch(system, path, names), list[Singularity]()
+    for s in _roots(watch):
+        if not found or abs(s - found[-1].at) > SAME * (path.grid[-1] - path.grid[0]):
+            found.append(_describe(watch, s, names))
     return tuple(found)
 
 
 class _Watch:
-    """The signed smallest singular value, with what is kept fixed along the path."""
+    """The signed smallest singular value along a path, with what is kept fixed."""
 
-    def __init__(self, system: System, positions: list[Array], names: tuple[str, ...]) -> None:
-        self.system, self.positions = system, positions
+    def __init__(self, system: System, path: Path, names: tuple[str, ...]) -> None:
+        self.system, self.path = system, path
         self.inputs: list[Rate] = [rate(system, name) for name in names]
         self.kept = self._regular()
         self.freedom = system.nq - len(self.kept)
@@ -76,87 +78,82 @@ class _Watch:
             raise ValueError(
                 f"{system.name} has {self.freedom} degrees of freedom; name as many inputs, not {len(names)}"
             )
-        self.motions = list(self._directions())
+        self.motions = [] if names else list(self._directions())
+
+    def rows(self, s: float) -> csr_array:
+        """Φ_q with rows of unit length."""
+        return unit_rows(self.system.Phi_q(self.path(s), self.path.time(s)))
 
     def _regular(self) -> Array:
         """A choice of independent rows where the rank is greatest."""
-        some = np.linspace(0, len(self.positions) - 1, SAMPLES).astype(int)
-        ranks = [rank_of(self.system.Phi_q(self.positions[k]), SINGULAR) for k in some]
+        some = np.linspace(0, len(self.path.grid) - 1, SAMPLES).astype(int)
+        ranks = [rank_of(self.rows(s), SINGULAR) for s in self.path.grid[some]]
         best = min(ranks, key=lambda rank: (rank.null.shape[1], -rank.smallest))
         return independent_rows(best.null, normalizations(self.system))
 
     def _directions(self) -> Iterator[Array]:
-        """The directions of motion at every position; at singular ones those of the position before."""
-        last = np.zeros((self.freedom, self.system.nq))
-        for q in self.positions:
-            values, right = np.linalg.svd(self.rows(q).toarray())[1:]
-            regular = self.system.nq - self.freedom
+        """The directions of motion at every grid point; at singular ones those of the point before."""
+        last, regular = np.zeros((self.freedom, self.system.nq)), self.system.nq - self.freedom
+        for s in self.path.grid:
+            values, right = np.linalg.svd(self.rows(s).toarray())[1:]
             if values[regular - 1] > SINGULAR or not last.any():
                 last = right[regular:]
             yield last
 
-    def rows(self, q: Array) -> csr_array:
-        """Φ_q with rows of unit length."""
-        return unit_rows(self.system.Phi_q(q))
+    def value(self, s: float, interval: int) -> float:
+        """± the smallest singular value of [Φ_q; X] at s, for the interval that begins at a grid point."""
+        J, X = self.rows(s), csr_array(self._second_rows(s, interval))
+        square = vstack([J[self.kept], X]).toarray()
+        values = np.linalg.svd(vstack([J, X]).toarray(), compute_uv=False)
+        return float(np.linalg.slogdet(square)[0] * values[self.system.nq - 1])
 
-    def value(self, q: Array, interval: int) -> float:
-        """± the smallest singular value of [Φ_q; X] at q, for the interval that begins at a grid point."""
-        X = (
-            unit_rows(csr_array(np.array([r.row(q) for r in self.inputs])))
-            if self.inputs
-            else self.motions[interval]
-        )
-        J = self.rows(q)
-        square = vstack([J[self.kept], csr_array(X)]).toarray()
-        smallest = np.linalg.svd(vstack([J, csr_array(X)]).toarray(), compute_uv=False)[self.system.nq - 1]
-        return float(np.linalg.slogdet(square)[0] * smallest)
+    def _second_rows(self, s: float, interval: int) -> Array:
+        if not self.inputs:
+            return self.motions[interval]
+        found = np.array([one.row(self.path(s)) for one in self.inputs])
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
-    def constraints(self, q: Array) -> float:
+    def constraints(self, s: float) -> float:
         """The smallest singular value of Φ_q that is not zero at regular positions."""
-        values = np.linalg.svd(self.rows(q).toarray(), compute_uv=False)
+        values = np.linalg.svd(self.rows(s).toarray(), compute_uv=False)
         return float(values[len(self.kept) - 1])
 
 
-def _roots(path: Path, watch: _Watch) -> Iterator[float]:
+def _roots(watch: _Watch) -> Iterator[float]:
     """Parameters of singular positions, rising."""
-    grid, positions = path.grid, watch.positions
-    for k in range(len(grid) - 1):
-        left, right = (watch.value(positions[n], k) for n in (k, k + 1))
+    grid = watch.path.grid
+    for k, (a, b) in enumerate(pairwise(grid.tolist())):
+        left, right = watch.value(a, k), watch.value(b, k)
         if abs(left) < SINGULAR:
-            yield float(grid[k])
-        elif abs(right) >= SINGULAR and left * right < 0:
-            s = float(
-                brentq(lambda s, k=k: watch.value(path(s), k), grid[k], grid[k + 1], xtol=1e-13, rtol=1e-14)
-            )
-            if abs(watch.value(path(s), k)) < SINGULAR:
-                yield s
+            yield a
         elif abs(right) >= SINGULAR:
-            yield from _touching(path, watch, k, abs(left), abs(right))
-    if abs(watch.value(positions[-1], len(grid) - 2)) < SINGULAR:
+            yield from _inside(partial(watch.value, interval=k), a, b, left, right)
+    if abs(watch.value(grid[-1], len(grid) - 2)) < SINGULAR:
         yield float(grid[-1])
 
 
-def _touching(path: Path, watch: _Watch, k: int, left: float, right: float) -> Iterator[float]:
-    """A zero without a change of sign inside an interval, if the ends' slopes allow one."""
-    a, b = path.grid[k], path.grid[k + 1]
-    inner = [abs(watch.value(path(a + part * (b - a)), k)) for part in (0.01, 0.99)]
-    if not (inner[0] < left and inner[1] < right):
+def _inside(
+    value: Callable[[float], float], a: float, b: float, left: float, right: float
+) -> Iterator[float]:
+    """A zero inside an interval: by Brent's method, or, without a change of sign, by minimization if |value| dips."""
+    if left * right < 0:
+        s = float(brentq(value, a, b, xtol=1e-13, rtol=1e-14))
+    elif abs(value(a + 0.01 * (b - a))) < abs(left) and abs(value(b - 0.01 * (b - a))) < abs(right):
+        options = {"xatol": 1e-12 * (b - a)}
+        s = float(
+            minimize_scalar(lambda s: abs(value(s)), bounds=(a, b), method="bounded", options=options).x
+        )
+    else:
         return
-    found = minimize_scalar(
-        lambda s: abs(watch.value(path(s), k)),
-        bounds=(a, b),
-        method="bounded",
-        options={"xatol": 1e-12 * (b - a)},
-    )
-    if found.fun < SINGULAR:
-        yield float(found.x)
+    if abs(value(s)) < SINGULAR:
+        yield s
 
 
-def _describe(system: System, watch: _Watch, s: float, q: Array, names: tuple[str, ...]) -> Singularity:
-    smallest = watch.constraints(q)
+def _describe(watch: _Watch, s: float, names: tuple[str, ...]) -> Singularity:
+    name, q, smallest = watch.system.name, watch.path(s), watch.constraints(s)
     if smallest < SINGULAR:
         told = "the constraints lose rank, and motions meet"
-        return Singularity(s, q, "branch", smallest, f"{system.name} at {s:.9g}: {told}")
-    value = abs(watch.value(q, 0))
-    told = f"dead centre: the mechanism moves here while {' and '.join(names)} stand{'s' * (len(names) == 1)} still"
-    return Singularity(s, q, "dead centre", value, f"{system.name} at {s:.9g}: {told}")
+        return Singularity(s, q, "branch", smallest, f"{name} at {s:.9g}: {told}")
+    stand = f"{' and '.join(names)} stand{'s' * (len(names) == 1)} still"
+    told = f"dead centre: the mechanism moves here while {stand}"
+    return Singularity(s, q, "dead centre", abs(watch.value(s, 0)), f"{name} at {s:.9g}: {told}")

@@ -14,16 +14,6 @@ from .joint_rate import Rate, rate
 from .kkt import KKT
 
 
-def velocity_right_side(system: System, q: Array, t: float) -> Array:
-    """-Φ_t (m,): zero while no constraint depends on time."""
-    return np.zeros(system.m)
-
-
-def velocity_right_side_along(system: System, q: Array, t: float, dq: Array, db: Array) -> Array:
-    """-(Φ_t)_q dq - (Φ_t)_b db, (m,) or (m, k): zero while no constraint depends on time."""
-    return np.zeros((system.m, *dq.shape[1:]))
-
-
 @dataclass(frozen=True)
 class Velocity:
     """v (nq,) with its multipliers μ (m,) and ν, and how far each equation is from being satisfied."""
@@ -68,8 +58,8 @@ def assemble_velocity(
     Velocity
         `gap` (m + number of rates,) is not round-off where no such velocity exists.
     """
-    F, J = np.flatnonzero(free), csr_array(vstack([system.Phi_q(q), rates.rows(q)]))
-    right = np.concatenate([velocity_right_side(system, q, t), rates.values])
+    F, J = np.flatnonzero(free), csr_array(vstack([system.Phi_q(q, t), rates.rows(q)]))
+    right = np.concatenate([-system.Phi_t(q, t), rates.values])
     matrix = KKT(weight[F], csr_array(J[:, F]))
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
     found = v.copy()

@@ -1,17 +1,18 @@
-"""A function of one variable given by pieces of cubics, stored among the numbers of a system."""
+"""A function of one variable, stored among the numbers of a system."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from .._jit.curves import curve_bend, curve_slope, curve_value
 from .._jit.expression import Expression
-from .._jit.functions import curve, curve_slope, real
+from .._jit.functions import real
 
 
 class StoredCurve:
-    """The curve stored at ``numbers[at:]``: count, count + 1 knots, then 4 coefficients (highest power first) a piece.
+    """The curve stored at ``numbers[at:]``, see `sarrus._jit.curves`. `at` may be recorded: then so is the call.
 
-    Called with x it gives the value, `slope` gives the first derivative. `at` may be recorded: then so is the call.
+    Called with x it gives the value; `slope` and `bend` give the first and second derivative.
     """
 
     def __init__(self, numbers: Any, at: Any) -> None:
@@ -23,7 +24,10 @@ class StoredCurve:
         return function(self.numbers, int(real(self.at)), x)
 
     def __call__(self, x: Any) -> Any:
-        return self._evaluate("curve", curve, x)
+        return self._evaluate("curve", curve_value, x)
 
     def slope(self, x: Any) -> Any:
         return self._evaluate("curve_slope", curve_slope, x)
+
+    def bend(self, x: Any) -> Any:
+        return self._evaluate("curve_bend", curve_bend, x)

@@ -10,15 +10,17 @@ import dataclasses
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
+from .derived import derived
 from .follows import ConstraintFollows, InertiaFollows
-from .operators import CONSTRAINT, FORCE, INERTIA, Operator
+from .operators import CONSTRAINT, DERIVATIVES, FORCE, INERTIA, Operator
 
 Vec3: TypeAlias = Annotated[Array, "Vec3"]
 Inertia: TypeAlias = Annotated[Array, "Inertia"]
 Scalar: TypeAlias = Annotated[Any, "Scalar"]
 Curve: TypeAlias = Annotated[Any, "Curve"]
 Memory: TypeAlias = Annotated[Any, "Memory"]
-WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1}
+Time: TypeAlias = Annotated[Any, "Time"]
+WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1, "Time": 0}
 Grid: TypeAlias = "tuple[Row, ...]"
 
 
@@ -54,9 +56,12 @@ class Element:
     bodies: ClassVar[int] = 2
     rows: ClassVar[int] = 0
     fields: ClassVar[dict[str, str]]
+    timed: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Element]]] = {}
 
-    def __init_subclass__(cls, rows: int = 0, bodies: int = 0, abstract: bool = False) -> None:
+    def __init_subclass__(
+        cls, rows: int = 0, bodies: int = 0, abstract: bool = False, derivatives: str = "coded"
+    ) -> None:
         if abstract:
             return
         if bodies:
@@ -68,10 +73,15 @@ class Element:
             )
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        cls.timed = "Time" in cls.fields.values()
+        for operator in cls.family:
+            if operator.origin == "derived" or (derivatives == "automatic" and _derivable(cls, operator)):
+                setattr(cls, operator.name, derived(cls, operator.name))
         missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
         if missing:
             raise ElementError(
-                f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each"
+                f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each, or declare the class "
+                'with derivatives="automatic" to have exact ones made by differentiating what it does compute'
             )
         Element.registry[cls.__name__] = cls
 
@@ -89,6 +99,11 @@ class Element:
     def widths(cls) -> tuple[int, ...]:
         """Widths of the blocks of design numbers: one per field."""
         return tuple(WIDTHS[kind] for kind in cls.fields.values())
+
+
+def _derivable(cls: type[Element], operator: Operator) -> bool:
+    """Whether the author left an operator out that can be made from others."""
+    return operator.name in DERIVATIVES and not callable(getattr(cls, operator.name, None))
 
 
 def _kind(cls: type, field: dataclasses.Field[Any]) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .._jit.expression import Graph
 from ..algebra import Array, Block
 from .curve import StoredCurve
 from .element import Element, Pair, Single
@@ -15,25 +16,38 @@ from .operators import Axis, Operator
 BODY_OPERANDS = ("q", "xi", "eta", "v", "a")
 
 
-def element_from(kind: type[Element], numbers: Array, store: Any = None) -> Element:
-    """The element of the flat vector of its numbers; `store` is the array in which its curves lie."""
-    values, at = [], 0
+def element_from(kind: type[Element], numbers: Array, store: Any = None, t: Any = 0) -> Element:
+    """The element of the flat vector of its numbers; `store` is the array in which its curves lie, t the time."""
+    values: list[Any] = []
+    at = 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
+        if field == "Time":
+            values.append(t)
+            continue
         value = numbers[at : at + width] if field in ("Vec3", "Inertia") else numbers[at]
         values.append(StoredCurve(store, value) if field == "Curve" else value)
         at += width
     return kind(*values)
 
 
-def partition(kind: type[Element], vector: Array) -> Pair | Single:
-    """A flat vector of 7 or 14 coordinates (or a direction in them) by blocks."""
+def partition(kind: type[Element], vector: Array) -> Any:
+    """Flat coordinates (or a direction in them) by blocks: `Single`, `Pair`, or for more bodies a plain tuple."""
     parts = np.split(vector, np.cumsum(kind.coordinates())[:-1])
-    return Pair(*parts) if kind.bodies == 2 else Single(*parts)
+    return {1: Single, 2: Pair}[kind.bodies](*parts) if kind.bodies <= 2 else tuple(parts)
+
+
+def symbols(graph: Graph, kind: type[Element]) -> tuple[Element, dict[str, Any]]:
+    """An element of recorded numbers, and recorded operands: vectors by their places, ``("q", 3)``."""
+    operands: dict[str, Any] = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY_OPERANDS}
+    operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}
+    operands["numbers"] = graph.inputs("numbers", kind.size())
+    return element_from(kind, operands["numbers"], t=operands["t"]), operands
 
 
 def arguments(kind: type[Element], operator: Operator, operands: Mapping[str, Any]) -> list[Any]:
-    """The kernel's arguments after x, from flat operands."""
-    return [partition(kind, operands[n]) if n in BODY_OPERANDS else operands[n] for n in operator.operands]
+    """The kernel's arguments after x, from flat operands. Constraints hold the time in a field, not in an argument."""
+    names = [n for n in operator.operands if n != "t" or operator.family == "force"]
+    return [partition(kind, operands[n]) if n in BODY_OPERANDS else operands[n] for n in names]
 
 
 def grid(element: Element, operator: Operator, operands: Mapping[str, Any]) -> tuple[tuple[Block, ...], ...]:

@@ -6,9 +6,10 @@ gamma = -(Φ_q v)_q v,   gamma_q = -((Φ_q v)_q v)_q,   gamma_v = -2 (Φ_q v)_q.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from ..algebra import Block, Row, scaled, times, total
+from .derived import derived
 
 
 def _contracted(blocks: Row, direction: Any) -> Block:
@@ -16,15 +17,18 @@ def _contracted(blocks: Row, direction: Any) -> Block:
 
 
 class ConstraintFollows:
-    """What follows for every constraint primitive."""
+    """What follows for every constraint primitive. Terms in t appear only where Φ depends on time by itself."""
 
+    timed: ClassVar[bool]
     Phi_q: Callable[..., Row]
     Phi_q_xi_q: Callable[..., Row]
     Phi_q_xi_q_eta_q: Callable[..., Row]
     Phi_q_xi_q_eta_b: Callable[..., Row]
+    Phi_tt: Callable[..., Block]
+    Phi_q_xi_t: Callable[..., Block]
 
     def Phi_q_xi(self, x: Any, xi: Any) -> Block:
-        """Φ_q ξ. Eq. (36)."""
+        """Φ_q ξ. Eqs. (36)."""
         return _contracted(self.Phi_q(x), xi)
 
     def Phi_qT_lam(self, x: Any, lam: Any) -> Row:
@@ -32,19 +36,28 @@ class ConstraintFollows:
         return tuple(None if block is None else lam @ block for block in self.Phi_q(x))
 
     def gamma(self, x: Any, v: Any) -> Block:
-        """γ = -(Φ_q v)_q v. Eq. (4)."""
-        return scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
+        """γ = -(Φ_q v)_q v - 2 (Φ_q v)_t - Φ_tt. Eq. (4)."""
+        own = scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
+        if not self.timed:
+            return own
+        return total((own, scaled(-2, self.Phi_q_xi_t(x, v)), scaled(-1, self.Phi_tt(x))))
 
     def gamma_q(self, x: Any, v: Any) -> Row:
-        """γ_q = -((Φ_q v)_q v)_q."""
+        """γ_q = -((Φ_q v)_q v)_q, and the derivative of the terms in t."""
+        if self.timed:
+            return derived(type(self), "gamma_q")(self, x, v)
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
 
     def gamma_v(self, x: Any, v: Any) -> Row:
-        """γ_v = -2 (Φ_q v)_q."""
+        """γ_v = -2 (Φ_q v)_q, and the derivative of the terms in t."""
+        if self.timed:
+            return derived(type(self), "gamma_v")(self, x, v)
         return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
 
     def gamma_b(self, x: Any, v: Any) -> Row:
-        """γ_b = -((Φ_q v)_q v)_b."""
+        """γ_b = -((Φ_q v)_q v)_b, and the derivative of the terms in t."""
+        if self.timed:
+            return derived(type(self), "gamma_b")(self, x, v)
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
 
 

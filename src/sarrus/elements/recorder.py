@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -13,7 +14,7 @@ from .._jit.expression import Expression, Graph
 from ..algebra import Array
 from .element import Element
 from .evaluation import BODY_OPERANDS, element_from, grid
-from .operators import OPERATORS, Axis, Operator
+from .operators import ALIASES, OPERATORS, Axis, Operator
 
 SCALARS = ("t",)
 GROUND = (0, 0, 0, 1, 0, 0, 0)
@@ -21,38 +22,60 @@ GROUND = (0, 0, 0, 1, 0, 0, 0)
 
 def operands_of(names: tuple[str, ...]) -> tuple[str, ...]:
     """All operands of a group of operators, q first, in a fixed order."""
-    wanted = {operand for name in names for operand in OPERATORS[name].operands}
+    alias = ALIASES.get(names, {})
+    wanted = {alias.get(operand, operand) for name in names for operand in OPERATORS[name].operands}
     return ("q", *(operand for operand in ("xi", "eta", "v", "a", "lam", "t") if operand in wanted))
 
 
 @dataclass(frozen=True)
 class Variant:
-    """An element type, and which of its bodies is the ground (None: none is). Ground is known when recording, so
-    that all that it makes constant is folded away, and its blocks are not computed."""
+    """An element type, and for each of its bodies which of its moving bodies that is: 0, 1, ..., or -1 for ground.
+
+    Ground is known when recording, so that all that it makes constant is folded away and its blocks are not computed; a
+    body that an element meets twice has its blocks added.
+    """
 
     kind: type[Element]
-    ground: int | None = None
+    slots: tuple[int, ...]
+
+    @classmethod
+    def of(cls, kind: type[Element], bodies: Sequence[int]) -> Variant:
+        """The variant of an element on bodies given by number, 0 being the ground."""
+        moving = distinct(bodies)
+        return cls(kind, tuple(moving.index(body) if body else -1 for body in bodies))
+
+    @property
+    def moving(self) -> int:
+        """How many moving bodies it has."""
+        return max(self.slots) + 1
 
     @property
     def name(self) -> str:
-        return self.kind.__name__ + ("" if self.ground is None else f"_ground_{'ij'[self.ground]}")
+        return "_".join([self.kind.__name__, *("g" if slot < 0 else str(slot) for slot in self.slots)])
+
+
+def distinct(bodies: Sequence[int]) -> list[int]:
+    """The moving bodies among those given, each once."""
+    return list(dict.fromkeys(body for body in bodies if body))
 
 
 def variants(kind: type[Element]) -> tuple[Variant, ...]:
-    """All variants of an element type, in a fixed order."""
-    grounds = (None, 0, 1) if kind.bodies == 2 else (None,)
-    return tuple(Variant(kind, ground) for ground in grounds)
+    """The usual variants of an element type, in a fixed order; there are none for more than two bodies."""
+    slots: dict[int, tuple[tuple[int, ...], ...]] = {1: ((0,),), 2: ((0, 1), (-1, 0), (0, -1))}
+    return tuple(Variant(kind, chosen) for chosen in slots.get(kind.bodies, ()))
 
 
 def record(variant: Variant, names: tuple[str, ...]) -> Recording:
     """Record the operators `names` of an element type in one graph."""
     graph, kind = Graph(), variant.kind
     operands = {name: _symbols(graph, variant, name) for name in operands_of(names)}
-    element = element_from(kind, graph.inputs("numbers", kind.size()))
-    arrays = tuple(name for name in operands if name not in SCALARS)
-    scalars = tuple(name for name in operands if name in SCALARS)
+    operands |= {name: operands[same] for name, same in ALIASES.get(names, {}).items()}
+    element = element_from(kind, graph.inputs("numbers", kind.size()), t=operands.get("t", 0))
+    taken = operands_of(names)
+    arrays = tuple(name for name in taken if name not in SCALARS)
+    scalars = tuple(name for name in taken if name in SCALARS)
     title = f"{variant.name}.{'+'.join(names)}"
-    recording = Recording(title, graph, kind.bodies, kind.size(), arrays, scalars)
+    recording = Recording(title, graph, variant.moving, kind.size(), arrays, scalars)
     for name in names:
         blocks = _blocks(variant, element, OPERATORS[name], operands)
         recording.outputs.append(Output(list(blocks.values()), OPERATORS[name].sums))
@@ -64,7 +87,7 @@ def structure(variant: Variant, operator: Operator) -> tuple[tuple[int, int], ..
     """Places (row block, column block) of an operator's blocks that are not always zero, in the recorded order."""
     graph = Graph()
     operands = {name: _symbols(graph, variant, name) for name in operands_of((operator.name,))}
-    element = element_from(variant.kind, graph.inputs("numbers", variant.kind.size()))
+    element = element_from(variant.kind, graph.inputs("numbers", variant.kind.size()), t=operands.get("t", 0))
     return tuple(_blocks(variant, element, operator, operands))
 
 
@@ -73,30 +96,29 @@ def _symbols(graph: Graph, variant: Variant, name: str) -> Any:
         return graph.input(name)
     if name not in BODY_OPERANDS:
         return graph.inputs(name, variant.kind.rows)
-    symbols = graph.inputs(name, variant.kind.bodies, 7)
-    if variant.ground is not None:
-        symbols[variant.ground] = GROUND if name == "q" else 0
-    return symbols.reshape(-1)
+    symbols = graph.inputs(name, variant.moving, 7)
+    ground = GROUND if name == "q" else (0,) * 7
+    rows = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
+    return np.concatenate(rows)
 
 
 def _blocks(
     variant: Variant, element: Element, operator: Operator, operands: dict[str, Any]
 ) -> dict[tuple[int, int], Array]:
-    """The blocks that are neither always zero nor ground's, by place."""
+    """The blocks that are neither always zero nor ground's, by place; places along coordinates count moving bodies."""
+    row_axis, column_axis = operator.axes if len(operator.axes) == 2 else (operator.axes[0], Axis.ROWS)
+    found: dict[tuple[int, int], Array] = {}
+    for m, line in enumerate(grid(element, operator, operands)):
+        for n, block in enumerate(line):
+            place = _piece(variant, row_axis, m), _piece(variant, column_axis, n)
+            if block is not None and min(place) >= 0:
+                found[place] = found[place] + block if place in found else block
+    return {place: block for place, block in found.items() if not is_zero(block)}
 
-    def is_ground(axis: Axis, piece: int) -> bool:
-        return axis is Axis.COORDINATES and piece // 2 == variant.ground
 
-    columns = operator.axes[1] if len(operator.axes) == 2 else Axis.ROWS
-    return {
-        (m, n): block
-        for m, line in enumerate(grid(element, operator, operands))
-        for n, block in enumerate(line)
-        if block is not None
-        and not is_zero(block)
-        and not is_ground(operator.axes[0], m)
-        and not is_ground(columns, n)
-    }
+def _piece(variant: Variant, axis: Axis, piece: int) -> int:
+    """A piece of an axis, counted over the moving bodies; negative for ground."""
+    return 2 * variant.slots[piece // 2] + piece % 2 if axis is Axis.COORDINATES else piece
 
 
 def is_zero(block: Array) -> bool:

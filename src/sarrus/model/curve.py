@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from .._jit.program import program
 from .errors import ModelError
 from .quantity import numbers
 from .show import show
@@ -69,6 +70,53 @@ class Curve:
         c3, c2, c1, c0 = self.cubics[k]
         u = x - self.knots[k]
         return ((c3 * u + c2) * u + c1) * u + c0
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function y(x) given by a formula: a Python function made of arithmetic and of `sarrus.functions`.
+
+    It is called once with a recorded argument and stored as the list of operations that it does, so that it is
+    evaluated by compiled code, with exact first and second derivatives. It must not branch on x.
+    """
+
+    function: Callable[[Any], Any]
+
+    def numbers(self, field: str = "formula") -> tuple[float, ...]:
+        """Return the stored steps.
+
+        Raises
+        ------
+        ModelError
+            If the function branches on its argument, uses what cannot be recorded, or is too long.
+        """
+        try:
+            return program(self.function)
+        except (TypeError, ValueError, AttributeError) as trouble:
+            raise ModelError(
+                f"{field} cannot be used as a formula: {trouble}; or give a table", field=field
+            ) from None
+
+    def __call__(self, x: float) -> float:
+        """Return y(x)."""
+        return float(self.function(x))
+
+
+def curve_of(value: Any, field: str) -> Curve | Formula:
+    """A curve of what a user gives for one: a number, a table of pairs, a Python function, or a curve.
+
+    Raises
+    ------
+    ModelError
+        If it is none of these.
+    """
+    if isinstance(value, Curve | Formula):
+        return value
+    if callable(value):
+        return Formula(value)
+    if isinstance(value, int | float):
+        return Curve.constant(value)
+    return Curve.table(value, field)
 
 
 def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:

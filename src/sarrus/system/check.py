@@ -17,7 +17,7 @@ from ..algebra import Array
 from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
-from .memory import GROUND, local
+from .memory import GROUND, firsts, local
 from .population import WIDTH, Population
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
@@ -118,17 +118,17 @@ def _route(operator: Operator) -> tuple[str, Formula]:
 
 
 def _value(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
-    return dense(element_from(kind, numbers, b), operator, operands).astype(complex)
+    return dense(element_from(kind, numbers, b, operands["t"]), operator, operands).astype(complex)
 
 
 def _complex_step(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
     rule = DERIVATIVES[operator.name]
-    vary = numbers if rule.by == "b" else operands[rule.by]
+    vary = np.atleast_1d(numbers if rule.by == "b" else operands[rule.by])
     columns = []
     for n in range(len(vary)):
         moved = vary.astype(complex)
         moved[n] += 1j * STEP
-        there = operands if rule.by == "b" else {**operands, rule.by: moved}
+        there = operands if rule.by == "b" else {**operands, rule.by: moved[0] if rule.by == "t" else moved}
         value = _value(OPERATORS[rule.of], kind, there, moved if rule.by == "b" else numbers, b)
         columns.append((value @ operands[rule.along] if rule.along else value).imag / STEP)
     return np.array(columns).T
@@ -159,8 +159,8 @@ def _compare(
         rows, columns = _places(operator, p, k)
         value = value.reshape(len(rows), len(columns))[rows >= 0][:, columns >= 0]
         at = np.ix_(rows[rows >= 0], columns[columns >= 0])
-        want[at] += value
-        scale[at] += abs(value)
+        np.add.at(want, at, value)
+        np.add.at(scale, at, abs(value))
     return _finding(system, operator, route, found, want, scale)
 
 
@@ -194,7 +194,7 @@ def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
         if axis is Axis.NUMBERS:
             return p.at + k * p.kind.size() + np.arange(p.kind.size())
         return np.concatenate(
-            [np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in p.bodies[k]]
+            [np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in firsts(p, k)]
         )
 
     return along(operator.axes[0]), along(operator.axes[1]) if not operator.is_vector else np.zeros(

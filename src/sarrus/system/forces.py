@@ -52,3 +52,47 @@ class ForceOperators(Operators):
         csr_array (nq, nb)
         """
         return self._evaluate("Q_b", out, b, q=q, v=v, t=t)
+
+    def Q_q_xi_q(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(Q_q ξ)_q for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_q_xi_q", out, b, q=q, xi=xi, v=v, t=t)
+
+    def Q_q_xi_v(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(Q_q ξ)_v for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_q_xi_v", out, b, q=q, xi=xi, v=v, t=t)
+
+    def Q_v_xi_q(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(Q_v ξ)_q for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_v_xi_q", out, b, q=q, xi=xi, v=v, t=t)
+
+    def Q_v_xi_v(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(Q_v ξ)_v for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("Q_v_xi_v", out, b, q=q, xi=xi, v=v, t=t)

@@ -11,7 +11,7 @@ import numpy as np
 from .._jit.driver import Signature, driver
 from .._jit.emit import HEADER
 from ..algebra import Array
-from ..elements import BUILT_IN, OPERATORS
+from ..elements import BUILT_IN, GROUPS, OPERATORS
 from ..elements.recorder import SCALARS, Variant, operands_of, record, variants
 from .pattern import Pattern
 from .population import Population
@@ -34,7 +34,7 @@ class Group:
         self.operands = (*(n for n in found if n in SCALARS), *(n for n in found if n not in SCALARS))
         family = OPERATORS[names[0]].family
         members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
-        built_in = [n for n, p in enumerate(members) if p.kind in BUILT_IN]
+        built_in = [n for n, p in enumerate(members) if p.variant in USUAL]
         self.index = self._pack(members, built_in)
         self.compiled = built_in_driver(names)
         self._others = [
@@ -68,6 +68,7 @@ class Group:
         return [np.zeros(pattern.size) for pattern in self.patterns]
 
 
+USUAL = {variant for kind in BUILT_IN for variant in variants(kind)}
 _drivers: dict[tuple[str, ...], Any] = {}
 
 
@@ -84,9 +85,9 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 
 
 def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
-    """The driver of a group over one element type of the user's; kept under the hash of what it computes."""
+    """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
     recording = record(variant, names)
-    return driver(signature(names, recording.fingerprint()), [lambda: recording], clears=False)
+    return driver(signature(names, recording.fingerprint()), [lambda: recording], clear=False)
 
 
 def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
@@ -97,5 +98,6 @@ def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
         scalars=tuple(n for n in found if n in SCALARS),
         arrays=tuple(n for n in found if n not in SCALARS),
         outputs=tuple(f"out_{name}" for name in names),
-        sums=tuple(OPERATORS[name].sums for name in names),
+        clears=tuple(OPERATORS[name].sums or OPERATORS[name].is_vector for name in names),
+        hot=len(names) > 1 or names in GROUPS.values(),
     )

@@ -89,6 +89,61 @@ class InertiaOperators(Operators):
         """
         return self._evaluate("S_b", out, b, q=q, v=v)
 
+    def M_a_q_xi_q(
+        self, q: ArrayLike, a: ArrayLike, xi: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """((M a)_q ξ)_q for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("M_a_q_xi_q", out, b, q=q, a=a, xi=xi)
+
+    def S_q_xi_q(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(S_q ξ)_q for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_q_xi_q", out, b, q=q, xi=xi, v=v)
+
+    def S_q_xi_v(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(S_q ξ)_v for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_q_xi_v", out, b, q=q, xi=xi, v=v)
+
+    def S_v_xi_q(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(S_v ξ)_q for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_v_xi_q", out, b, q=q, xi=xi, v=v)
+
+    def S_v_xi_v(
+        self, q: ArrayLike, xi: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None
+    ) -> csr_array:
+        """(S_v ξ)_v for a fixed direction ξ, by differentiating the elements' own formulas.
+
+        Returns
+        -------
+        csr_array (nq, nq)
+        """
+        return self._evaluate("S_v_xi_v", out, b, q=q, xi=xi, v=v)
+
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, *, b: Any = None) -> float:
         """T = ½ vᵀ M v [J]."""
         momentum = self.M_a(q, v, b=b)

@@ -13,15 +13,20 @@ GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
 
 def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
     """A vector of the system as element k of a population sees it; `ground` stands for the fixed body's part."""
-    return np.concatenate([vector[f : f + WIDTH] if f >= 0 else ground for f in p.bodies[k]])
+    return np.concatenate([ground if f < 0 else vector[f : f + WIDTH] for f in firsts(p, k)])
 
 
-def refresh(p: Population, memory: list[int], q: Array, b: Array) -> None:
+def firsts(p: Population, k: int) -> list[int]:
+    """First coordinate of each body of element k, negative for ground."""
+    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]
+
+
+def refresh(p: Population, memory: list[int], q: Array, b: Array, t: float) -> None:
     """Let every element of a population write its memory fields (given by place) at the coordinates q."""
     size, starts = p.kind.size(), np.cumsum([0, *p.kind.widths()])
     for k in range(p.count):
         at = p.at + k * size
-        element = element_from(p.kind, b[at : at + size], b)
+        element = element_from(p.kind, b[at : at + size], b, t)
         values = element.remember(partition(p.kind, local(p, k, q, GROUND)))  # type: ignore[attr-defined]
         for field, value in zip(memory, values, strict=True):
             b[at + starts[field]] = value

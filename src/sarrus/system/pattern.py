@@ -103,7 +103,7 @@ class Layout:
     def _matrix(self, operator: Operator, members: list[int]) -> Pattern:
         rows, columns = (self.atoms(axis) for axis in operator.axes)
         keys = [self._keys(n, operator, len(columns.start)) for n in members]
-        unique = np.unique(np.concatenate([key.reshape(-1) for key in keys]))
+        unique = _unique(np.concatenate([key.reshape(-1) for key in keys]))
         row, column = np.divmod(unique, max(len(columns.start), 1))
         per_row = np.bincount(row, weights=columns.width[column], minlength=len(rows.start)).astype(np.int64)
         indptr = np.concatenate([[0], np.cumsum(np.repeat(per_row, rows.width))]).astype(np.int64)
@@ -122,6 +122,12 @@ class Layout:
             row, column = self.atom_of(n, operator.axes[0], m), self.atom_of(n, operator.axes[1], c)
             keys[:, k] = row * column_count + column
         return keys
+
+
+def _unique(keys: Array) -> Array:
+    """The different keys, rising; by sorting, which is linear enough (`numpy.unique` hashes, and is not)."""
+    ordered = np.sort(keys)
+    return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])] if len(keys) else keys
 
 
 def _atoms(width: Array | list[int], length: int) -> Atoms:

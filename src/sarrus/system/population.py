@@ -11,7 +11,7 @@ import numpy as np
 from ..algebra import Array
 from ..elements import BUILT_IN, Element, Normalization
 from ..elements.element import WIDTHS
-from ..elements.recorder import Variant, variants
+from ..elements.recorder import Variant, distinct, variants
 from ..model import Placed
 
 WIDTH = 7  # coordinates of a body
@@ -19,12 +19,12 @@ WIDTH = 7  # coordinates of a body
 
 @dataclass
 class Population:
-    """All elements of one variant: of one kind, and with the ground as the same (or none) of their bodies.
+    """All elements of one variant: of one kind, and with the ground in the same places (if any) among their bodies.
 
     Attributes
     ----------
-    variant : the element class and the place of the ground
-    bodies : (count, 1 or 2) first coordinate of each body, -7 for ground
+    variant : the element class and the places of the ground
+    bodies : (count, moving bodies) first coordinate of each moving body
     rows : (count,) first constraint equation of each element (unused for inertias and forces)
     constraints : (count,) place of each element among all constraint elements
     at : place of the first element's numbers in the system's numbers
@@ -60,16 +60,14 @@ def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population
 
     Returns
     -------
-    populations : those of the built-in kinds first, in their fixed order, then the user's own kinds
+    populations : the usual variants of the built-in kinds first, in their fixed order, then all others
     numbers : all numbers of all elements, then the curves
     """
-    custom = dict.fromkeys(p.element for p in placed if p.element not in BUILT_IN)
-    members: dict[Variant, list[Any]] = {v: [] for kind in (*BUILT_IN, *custom) for v in variants(kind)}
+    members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}
     normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
     for p in (*placed, *normalizations):
-        ground = p.bodies.index(0) if 0 in p.bodies else None
-        members[Variant(p.element, ground)].append((p, row, place))
+        members.setdefault(Variant.of(p.element, p.bodies), []).append((p, row, place))
         row += p.element.rows
         place += p.element.rows > 0
     populations = [_population(variant, found) for variant, found in members.items()]
@@ -82,7 +80,7 @@ def _normalization(body: int) -> Placed:
 
 def _population(variant: Variant, found: list[tuple[Placed, int, int]]) -> Population:
     placed = [p for p, _, _ in found]
-    bodies = np.array([p.bodies for p in placed], dtype=np.int64).reshape(-1, variant.kind.bodies)
+    bodies = np.array([distinct(p.bodies) for p in placed], dtype=np.int64).reshape(-1, variant.moving)
     values, owners, labels = ([getattr(p, n) for p in placed] for n in ("values", "owner", "label"))
     rows, constraints = (np.array([entry[n] for entry in found], dtype=np.int64) for n in (1, 2))
     return Population(variant, WIDTH * (bodies - 1), values, owners, labels, rows, constraints)

@@ -23,7 +23,7 @@ from .population import WIDTH, populate
 class System(ConstraintOperators, InertiaOperators, ForceOperators):
     """The equations of motion of a model and all their derivatives.
 
-        M(q) a + Φ_q(q)ᵀ lam = Q(q, v, t) + S(q, v),    Φ(q) = 0
+        M(q) a + Φ_q(q, t)ᵀ lam = Q(q, v, t) + S(q, v),    Φ(q, t) = 0
 
     Parameters
     ----------
@@ -98,12 +98,12 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         at = WIDTH * self.bodies.index(body)
         return slice(at, at + WIDTH)
 
-    def remember(self, q: Array, b: Array) -> None:
+    def remember(self, q: Array, b: Array, t: float = 0.0) -> None:
         """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""
         for p in self.populations:
             memory = [n for n, kind in enumerate(p.kind.fields.values()) if kind == "Memory"]
             if memory:
-                refresh(p, memory, q, b)
+                refresh(p, memory, q, b, t)
 
     @property
     def number_names(self) -> list[str]:

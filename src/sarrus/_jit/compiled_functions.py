@@ -1,0 +1,77 @@
+"""The functions that kernels call, as compiled code: `COMPILED` by name, and the stored curves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload, register_jitable
+
+from . import curves
+from .curves import STEPS, curve_bend, curve_slope, curve_value
+
+ELEMENTARY = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "tanh")
+
+
+@intrinsic
+def _stack(typingctx: Any, count: Any) -> Any:
+    """Room for a formula's values and derivatives, on the stack."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return cgutils.alloca_once(builder, ir.DoubleType(), size=3 * STEPS)
+
+    return types.CPointer(types.float64)(count), codegen
+
+
+@overload(curves._room, strict=False)
+def _compiled_room() -> Any:
+    return lambda: _stack(0)  # type: ignore[call-arg]
+
+
+@overload(curves._real, strict=False)
+def _compiled_real(x: Any) -> Any:
+    return lambda x: x
+
+
+def _math(name: str) -> Callable[[float], float]:
+    """A function of `math` in a form that Numba compiles."""
+    scope: dict[str, Any] = {"math": math}
+    exec(f"def {name}(x):\n    return math.{name}(x)", scope)
+    compiled: Callable[[float], float] = scope[name]
+    return compiled
+
+
+def _choice(function: Callable[[float], float]) -> Callable[[Any], Callable[[float], float]]:
+    """What Numba asks for the implementation for an argument's type: always the same one."""
+
+    def choose(x: Any) -> Callable[[float], float]:
+        return function
+
+    return choose
+
+
+def _register() -> None:
+    """Let compiled code call the functions of `curves`."""
+    for name in ELEMENTARY:
+        overload(getattr(curves, f"_{name}"), strict=False)(_choice(_math(name)))
+    for name in ("_piece", "_cubic", "_chain", "_elementary_step", "_binary_step", "_formula", "_evaluate"):
+        register_jitable(getattr(curves, name))
+    for function in (curve_value, curve_slope, curve_bend):
+        register_jitable(function)
+
+
+_register()
+COMPILED: dict[str, Callable[..., Any]] = {
+    **{name: _math(name) for name in ELEMENTARY},
+    "atan2": lambda y, x: math.atan2(y, x),
+    "nearest": lambda x: math.floor(x + 0.5),
+    "positive": lambda x: 1.0 if x > 0.0 else 0.0,
+    "curve": lambda numbers, at, x: curve_value(numbers, int(at), x),
+    "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
+    "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
+}
+READS_NUMBERS = {"curve", "curve_slope", "curve_bend"}

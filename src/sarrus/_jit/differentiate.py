@@ -1,0 +1,80 @@
+"""Derivatives of recorded graphs, exact: the chain rule over the list of operations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .expression import Expression, Graph
+from .replay import needed
+
+
+def jacobian(graph: Graph, wanted: Sequence[Expression], by: Sequence[Expression]) -> np.ndarray[Any, Any]:
+    """Derivatives of expressions to inputs, recorded in the same graph: an object array (wanted, by)."""
+    order = needed(graph, wanted)
+    result = np.zeros((len(wanted), len(by)), dtype=object)
+    for column, variable in enumerate(by):
+        slopes = _sweep(graph, order, variable)
+        for row, expression in enumerate(wanted):
+            result[row, column] = slopes.get(expression.id, 0)
+    return result
+
+
+def _sweep(graph: Graph, order: Sequence[int], variable: Expression) -> dict[int, Expression]:
+    """Derivatives of all nodes to one input; those that vanish are left out."""
+    slopes = {variable.id: graph.constant(1)}
+    for identity in order:
+        node = graph.nodes[identity]
+        terms = [
+            _partial(graph, identity, place) * slopes[arg]
+            for place, arg in enumerate(node.args)
+            if arg in slopes
+        ]
+        if terms:
+            total = sum(terms[1:], terms[0])
+            if total.constant is None or total.constant != 0:
+                slopes[identity] = total
+    return slopes
+
+
+def _partial(graph: Graph, identity: int, place: int) -> Any:
+    """Derivative of one operation to its argument at `place`."""
+    node = graph.nodes[identity]
+    args = [Expression(graph, arg) for arg in node.args]
+    return PARTIALS[node.op](Expression(graph, identity), *args)[place]
+
+
+def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:
+    square = x * x + y * y
+    return x / square, -y / square
+
+
+def _no_bend(f: Expression, at: Expression, x: Expression) -> tuple[Any, Any]:
+    raise TypeError("a curve cannot be differentiated three times: it is made of cubics")
+
+
+PARTIALS: dict[str, Any] = {
+    "add": lambda f, a, b: (1, 1),
+    "sub": lambda f, a, b: (1, -1),
+    "mul": lambda f, a, b: (b, a),
+    "div": lambda f, a, b: (1 / b, -f / b),
+    "neg": lambda f, a: (-1,),
+    "sqrt": lambda f, a: (1 / (2 * f),),
+    "sin": lambda f, a: (a.call("cos"),),
+    "cos": lambda f, a: (-a.call("sin"),),
+    "tan": lambda f, a: (1 + f * f,),
+    "asin": lambda f, a: (1 / (1 - a * a).sqrt(),),
+    "acos": lambda f, a: (-1 / (1 - a * a).sqrt(),),
+    "atan": lambda f, a: (1 / (1 + a * a),),
+    "exp": lambda f, a: (f,),
+    "log": lambda f, a: (1 / a,),
+    "tanh": lambda f, a: (1 - f * f,),
+    "atan2": _atan2,
+    "nearest": lambda f, a: (0,),
+    "positive": lambda f, a: (0,),
+    "curve": lambda f, at, x: (0, at.call("curve_slope", x)),
+    "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
+    "curve_bend": _no_bend,
+}

@@ -1,0 +1,152 @@
+"""Kernels that nobody writes: the exact derivative of another kernel, by differentiating what that one records.
+
+Called with numbers of any kind, or with recorded ones, such a kernel computes the differentiated graph again on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from .._jit.differentiate import jacobian
+from .._jit.expression import Expression, Graph
+from .._jit.replay import replay
+from ..algebra import Array, Block
+from .operators import DERIVATIVES, OPERATORS, Axis
+
+Names = Array  # an object array of input names
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A differentiated graph: what it takes and the grid of blocks that it gives (None for zeros)."""
+
+    graph: Graph
+    grid: tuple[tuple[Block, ...], ...]
+
+
+def derived(kind: Any, name: str) -> Callable[..., Any]:
+    """The kernel `name` of an element type, made from the operator that it is the derivative of."""
+    operator = OPERATORS[name]
+
+    def kernel(self: Any, x: Any, *arguments: Any) -> Any:
+        owner: Any = type(self)
+        recipe = recipe_of(owner, name)
+        given = dict(
+            zip([o for o in operator.operands if o != "t" or _passes_t(operator)], arguments, strict=True)
+        )
+        grid = _replayed(recipe, _inputs(self, {"q": x, **given}))
+        if operator.is_vector:
+            return grid[0][0] if operator.axes[0] is Axis.ROWS else tuple(line[0] for line in grid)
+        return grid[0] if operator.axes[0] is Axis.ROWS else grid
+
+    kernel.__name__ = name
+    kernel.__doc__ = f"{operator.formula}, by differentiating {DERIVATIVES[name].of}."
+    return kernel
+
+
+def _passes_t(operator: Any) -> bool:
+    """Forces take the time as an argument; constraints hold it in a field."""
+    return bool(operator.family == "force")
+
+
+@cache
+def recipe_of(kind: Any, name: str) -> Recipe:
+    """Record the operator that `name` is the derivative of, contract it, and differentiate."""
+    from .evaluation import grid, partition, symbols, widths
+
+    rule = DERIVATIVES[name]
+    graph = Graph()
+    element, operands = symbols(graph, kind)
+    lines = grid(element, OPERATORS[rule.of], operands)
+    if rule.along is not None:
+        along = partition(kind, operands[rule.along])
+        lines = tuple((_contracted(line, along),) for line in lines)
+    by = _variables(element, operands, rule.by)
+    columns = {"q": kind.coordinates(), "v": kind.coordinates(), "b": kind.widths(), "t": (1,)}[rule.by]
+    heights = widths(kind, OPERATORS[name].axes[0])
+    pairs = zip(lines, heights, strict=True)
+    return Recipe(
+        graph, tuple(_differentiated(graph, line[0], height, by, columns) for line, height in pairs)
+    )
+
+
+def _contracted(line: tuple[Block, ...], along: Any) -> Block:
+    terms = [block @ part for block, part in zip(line, along, strict=True) if block is not None]
+    return sum(terms[1:], terms[0]) if terms else None
+
+
+def _variables(element: Any, operands: Mapping[str, Any], by: str) -> list[Expression]:
+    if by == "b":
+        return list(operands["numbers"])
+    return [operands["t"]] if by == "t" else list(operands[by])
+
+
+def _differentiated(
+    graph: Graph, vector: Block, height: int, by: list[Expression], columns: tuple[int, ...]
+) -> tuple[Block, ...]:
+    """The blocks of one block row: the derivative of a vector, cut into columns; one column alone is a vector."""
+    if vector is None:
+        return (None,) * len(columns)
+    entries = [e if isinstance(e, Expression) else graph.constant(e) for e in np.ravel(vector)]
+    matrix = jacobian(graph, entries, by).reshape(height, len(by))
+    cuts = np.split(matrix, np.cumsum(columns)[:-1], axis=1)
+    blocks = [None if _vanishes(cut) else cut for cut in cuts]
+    return tuple(cut[:, 0] if cut is not None and columns == (1,) else cut for cut in blocks)
+
+
+def _vanishes(block: Array) -> bool:
+    return (
+        all((e.constant if isinstance(e, Expression) else e) == 0 for e in block.flat) if block.size else True
+    )
+
+
+def _inputs(element: Any, operands: Mapping[str, Any]) -> dict[tuple[Any, ...], Any]:
+    """Values of a recipe's inputs, by name."""
+    values: dict[tuple[Any, ...], Any] = {("t",): operands.get("t", 0)}
+    for key, operand in operands.items():
+        if key != "t":
+            flat = (
+                operand
+                if isinstance(operand, np.ndarray)
+                else np.concatenate([np.asarray(part) for part in operand])
+            )
+            values.update({(key, n): value for n, value in enumerate(flat)})
+    at = 0
+    for field, kind in element.fields.items():
+        value = getattr(element, field)
+        if kind == "Time":
+            values[("t",)] = value
+            continue
+        parts = np.ravel(value) if kind in ("Vec3", "Inertia") else [value]
+        for part in parts:
+            values[("numbers", at)] = part
+            at += 1
+    return values
+
+
+def _replayed(recipe: Recipe, inputs: dict[tuple[Any, ...], Any]) -> tuple[tuple[Block, ...], ...]:
+    flat = [e for line in recipe.grid for block in line if block is not None for e in block.flat]
+    wanted = [e for e in flat if isinstance(e, Expression)]
+    found = iter(replay(recipe.graph, wanted, inputs))
+
+    def filled(block: Block) -> Block:
+        if block is None:
+            return None
+        values = np.empty(block.shape, dtype=object)
+        for place in np.ndindex(*block.shape):
+            values[place] = next(found) if isinstance(block[place], Expression) else block[place]
+        return _plain(values)
+
+    return tuple(tuple(filled(block) for block in line) for line in recipe.grid)
+
+
+def _plain(values: Array) -> Array:
+    """Floats and complex numbers as NumPy holds them; other kinds stay objects."""
+    if all(isinstance(value, int | float | complex) for value in values.flat):
+        return np.array(values.tolist())
+    return values

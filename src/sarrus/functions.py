@@ -1,0 +1,41 @@
+"""Functions for formulas and kernels: they take numbers of any kind, recorded ones among them."""
+
+from ._jit.functions import (
+    absolute,
+    acos,
+    asin,
+    atan,
+    atan2,
+    cos,
+    exp,
+    log,
+    maximum,
+    minimum,
+    nearest,
+    positive,
+    ramp,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+)
+
+__all__ = [
+    "absolute",
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "cos",
+    "exp",
+    "log",
+    "maximum",
+    "minimum",
+    "nearest",
+    "positive",
+    "ramp",
+    "sin",
+    "sqrt",
+    "tan",
+    "tanh",
+]

@@ -1,0 +1,257 @@
+"""Checks of element kernels as functions that raise AssertionError. The tests and the mutation run both call them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from tests.elements import definitions
+from tests.elements.states import (
+    COMPLEX,
+    DIGITS,
+    FRACTIONS,
+    WHOLE,
+    State,
+    converted,
+    is_polynomial,
+    name_entry,
+    on_sphere,
+    state,
+)
+from tests.paper import paper
+from tests.paper.paper import along, derivative, equal, rational, tangent, unit
+
+from sarrus import algebra, euler
+from sarrus.elements import BUILT_IN, OPERATORS, RSDA
+from sarrus.elements.operators import DERIVATIVES
+
+EXACT_NUMBERS = (int, Fraction, np.integer)
+
+
+class Check(NamedTuple):
+    """A named check; `kind` is the element that it is about, or None for `euler`."""
+
+    kind: type | None
+    name: str
+    run: Callable[[], None]
+
+
+def derivative_of_an_operator(kind, name, arithmetic, seed=0):
+    """The kernel of a derivative against differences of the kernel that it differentiates, in a random direction."""
+    here, rule = state(kind, arithmetic, seed), DERIVATIVES[name]
+    contracted = _contracted(rule.of, rule.along)
+    value = here(name)
+    assert_exact(value, arithmetic)
+    direction = here.direction(rule.by, seed)
+    found = value * direction if rule.by == "t" else value @ direction
+    expected = here.difference(contracted, rule.by, direction)
+    assert np.all(here.same(found, expected)), _first_wrong(here, name, value, contracted)
+
+
+def _contracted(name, direction):
+    def f(there: State):
+        value = there(name)
+        return value @ there.operands[direction] if direction else value
+
+    return f
+
+
+def _first_wrong(here, name, value, f):
+    """Which entries of a derivative are wrong, found column by column."""
+    by, wrong = DERIVATIVES[name].by, []
+    if by == "t":
+        return f"{here.kind.__name__}.{name} is wrong"
+    for n in range(value.shape[1]):
+        direction = 0 * here.direction(by)
+        direction[n] += 1
+        rows = np.flatnonzero(~here.same(value[:, n], here.difference(f, by, direction)))
+        wrong += [name_entry(here.kind, OPERATORS[name], (m, n)) for m in rows]
+    return f"{here.kind.__name__}.{name} is wrong at {'; '.join(wrong[:6])}"
+
+
+def assert_exact(value, arithmetic):
+    """In exact numbers nothing is ever rounded."""
+    if arithmetic in (WHOLE, FRACTIONS):
+        assert all(isinstance(x, EXACT_NUMBERS) for x in np.ravel(value)), "a float in an exact result"
+
+
+def operator_that_follows(kind, name, arithmetic, seed=0):
+    """An operator that is not coded, against its definition."""
+    here = state(kind, arithmetic, seed)
+    x = here.operands
+    expected = {
+        "Phi_q_xi": lambda: here.difference(lambda s: s("Phi"), "q", x["xi"]),
+        "Phi_qT_lam": lambda: x["lam"] @ here("Phi_q"),
+        "M_a": lambda: here("M") @ x["a"],
+        "gamma": lambda: -here.difference(_derivative_along_v, "q", x["v"]) - _time_terms(here),
+        "gamma_q": lambda: -here("Phi_q_xi_q_eta_q"),
+        "gamma_v": lambda: -2 * here("Phi_q_xi_q"),
+        "gamma_b": lambda: -here("Phi_q_xi_q_eta_b"),
+    }
+    if name in ("gamma_q", "gamma_v", "gamma_b"):
+        if kind.timed:
+            return  # checked by differences of gamma
+        here = replace(here, operands={**x, "xi": x["v"], "eta": x["v"]})
+    assert np.all(here.same(here(name), expected[name]()))
+
+
+def _derivative_along_v(there):
+    return there.difference(lambda s: s("Phi"), "q", there.operands["v"])
+
+
+def _time_terms(here):
+    """2 (Φ_q v)_t + Φ_tt."""
+    one, v = here.direction("t"), here.operands["v"]
+    mixed = here.difference(lambda s: s.difference(lambda r: r("Phi"), "q", v), "t", one)
+    twice = here.difference(lambda s: s.difference(lambda r: r("Phi"), "t", one), "t", one)
+    return 2 * mixed / one + twice / (one * one) if here.kind.timed else 0 * here("Phi")
+
+
+def constraint(kind, arithmetic, seed=0):
+    """Φ against its definition."""
+    here = state(kind, arithmetic, seed)
+    assert equal(here("Phi"), definitions.CONSTRAINTS[kind](here.element, here.operands["q"]))
+
+
+def mass_matrix(kind, arithmetic, seed=0):
+    """vᵀM v and its polar form against twice the kinetic energy, ω' = 2 G ṗ; M is symmetric."""
+    here = state(kind, arithmetic, seed)
+    q, v, u, M = here.operands["q"], here.operands["v"], here.operands["xi"], here("M")
+
+    def energy(v):
+        return kinetic_energy(
+            here.element, definitions.INERTIAS[kind](here.element), q, v, 2 * paper.G(q[3:]) @ v[3:]
+        )
+
+    assert_exact(M, arithmetic)
+    assert equal(v @ M @ v, 2 * energy(v))
+    assert equal(2 * (u @ M @ v), energy(u + v) - energy(u - v))
+    assert equal(M, M.T)
+
+
+def mass_matrix_without_G(kind):
+    """The same on unit p with ω' from AᵀȦ, for tangent ṗ."""
+    here = on_sphere(state(kind, FRACTIONS))
+    q, v, M = here.operands["q"], here.operands["v"], here("M")
+    spin = paper.A(q[3:]).T @ along(paper.A, q[3:], v[3:])
+    assert equal(spin, -spin.T)
+    omega = paper.vec(spin[2, 1], spin[0, 2], spin[1, 0])
+    element = here.element
+    assert v @ M @ v == 2 * kinetic_energy(element, definitions.INERTIAS[kind](element), q, v, omega)
+
+
+def kinetic_energy(e, c, q, v, omega):
+    """Of a body with centre of mass c: ½ m |ṙ_c|² + ½ ω'ᵀJω'; twice 2T is exact in whole numbers too."""
+    xx, yy, zz, xy, xz, yz = e.inertia
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    r_c = v[:3] + along(lambda p: paper.A(p) @ c, q[3:], v[3:])
+    return (e.mass * (r_c @ r_c) + omega @ J @ omega) / Fraction(2)
+
+
+def lagrange(kind, arithmetic, seed=0):
+    """S = T_q - (T_v)_q v with T = ½ vᵀM v."""
+    here = state(kind, arithmetic, seed)
+    v, u = here.operands["v"], here.direction("q", seed)
+    twice_T_q = here.difference(lambda s: v @ s("M") @ v, "q", u)
+    momentum = here.difference(lambda s: u @ s("M") @ v, "q", v)
+    assert equal(2 * (here("S") @ u), twice_T_q - 2 * momentum)
+
+
+def virtual_work(kind, arithmetic, seed=0):
+    """Q·δq against the work that the force does along δq."""
+    here = state(kind, arithmetic, seed)
+    direction = here.direction("q", seed)
+    if kind in definitions.ROTATIONAL:
+        here = _satisfying(on_sphere(here)) if kind is RSDA else on_sphere(here)
+        for first in range(3, 7 * kind.bodies, 7):
+            p = here.operands["q"][first : first + 4]
+            direction[first : first + 4] -= (direction[first : first + 4] @ p) * p
+    assert_exact(here("Q"), arithmetic)
+    work = definitions.FORCES[kind](here.element, here)
+    expected = here.difference(lambda s: work(s.operands["q"]), "q", direction)
+    assert np.all(here.same(here("Q") @ direction, expected))
+
+
+def _satisfying(here):
+    """An RSDA on a revolute joint that is satisfied, its axes orthonormal, the reference some turns away."""
+    q, frame = here.operands["q"], paper.A(unit(50))
+    A_i, A_j = paper.A(q[3:7]), paper.A(q[10:])
+    f, g, h = (converted(frame[:, n], here.arithmetic) for n in range(3))
+    three, four = converted(np.array([Fraction(3, 5), Fraction(4, 5)]), here.arithmetic)
+    f_j = A_j.T @ A_i @ (three * f + four * g)
+    numbers = np.concatenate([f, g, h, f_j, A_j.T @ A_i @ h, here.numbers[15:]])
+    numbers[-1] = 22.5 * here.operands["t"] ** 0  # near which the turns counted are not those of 22.5 / 2π
+    return replace(here, numbers=numbers)
+
+
+# ------------------------------------------------------------------------------------------- Euler parameters
+
+
+def euler_functions(seed=0):
+    """Every function of `sarrus.euler` and the vectors of `sarrus.algebra` against the definitions."""
+    p, b, a, x = (rational(seed + n, size) for n, size in enumerate((4, 4, 3, 3)))
+    assert equal(algebra.skew(a) @ x, algebra.cross(a, x), np.cross(a, x))
+    assert equal(algebra.outer(a, x), np.outer(a, x))
+    assert equal(euler.A(p), paper.A(p))
+    assert equal(euler.rotate(p, a), paper.A(p) @ a)
+    assert equal(euler.B(p, a), derivative(lambda p: paper.A(p) @ a, p))
+    assert equal(euler.D(a, x), derivative(lambda p: euler.B(p, a).T @ x, p))
+    assert equal(euler.C(p, b), derivative(lambda a: euler.B(p, a) @ b, a))
+    assert equal(euler.K(p, x), derivative(lambda a: euler.B(p, a).T @ x, a))
+    assert equal(euler.bar(x), derivative(lambda p: euler.G(p).T @ x, p))
+    assert equal(euler.bar_E(x), derivative(lambda p: euler.E(p).T @ x, p))
+
+
+def angular_velocities(seed=0):
+    """2 G ṗ and 2 E ṗ are the angular velocities that AᵀȦ and ȦAᵀ give, on unit p for tangent ṗ."""
+    p = unit(seed)
+    v = tangent(seed + 1, p)
+    A_dot = along(paper.A, p, v)
+    assert equal(algebra.skew(2 * euler.G(p) @ v), paper.A(p).T @ A_dot)
+    assert equal(algebra.skew(2 * euler.E(p) @ v), A_dot @ paper.A(p).T)
+    assert equal(euler.G(p) @ p, euler.E(p) @ p, np.zeros(3, dtype=int))
+
+
+# -------------------------------------------------------------------------------------------------- the list
+
+
+def exact_checks(kind, arithmetic) -> Iterator[Check]:
+    """All checks of an element in an arithmetic."""
+    for operator in kind.family:
+        run = partial(operator_that_follows, kind, operator.name, arithmetic)
+        if operator.origin == "follows":
+            yield Check(kind, operator.name, run)
+        elif operator.name in DERIVATIVES:
+            yield Check(
+                kind, operator.name, partial(derivative_of_an_operator, kind, operator.name, arithmetic)
+            )
+        if operator.origin == "follows" and operator.name in DERIVATIVES:
+            differences = partial(derivative_of_an_operator, kind, operator.name, arithmetic)
+            yield Check(kind, f"{operator.name}, differences", differences)
+
+
+def definition_checks(kind, arithmetic) -> Iterator[Check]:
+    """The checks of an element's first operators (Φ, M, S or Q) against what they are by definition."""
+    family = kind.family[0].family
+    if family == "constraint":
+        yield Check(kind, "Phi", partial(constraint, kind, arithmetic))
+    elif family == "inertia":
+        yield Check(kind, "M", partial(mass_matrix, kind, arithmetic))
+        yield Check(kind, "M without G", partial(mass_matrix_without_G, kind))
+        yield Check(kind, "S", partial(lagrange, kind, arithmetic))
+    else:
+        whole = arithmetic == WHOLE and kind in definitions.ROTATIONAL
+        yield Check(kind, "Q", partial(virtual_work, kind, FRACTIONS if whole else arithmetic))
+
+
+def all_checks(quick: bool) -> list[Check]:
+    """Every check; `quick` in whole numbers and by complex step, else in fractions and 70 digits."""
+    exact, digits = (WHOLE, COMPLEX) if quick else (FRACTIONS, DIGITS)
+    checks = [Check(None, "euler", euler_functions), Check(None, "angular velocities", angular_velocities)]
+    for kind in BUILT_IN:
+        polynomial = is_polynomial(kind)
+        checks += definition_checks(kind, exact if polynomial else DIGITS)
+        checks += exact_checks(kind, exact if polynomial else digits)
+    return checks

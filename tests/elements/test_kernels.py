@@ -1,0 +1,56 @@
+"""Every kernel of every registered element against an independent value.
+
+Polynomial kernels are held against five-point differences in fractions, which are exact: the comparison is `==`. The
+others (a root, an angle) are held against differences in 70 digits.
+"""
+
+import pytest
+from tests.elements import definitions
+from tests.elements.checks import all_checks, derivative_of_an_operator, euler_functions
+from tests.elements.states import COMPLEX, WHOLE, is_polynomial
+
+from sarrus.elements import BUILT_IN, Force, InertiaElement, Primitive
+from sarrus.elements.operators import DERIVATIVES
+
+
+def label(check):
+    return f"{check.kind.__name__ if check.kind else 'functions'}-{check.name}"
+
+
+@pytest.mark.parametrize("check", all_checks(quick=False), ids=label)
+def test_kernel(check):
+    check.run()
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+@pytest.mark.parametrize("kind", BUILT_IN, ids=lambda kind: kind.__name__)
+def test_derivatives_at_more_states(kind, seed):
+    """The same in whole numbers, exact too, or by a complex step."""
+    for operator in kind.family:
+        if operator.name in DERIVATIVES:
+            derivative_of_an_operator(kind, operator.name, WHOLE if is_polynomial(kind) else COMPLEX, seed)
+
+
+@pytest.mark.parametrize("seed", range(10, 13))
+def test_euler_functions_at_more_states(seed):
+    euler_functions(seed)
+
+
+def test_every_element_has_a_definition():
+    """A new element without an independent definition is noticed here."""
+    tables = {
+        Primitive: definitions.CONSTRAINTS,
+        InertiaElement: definitions.INERTIAS,
+        Force: definitions.FORCES,
+    }
+    for family, table in tables.items():
+        assert set(table) == {kind for kind in BUILT_IN if issubclass(kind, family)}
+
+
+def test_which_elements_are_polynomial():
+    """All others have a root or an angle in them; a division that sneaks in elsewhere is noticed here."""
+    assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == {
+        "TSDA",
+        "NonlinearTSDA",
+        "RSDA",
+    }

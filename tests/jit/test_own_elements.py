@@ -1,0 +1,172 @@
+"""Elements written in a user's script: compiled as they stand, checked as ours, and refused in words if incomplete."""
+
+import numpy as np
+import pytest
+from tests.jit.mixed import by_hand, mixed_system, part_of, random_state
+
+from sarrus._jit.expression import Graph
+from sarrus._jit.functions import atan2, nearest, sqrt
+from sarrus.algebra import I3, outer, row, single
+from sarrus.elements import OPERATORS, Element, ElementError
+from sarrus.elements import Force as ForceElement
+from sarrus.elements import Primitive as Constraint
+from sarrus.elements.element import Curve, Scalar, Vec3
+from sarrus.elements.evaluation import element_from, grid
+from sarrus.model import Force, Joint
+
+pytestmark = pytest.mark.usefixtures("own_classes")
+
+
+def plane():
+    """A constraint of one's own: the body's origin stays on a paraboloid, nᵀr + k rᵀr = height."""
+
+    class Paraboloid(Constraint, rows=1, bodies=1):
+        n: Vec3
+        k: Scalar
+        height: Scalar
+
+        def Phi(self, x):
+            return row(self.n) @ x.r + self.k * (row(x.r) @ x.r) - self.height
+
+        def Phi_q(self, x):
+            return row(self.n + 2 * self.k * x.r), None
+
+        def Phi_q_xi_q(self, x, xi):
+            return row(2 * self.k * xi.r), None
+
+        def Phi_q_xi_q_eta_q(self, x, xi, eta):
+            return None, None
+
+        def Phi_qT_lam_q(self, x, lam):
+            return (2 * self.k * lam[0] * I3, None), (None, None)
+
+        def Phi_qT_lam_q_xi_q(self, x, lam, xi):
+            return (None, None), (None, None)
+
+        def Phi_b(self, x):
+            return row(x.r), single(x.r @ x.r), single(-1)
+
+        def Phi_q_xi_b(self, x, xi):
+            return row(xi.r), single(2 * (x.r @ xi.r)), None
+
+        def Phi_q_xi_q_eta_b(self, x, xi, eta):
+            return None, single(2 * (xi.r @ eta.r)), None
+
+        def Phi_qT_lam_b(self, x, lam):
+            return (lam[0] * I3, (2 * lam[0] * x.r)[:, None], None), (None, None, None)
+
+    return Paraboloid
+
+
+def strange_force(wrong=0):
+    """A force of one's own with every function that kernels may call; `wrong` spoils one derivative."""
+
+    class Strange(ForceElement, bodies=2):
+        k: Scalar
+        profile: Curve
+
+        def _size(self, x, t):
+            a, b = x.r_i @ x.r_i + 1, x.r_j[0] * x.r_j[0] + 2
+            turns = nearest(x.r_i[0] + x.r_j[1])
+            return self.k * sqrt(a) * b + atan2(x.r_j[2], a) + turns + self.profile(a) * t + a / b
+
+        def Q(self, x, v, t):
+            return self._size(x, t) * v.r_i, None, None, None
+
+        def Q_q(self, x, v, t):
+            a, b, u = x.r_i @ x.r_i + 1, x.r_j[0] * x.r_j[0] + 2, x.r_j[2]
+            rho = a * a + u * u
+            by_a = self.k * b / (2 * sqrt(a)) - u / rho + self.profile.slope(a) * t + 1 / b
+            by_b = self.k * sqrt(a) - a / (b * b) + wrong
+            by_r_j = np.array([2 * x.r_j[0] * by_b, 0 * u, a / rho])
+            none = (None,) * 4
+            return (outer(v.r_i, 2 * by_a * x.r_i), None, outer(v.r_i, by_r_j), None), none, none, none
+
+        def Q_v(self, x, v, t):
+            none = (None,) * 4
+            return (self._size(x, t) * I3, None, None, None), none, none, none
+
+        def Q_b(self, x, v, t):
+            a, b = x.r_i @ x.r_i + 1, x.r_j[0] * x.r_j[0] + 2
+            return ((sqrt(a) * b * v.r_i)[:, None], None), (None, None), (None, None), (None, None)
+
+    return Strange
+
+
+@pytest.fixture(scope="module")
+def system(own_classes):
+    return mixed_system(part_of(Joint), part_of(Force), names=("a", "b"), kinds=(plane(), strange_force()))
+
+
+def test_they_join_the_system(system):
+    assert system.counts()["Paraboloid"] == 2
+    assert system.counts()["Strange"] == 4
+    assert system.m == 2 + 2
+
+
+@pytest.mark.parametrize(
+    "name", [op.name for op in OPERATORS.values() if op.family in ("constraint", "force")]
+)
+def test_their_operators_are_compiled(system, name):
+    state, operator = random_state(system), OPERATORS[name]
+    found = getattr(system, name)(**{key: state[key] for key in ("q", *operator.operands)})
+    expected = by_hand(system, operator, state)
+    found = found if isinstance(found, np.ndarray) else found.toarray()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * (1 + abs(expected).max()))
+
+
+def test_their_derivatives_are_checked_as_ours(system):
+    report = system.check_derivatives()
+    assert report, str(report)
+
+
+def test_a_wrong_derivative_is_found_and_named(own_classes):
+    spoilt = mixed_system(part_of(Joint), part_of(Force), names=("a", "b"), kinds=(strange_force(wrong=0.5),))
+    report = spoilt.check_derivatives()
+    assert [f.operator.name for f in report.findings if not f.ok] == ["Q_q"]
+    assert "WRONG at" in str(report)
+
+
+# ------------------------------------------------------------------------------------------------- refusals
+
+
+def test_missing_kernels_are_named():
+    with pytest.raises(ElementError, match="element Half lacks Q_q, Q_b: write one method for each"):
+
+        class Half(ForceElement, bodies=1):
+            def Q(self, x, v, t):
+                return None, None
+
+            def Q_v(self, x, v, t):
+                return None, None
+
+    assert "Half" not in Element.registry
+
+
+def test_what_follows_need_not_be_written():
+    kind = plane()
+    for operator in kind.family:
+        assert callable(getattr(kind, operator.name))
+    assert not any(op.name in vars(Constraint) for op in kind.family)
+
+
+@pytest.mark.parametrize("annotation", [float, "float", "Vec4", np.ndarray])
+def test_a_wrong_annotation_is_named(annotation):
+    body = {"__annotations__": {"stiffness": annotation}}
+    with pytest.raises(
+        ElementError, match=r"Odd\.stiffness: annotate it as one of Vec3, Inertia, Scalar, Curve"
+    ):
+        type("Odd", (ForceElement,), body)
+
+
+@pytest.mark.parametrize("test", ["if x.r[0] > 0", "if x.r[0]", "if not x.r @ x.r", "if x.r[0] == 0"])
+def test_a_kernel_that_branches_is_refused(test):
+    namespace = {}
+    exec(f"def Q(self, x, v, t):\n    {test}:\n        return x.r, None\n    return None, None", namespace)
+    zero = (None, None), (None, None)
+    others = {name: lambda self, x, v, t: zero for name in ("Q_q", "Q_v", "Q_b")}
+    kind = type(ForceElement)("Branching", (ForceElement,), {"Q": namespace["Q"], **others}, bodies=1)
+    graph = Graph()
+    operands = {name: graph.inputs(name, 7) for name in ("q", "v")} | {"t": graph.input("t")}
+    with pytest.raises(TypeError, match="must not branch on values known only at run time"):
+        grid(element_from(kind, np.array([])), OPERATORS["Q"], operands)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..system import System
@@ -41,9 +42,9 @@ def attainable(tolerance: float, q: Array) -> float:
 class Feasible:
     """Searches of one system from any number of starts, with some coordinates held.
 
-    Steps are the damped steps of least size in the metric; the damping is proportional to |Φ|², so that convergence
-    stays quadratic where equations are dependent but consistent (Yamashita and Fukushima 2001). Euler parameters are
-    brought back to unit length after every step.
+    Steps are the damped steps of least size in the metric, along the spheres of the Euler parameters, which are brought
+    back to unit length after every step. The damping is proportional to |Φ|², so that convergence stays quadratic where
+    equations are dependent but consistent (Yamashita and Fukushima 2001).
 
     Parameters
     ----------
@@ -73,9 +74,10 @@ class Feasible:
 
     def _step(self, at: Reached, strength: float, tolerance: float) -> tuple[Reached, float]:
         """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with."""
-        step, size = MinimumStep(self.system.Phi_q(at.q, self.t), self.inverse_weight), float(at.Phi @ at.Phi)
+        P, size = self.unit.tangent(at.q), float(at.Phi @ at.Phi)
+        step = MinimumStep(csr_array(self.system.Phi_q(at.q, self.t) @ P), self.inverse_weight)
         while strength < LARGEST_DAMPING:
-            change = step(at.Phi, strength * step.scale * min(size, 1.0))
+            change = P @ step(at.Phi, strength * step.scale * min(size, 1.0))
             there = self._at(self.unit(at.q + change), at.steps + 1, tolerance)
             predicted = size - float(np.sum((at.Phi + self.system.Phi_q_xi(at.q, change, self.t)) ** 2))
             ratio = (size - float(there.Phi @ there.Phi)) / max(predicted, np.finfo(float).tiny)
@@ -93,6 +95,11 @@ class Renormalization:
 
     def __init__(self, inverse_weight: Array) -> None:
         self._free = np.all(inverse_weight.reshape(-1, 7)[:, 3:] > 0, axis=1)
+        first = 7 * np.arange(len(self._free))[:, None, None] + np.arange(3, 7)
+        rows, columns = np.broadcast_arrays(first.transpose(0, 2, 1), first)
+        n = np.arange(len(inverse_weight))
+        self._rows = np.concatenate([n, rows.reshape(-1)])
+        self._columns = np.concatenate([n, columns.reshape(-1)])
 
     def __call__(self, q: Array) -> Array:
         """A copy of q (nq,) with unit Euler parameters; (1, 0, 0, 0) for those that vanish."""
@@ -102,3 +109,9 @@ class Renormalization:
         p[self._free & (length == 0)] = (1, 0, 0, 0)
         p[self._free & (length > 0)] /= length[self._free & (length > 0), None]
         return q
+
+    def tangent(self, q: Array) -> csr_array:
+        """The projection I - p pᵀ of every body's p, I where one of them is held (nq, nq)."""
+        p = q.reshape(-1, 7)[:, 3:] * self._free[:, None]
+        numbers = np.concatenate([np.ones(len(q)), -(p[:, :, None] * p[:, None, :]).reshape(-1)])
+        return csr_array((numbers, (self._rows, self._columns)), shape=(len(q), len(q)))

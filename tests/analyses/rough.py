@@ -5,7 +5,9 @@ import numpy as np
 import sarrus as sr
 
 
-def rough(system: sr.System, random: np.random.Generator, metres: float = 0.5, degrees: float = 40.0) -> np.ndarray:
+def rough(
+    system: sr.System, random: np.random.Generator, metres: float = 0.5, degrees: float = 40.0
+) -> np.ndarray:
     """The model's coordinates (nq,), each body moved by `metres` and turned by `degrees`."""
     q = system.q0.reshape(-1, 7).copy()
     for body in q:

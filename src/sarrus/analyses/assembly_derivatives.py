@@ -18,6 +18,7 @@ from scipy.sparse import csr_array, diags_array, vstack
 from ..algebra import Array
 from ..results import Asked, Assembly
 from ..system import System
+from .degrees_of_freedom import normalizations
 from .kkt import KKT
 from .velocity import Rates
 
@@ -44,7 +45,7 @@ class AssemblyDerivatives:
     Notes
     -----
     The derivatives are those of a smooth branch: the nearest point jumps where two points are equally near. The
-    numbers of `rates` and of what joints read as their angle are held fixed.
+    metric, the values of `rates` and the axes about which joints read their rates are held fixed.
     """
 
     def __init__(self, system: System, found: Assembly) -> None:
@@ -99,12 +100,17 @@ class AssemblyDerivatives:
         q_dot, g1 = self._position_along(db, dq)
         gap, size = abs(self._position.J @ q_dot - g1), abs(g1).max(initial=0.0)
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
-            row = self._system.row_names[int(np.unravel_index(np.argmax(gap), gap.shape)[0])]
+            row = self._system.row_names[self._widest(gap)]
             raise NoDerivative(
                 f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
                 "together what keeps them consistent"
             )
         return q_dot, self._velocity_along(db, dv, q_dot)
+
+    def _widest(self, gap: Array) -> int:
+        """The joint equation with the largest gap."""
+        mark = normalizations(self._system)
+        return int(np.argmax(np.where(mark, -1.0, gap.reshape(len(gap), -1).max(axis=1))))
 
     def _directions(self, *given: Any) -> tuple[Array, Array, Array]:
         known = [np.asarray(x, dtype=float) for x in given if x is not None]

@@ -182,3 +182,13 @@ def test_the_gap_of_a_rod_is_its_missing_length() -> None:
     assert not found.success
     assert "far by 6 m" in found.message
     assert np.all(np.isfinite(found.q))
+
+
+def test_velocities_follow_constraints_that_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Φ_q v = -Φ_t, here with a Φ_t that the mechanism can follow."""
+    system, random = slider_crank(), np.random.default_rng(8)
+    Phi_t = system.Phi_q(system.q0) @ random.normal(size=system.nq)
+    monkeypatch.setattr(type(system), "Phi_t", lambda self, q, t=0.0: t * Phi_t)
+    found = sr.assemble(system, t=2.0)
+    assert found.success, found.message
+    assert np.allclose(system.Phi_q_xi(found.q, found.v), -2 * Phi_t, atol=1e-10)

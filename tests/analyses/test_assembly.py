@@ -22,6 +22,16 @@ def test_from_rough_guesses(system: object) -> None:
     assert sum(a.nearest for a in closed) >= 0.95 * len(closed)
 
 
+def test_restarts_help_very_rough_guesses() -> None:
+    """Bodies 1 m and 80° off: half of the searches get stuck, most restarts do not."""
+    system, closed = hmmwv(), {}
+    for restarts in (0, 8):
+        random = np.random.default_rng(5)
+        guesses = [rough(system, random, 1.0, 80) for _ in range(20)]
+        closed[restarts] = sum(sr.assemble(system, q, restarts=restarts).success for q in guesses)
+    assert closed[8] >= closed[0] + 4
+
+
 @pytest.mark.parametrize("system", [slider_crank, hmmwv])
 def test_from_disturbed_coordinates(system: object) -> None:
     made = system()  # type: ignore[operator]

@@ -88,13 +88,19 @@ def _kind(system: System, q: Array, t: float, null: Array, motions: Array) -> tu
     freedom, repeated = motions.shape[1], null.shape[1]
     if system.nq > DENSE_UP_TO:
         return "untested", None
-    if not repeated:
-        return "regular", freedom
-    forms = [_form(system, q, t, null[:, n], motions) for n in range(repeated)]
-    curved = [form for form in forms if abs(form).max(initial=0.0) > STRAIGHT]
-    if not curved:
+    if not repeated or not freedom:
+        return "redundant" if repeated else "regular", freedom
+    forms = _independent(np.array([_form(system, q, t, null[:, n], motions) for n in range(repeated)]))
+    if not len(forms):
         return "redundant", freedom
-    return ("branching", None) if common_zeros(np.array(curved)) else ("shaky", 0)
+    return ("branching", None) if common_zeros(forms) else ("shaky", 0)
+
+
+def _independent(forms: Array) -> Array:
+    """As few symmetric matrices (count, d, d) as span the same forms, none where all vanish."""
+    count, d, _ = forms.shape
+    _, sizes, span = np.linalg.svd(forms.reshape(count, d * d), full_matrices=False)
+    return np.asarray(span[sizes > STRAIGHT].reshape(-1, d, d))
 
 
 def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:

@@ -14,10 +14,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .analyses import HHT as HHT
     from .analyses import ODE as ODE
+    from .analyses import AssemblyDerivatives as AssemblyDerivatives
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
     from .analyses import JointSpace as JointSpace
+    from .analyses import NoDerivative as NoDerivative
     from .analyses import assemble as assemble
+    from .analyses import mobility as mobility
     from .analyses import simulate as simulate
+    from .analyses import singularities as singularities
     from .io import Robot as Robot
     from .io import load_any as load_any
     from .io import load_mjcf as load_mjcf
@@ -48,6 +52,8 @@ if TYPE_CHECKING:
     from .model import load as load
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
+    from .results import Mobility as Mobility
+    from .results import Singularity as Singularity
     from .results import Trajectory as Trajectory
     from .system import System as System
 
@@ -59,9 +65,11 @@ _HOMES = {
         "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal describe ground load parse_expression"
     ),
     "system": "System",
-    "analyses": "GeneralizedAlpha HHT JointSpace ODE assemble simulate",
+    "analyses": (
+        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE assemble mobility simulate singularities"
+    ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Trajectory",
+    "results": "Assembly Mobility Singularity Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

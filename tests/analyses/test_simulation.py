@@ -92,6 +92,17 @@ def test_a_start_that_could_not_be_assembled_is_a_status() -> None:
     assert len(run.t) == 0
 
 
+def test_a_box_welded_twice_stays() -> None:
+    box = sr.Body("box", mass=1.0, inertia=(1, 1, 1))
+    welds = [sr.Fixed(name, sr.ground, box, point=(0, 0, 0)) for name in ("first", "second")]
+    system = sr.System(sr.Model("welded twice", bodies=[box], joints=welds, gravity=(0, 0, -9.81)))
+    run = sr.simulate(system, until=1.0, t_eval=[0.0, 1.0])
+    assert run.success, run.message
+    assert np.allclose(run.q[-1], system.q0, atol=1e-12)
+    first, second = (run.lam[-1][system.rows[name]] for name in ("first", "second"))
+    assert np.allclose(first, second, atol=1e-10)  # the shortest multipliers share the load
+
+
 @pytest.mark.parametrize("until", [0.0, -1.0, np.nan, np.inf])
 def test_a_wrong_end_time_is_refused(until: float) -> None:
     with pytest.raises(ValueError, match="until must be a positive time"):

@@ -26,7 +26,9 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", SLIDER_CRANK]) == 0
-    assert "((Φ_q ξ)_q η)_q" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "((Φ_q ξ)_q η)_q" in told
+    assert "slider-crank: 1 degree of freedom" in told
 
 
 def test_check_tells_and_draws_the_model_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..results import Assembly
+from ..results import Asked, Assembly
 from ..system import System
-from .saddle import Saddle, SingularSystem
+from .feasible import Feasible, Reached, Renormalization
+from .held import held_coordinates
+from .least_change import LeastChange
+from .metric import metric as metric_of
+from .open_joints import open_joints
+from .saddle import Saddle
+from .velocity import Rates, assemble_velocity
+
+SHAKE = (
+    0.05,
+    0.1,
+    0.2,
+    0.3,
+)  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
+SPEED_TOLERANCE = 1e-9  # of the largest entry of |Φ_q v + Φ_t|, per unit of velocity
 
 
 def assemble(
@@ -16,45 +33,137 @@ def assemble(
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     *,
+    t: float = 0.0,
+    fixed: Iterable[str] = (),
+    rates: Mapping[str, float] | None = None,
+    metric: str | ArrayLike = "unit",
     tolerance: float = 1e-12,
-    iterations: int = 100,
+    iterations: int = 200,
+    restarts: int = 8,
+    seed: int = 0,
 ) -> Assembly:
     """Find consistent coordinates and velocities near given ones.
 
-    Newton's method with the least change of q in each step, halved while the residual grows; then the least change of v
-    with Φ_q v = 0.
+    First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is
+    restarted from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,
+    q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
+    Φ_q v = -Φ_t and the given rates. Dependent equations do no harm as long as they do not contradict each other.
+
+    The guess chooses the branch: a four-bar drawn crossed is assembled crossed.
 
     Parameters
     ----------
     system : System
-    q, v : (nq,) where to start; by default the model's
-    tolerance : of the largest entry of |Φ|
-    iterations : at most so many Newton steps
+    q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
+    t : time [s]
+    fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
+    rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: the angle of a revolute joint [rad/s], the
+        displacement of a translational joint [m/s], ``name.angle`` and ``name.displacement`` of a cylindrical one
+    metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.metric.metric`
+    tolerance : of the largest entry of |Φ|, not below round-off
+    iterations : at most so many steps of one search
+    restarts : at most so many further searches
+    seed : of the random numbers that shake the guess
 
     Returns
     -------
     Assembly
-        With ``success`` false and the open joints in ``message``, if the constraints could not be satisfied.
+        With ``success`` false and the open joints in ``message`` if the constraints could not be satisfied.
+
+    Raises
+    ------
+    KeyError
+        If `fixed` or `rates` name what the system does not have.
+    ValueError
+        For wrong shapes or a metric that is not positive.
     """
-    q = np.array(system.q0 if q is None else q, dtype=float)
-    v = np.array(system.v0 if v is None else v, dtype=float)
-    saddle, weight = Saddle(system, "I"), np.ones(system.nq)
-    residual, count = _size(system.Phi(q)), 0
-    try:
-        while residual > tolerance and count < iterations:
-            saddle.factor(weight, system.Phi_q(q).data)
-            step, _ = saddle.solve(np.zeros(system.nq), -system.Phi(q))
-            q, improved = _damped(system, q, step, residual)
-            count += 1
-            if improved >= residual and improved > tolerance:
-                break
-            residual = improved
-        v = project_velocity(system, saddle, q, v)
-    except SingularSystem:
-        return _failed(system, q, v, count, "the constraints are dependent there")
-    if residual > tolerance:
-        return _failed(system, q, v, count, f"after {count} steps")
-    return Assembly(q, v, True, f"assembled in {count} steps", residual, count)
+    weight, held = metric_of(system, metric), held_coordinates(system, fixed)
+    inverse = np.where(held, 0.0, 1 / weight)
+    guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
+    speed = _vector("v", system.v0 if v is None else v, system.nq)
+    asked = Asked(guess, speed, weight, held, dict(rates or {}), float(t))
+    given = Rates(system, asked.rates)
+    reached = _search(system, asked, inverse, tolerance, iterations, restarts, seed)
+    if not reached.ok:
+        return _open(system, asked, reached, tolerance)
+    return _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
+
+
+def _vector(name: str, value: ArrayLike, size: int) -> Array:
+    vector = np.array(value, dtype=float)
+    if vector.shape != (size,) or not np.all(np.isfinite(vector)):
+        raise ValueError(f"{name} must be {size} finite numbers")
+    return vector
+
+
+def _search(
+    system: System, asked: Asked, inverse: Array, tolerance: float, iterations: int, restarts: int, seed: int
+) -> Reached:
+    """The first search that reaches the constraints, or the one that came nearest."""
+    search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
+    best, steps = search(asked.q, tolerance, iterations), 0
+    for n in range(restarts):
+        if best.ok or not np.any(inverse):
+            break
+        found = search(_shaken(asked, SHAKE[min(n // 2, len(SHAKE) - 1)], random), tolerance, iterations)
+        steps += found.steps
+        best = found if found.residual < best.residual else best
+    return replace(best, steps=best.steps + steps)
+
+
+def _shaken(asked: Asked, part: float, random: np.random.Generator) -> Array:
+    positions = asked.q.reshape(-1, 7)[:, :3]
+    scale = np.ones((len(positions), 7))
+    scale[:, :3] = max(float(np.ptp(positions, axis=0).max()), 0.1)
+    shake = part * scale.reshape(-1) * random.normal(size=len(asked.q))
+    return asked.q + np.where(asked.held, 0.0, shake)
+
+
+def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
+    """From the first consistent coordinates to the nearest ones, with the last digits of Φ removed."""
+    near = LeastChange(system, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
+    last = Feasible(system, inverse, asked.t)(near.q, 0.0, 1)
+    steps = reached.steps + near.steps
+    how = f"assembled in {steps} steps"
+    if not near.stationary:
+        how += ", though perhaps not with the least change"
+    return Assembly(
+        last.q, asked.v, True, how, last.residual, steps, near.lam, nearest=near.stationary, asked=asked
+    )
+
+
+def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
+    asked = found.asked
+    assert asked is not None
+    speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held, rates, asked.t)
+    done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
+    limit = SPEED_TOLERANCE * max(1.0, float(abs(speed.v).max(initial=0.0)))
+    if abs(speed.gap).max(initial=0.0) <= limit:
+        return done
+    opening = open_joints(system, found.q, speed.gap[: system.m], limit, asked.t, per_second=True)
+    missed = [
+        f"{name} by {gap:.3g}"
+        for name, gap in zip(asked.rates, speed.gap[system.m :], strict=True)
+        if abs(gap) > limit
+    ]
+    told = ", ".join(filter(None, [opening, *missed]))
+    message = (
+        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {told}; "
+        "give fewer rates, hold less, or look for a position where the mechanism cannot move that way"
+    )
+    return replace(done, success=False, message=message)
+
+
+def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
+    told = (
+        open_joints(system, reached.q, reached.Phi, tolerance, asked.t)
+        or "the unit length of Euler parameters"
+    )
+    message = (
+        f"{system.name} could not be assembled; still open after {reached.steps} steps: {told}; "
+        "start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
+    )
+    return Assembly(reached.q, asked.v, False, message, reached.residual, reached.steps, asked=asked)
 
 
 def project_velocity(system: System, saddle: Saddle, q: Array, v: Array) -> Array:
@@ -62,28 +171,3 @@ def project_velocity(system: System, saddle: Saddle, q: Array, v: Array) -> Arra
     saddle.factor(np.ones(system.nq), system.Phi_q(q).data)
     change, _ = saddle.solve(np.zeros(system.nq), -system.Phi_q_xi(q, v))
     return v + change
-
-
-def _size(residual: Array) -> float:
-    return float(abs(residual).max(initial=0.0))
-
-
-def _damped(system: System, q: Array, step: Array, before: float) -> tuple[Array, float]:
-    """The longest of the steps 1, 1/2, 1/4, ... that makes the residual smaller."""
-    for halvings in range(12):
-        there = q + step * 0.5**halvings
-        after = _size(system.Phi(there))
-        if after < before:
-            return there, after
-    return q + step, _size(system.Phi(q + step))
-
-
-def _failed(system: System, q: Array, v: Array, count: int, why: str) -> Assembly:
-    residual = system.Phi(q)
-    worst = np.argsort(-abs(residual))[:3]
-    open_rows = ", ".join(f"{system.row_names[n]} by {residual[n]:.3g}" for n in worst if residual[n])
-    message = (
-        f"{system.name} could not be assembled {why}; still open: {open_rows}; "
-        "start from poses nearer to the assembled ones, or look for joints that contradict each other"
-    )
-    return Assembly(q, v, False, message, _size(residual), count)

@@ -10,9 +10,13 @@ from .saddle import Saddle
 
 
 class Motion:
-    """Accelerations of one system; all memory is kept between calls."""
+    """Accelerations of one system; all memory is kept between calls.
 
-    def __init__(self, system: System) -> None:
+    Where constraints are dependent, `kept` are the places in Φ of independent ones (see `Independence`): the
+    accelerations are the same for any such choice, the multipliers of the other equations are 0.
+    """
+
+    def __init__(self, system: System, kept: Array | None = None) -> None:
         self.system = system
         self.b = system.b.copy()
         self.evaluations = 0
@@ -22,7 +26,11 @@ class Motion:
         self._Phi_q, self._gamma = self._constraints.allocate()
         self._M, self._S = self._inertia.allocate()
         (self._Q,) = self._forces.allocate()
-        self._saddle = Saddle(system, "M")
+        self.keep(kept)
+
+    def keep(self, kept: Array | None) -> None:
+        """Go on with another choice of independent equations."""
+        self._saddle = Saddle(self.system, "M", kept)
 
     def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """a (nq,) and lam (m,) at a state.

@@ -15,12 +15,16 @@ STEPS = 5
 class Projection:
     """Projects states of one system onto Φ = 0 and Φ_q v = -Φ_t; the Jacobian's factors serve both."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, kept: Array | None = None) -> None:
         self._system = system
-        self._saddle = Saddle(system, "I")
+        self.keep(kept)
         self._group = system.group("Phi_q")
         self._weight, self._nothing = np.ones(system.nq), np.zeros(system.nq)
         (self._Phi_q,) = self._group.allocate()
+
+    def keep(self, kept: Array | None) -> None:
+        """Go on with another choice of independent equations."""
+        self._saddle = Saddle(self._system, "I", kept)
 
     def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """The projected q and v."""

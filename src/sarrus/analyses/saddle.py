@@ -21,12 +21,18 @@ class SingularSystem(ArithmeticError):
 
 
 class Saddle:
-    """The matrix [W Φ_qᵀ; Φ_q 0] for W = M ("M") or the identity ("I"), its pattern made once."""
+    """The matrix [W Φ_qᵀ; Φ_q 0] for W = M ("M") or the identity ("I"), its pattern made once.
 
-    def __init__(self, system: System, weight: str) -> None:
-        self.nq, self.m = system.nq, system.m
-        jacobian = system.pattern("Phi_q")
-        rows, columns = _places(jacobian)
+    Where constraints are dependent, `kept` are the places in Φ of independent ones; the multipliers of the others are
+    0.
+    """
+
+    def __init__(self, system: System, weight: str, kept: Array | None = None) -> None:
+        self._kept = np.arange(system.m) if kept is None else kept
+        self.nq, self.m, self._all = system.nq, len(self._kept), system.m
+        rows, columns = _places(system.pattern("Phi_q"))
+        self._used = np.isin(rows, self._kept)
+        rows, columns = np.searchsorted(self._kept, rows[self._used]), columns[self._used]
         if weight == "M":
             w_rows, w_columns = _places(system.pattern("M"))
         else:
@@ -53,7 +59,7 @@ class Saddle:
         SingularSystem
             If it cannot be factored.
         """
-        numbers = np.concatenate([W, Phi_q, Phi_q])
+        numbers = np.concatenate([W, Phi_q[self._used], Phi_q[self._used]])
         if self._dense is not None:
             self._dense[self._rows, self._columns] = numbers
             self._factors = _dense_factors(self._dense)
@@ -66,11 +72,13 @@ class Saddle:
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g."""
-        right = np.concatenate([f, g])
+        right = np.concatenate([f, g[self._kept]])
         solution = lu_solve(self._factors, right) if self._dense is not None else self._factors.solve(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
-        return solution[: self.nq], solution[self.nq :]
+        y = np.zeros(self._all)
+        y[self._kept] = solution[self.nq :]
+        return solution[: self.nq], y
 
 
 def _dense_factors(matrix: Array) -> Any:

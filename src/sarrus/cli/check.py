@@ -1,4 +1,4 @@
-"""``sarrus check MODEL``: a model in words, and every derivative of it against an independent one."""
+"""``sarrus check MODEL``: a model in words, its freedom, and every derivative against an independent one."""
 
 from __future__ import annotations
 
@@ -24,15 +24,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Print the words and the table; 1 if something does not agree."""
+    from ..analyses import assemble, mobility
     from ..elements import OPERATORS
     from ..model import describe
     from ..system import System
 
     model = model_file.read(chosen)
-    print(describe(model), end="\n\n", flush=True)
+    system = System(model)
+    start = assemble(system)
+    found = str(mobility(system, start.q)) if start.success else start.message
+    print(describe(model), found, sep="\n", end="\n\n", flush=True)
     if chosen.draw:
         _draw(model, chosen.draw)
-    system = System(model)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
     print(report)

@@ -1,6 +1,8 @@
 """Results are values: plain arrays with names."""
 
-from .assembly import Assembly
+from .assembly import Asked, Assembly
+from .mobility import Mobility, Repetition
+from .singularity import Singularity
 from .trajectory import BodyMotion, Trajectory
 
-__all__ = ["Assembly", "BodyMotion", "Trajectory"]
+__all__ = ["Asked", "Assembly", "BodyMotion", "Mobility", "Repetition", "Singularity", "Trajectory"]

@@ -2,9 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ..algebra import Array
+
+NONE = np.zeros(0)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What an assembly started from.
+
+    Attributes
+    ----------
+    q, v : (nq,) the guess, its Euler parameters at unit length
+    weight : (nq,) the diagonal of the metric W
+    held : (nq,) true for coordinates that keep their q and v
+    rates : given rates of coordinates and joints [m/s], [rad/s]
+    t : time [s]
+    """
+
+    q: Array = field(repr=False)
+    v: Array = field(repr=False)
+    weight: Array = field(repr=False)
+    held: Array = field(repr=False)
+    rates: Mapping[str, float]
+    t: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -18,6 +44,11 @@ class Assembly:
     message : one sentence: how it went, or which joints stay open by how much
     residual : largest entry of |Φ|
     iterations : Newton steps taken
+    lam : (m,) multipliers of the least change of q: W (q - q₀) + Φ_qᵀ lam = 0 where q is not held
+    mu : (m,) and those of v: W (v - v₀) + Φ_qᵀ mu + Cᵀ nu = 0, with C the rows of the given rates
+    nu : (number of rates,)
+    nearest : whether q is, to round-off, as near to the guess as its neighbours on the constraints are
+    asked : what it started from
     """
 
     q: Array = field(repr=False)
@@ -26,3 +57,8 @@ class Assembly:
     message: str
     residual: float
     iterations: int
+    lam: Array = field(default_factory=lambda: NONE, repr=False)
+    mu: Array = field(default_factory=lambda: NONE, repr=False)
+    nu: Array = field(default_factory=lambda: NONE, repr=False)
+    nearest: bool = False
+    asked: Asked | None = field(default=None, repr=False)

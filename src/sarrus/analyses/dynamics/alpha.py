@@ -13,6 +13,7 @@ from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
+from ..independence import Inconsistent, Independence
 from ..linear import SingularMatrix
 from ..motion import Motion
 from ..saddle import SingularSystem
@@ -55,6 +56,8 @@ class _Alpha:
         scheme = self.scheme()
         try:
             return Run(system, scheme, start, t_eval, rtol, atol, max_step).go(progress)
+        except Inconsistent as trouble:
+            return nothing(system, "inconsistent", str(trouble))
         except SingularSystem:
             return nothing(
                 system, "singular configuration", f"the constraints are dependent at t = {t_eval[0]:g} s"
@@ -135,7 +138,9 @@ class Run:
         self.system, self.scheme, self.times = system, scheme, times
         self.b, self.rtol, self.atol = system.b.copy(), rtol, np.full(system.nq, atol)
         self.max_step = max_step
-        self.matrix = NewtonMatrix(system)
+        self.independence = Independence(system, start.q, float(times[0]))
+        self.independence.check(start)
+        self.matrix = NewtonMatrix(system, self.independence.kept)
         bundles = [system.group(*names).bundle() for names in GROUPS.values()]
         self._loop = _compiled(tuple(function for function, _ in bundles))
         self._index = loop.Indices(*(indices for _, indices in bundles))
@@ -149,7 +154,8 @@ class Run:
 
     def _start(self, start: Assembly) -> loop.State:
         """Consistent accelerations and multipliers at the start."""
-        a, lam = Motion(self.system).acceleration(float(self.times[0]), start.q, start.v)
+        motion = Motion(self.system, self.independence.kept)
+        a, lam = motion.acceleration(float(self.times[0]), start.q, start.v)
         first = [np.array(x, dtype=float) for x in (start.q, start.v, a, a, lam)]
         return loop.State._make([*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam))])
 
@@ -162,9 +168,12 @@ class Run:
         try:
             while status in (loop.RUNNING, loop.REPIVOT):
                 if status == loop.REPIVOT:
+                    self._renew_equations()
                     self._renew_pivots()
                 status = self._advance()
                 self.system.remember(self._state.q0, self.b, numbers[0])
+                if self.independence.kept is not None and status == loop.RUNNING:
+                    status = loop.REPIVOT
                 if progress:
                     progress(float(numbers[0]))
         except SingularMatrix:
@@ -179,12 +188,21 @@ class Run:
 
     def _advance(self) -> int:
         """One chunk of steps; one step where elements remember something."""
-        limit = 1 if self.system.has_memory else CHUNK
+        limit = 1 if self.system.has_memory else 20 if self.independence.kept is not None else CHUNK
         status = self._loop(
             self.scheme, self._index, self.b, float(self.times[-1]), limit, self.max_step, self._state, self._memory,
             self._arrays, self._control, self._output, self.rtol, self.atol,
         )  # fmt: skip
         return int(status)
+
+    def _renew_equations(self) -> None:
+        """Where equations are dependent: another independent choice, if the present one has become poor."""
+        state, t = self._state, float(self._control.numbers[0])
+        if self.independence.renew(t, state.q0):
+            self.matrix.keep(self.independence.kept)
+            motion = Motion(self.system, self.independence.kept)
+            state.lam0[:] = motion.acceleration(t, state.q0, state.v0)[1]
+            state.lam_change[:] = 0.0
 
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
@@ -202,6 +220,7 @@ class Run:
         self._arrays = loop.Matrix._make([
             matrix.values, matrix.segments, matrix.places, matrix.weights, matrix.data,
             *(views[name] for name in ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v")),
+            matrix.row_of, matrix.left_out,
             lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
             lu.column_order,
         ])  # fmt: skip
@@ -211,11 +230,20 @@ class Run:
         state, span = self._state, float(self.times[-1] - self.times[0])
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
-        a, _ = Motion(self.system).acceleration(float(self.times[0]) + ahead, q, v)
+        a, _ = Motion(self.system, self.independence.kept).acceleration(float(self.times[0]) + ahead, q, v)
         jerk = self.scheme.error * (a - state.a0) / ahead / (self.atol + self.rtol * abs(state.q0))
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
         return float(min(max(guess, 1e-7 * span), 0.01 * span, self.max_step))
+
+    def _multipliers(self, rows: int) -> Array:
+        """Those given out: the shortest, where equations are dependent."""
+        out = self._output
+        if self.independence.kept is not None:
+            for k in range(rows):
+                out.lam[k] = self.independence.shortest(float(self.times[k]), out.q[k], out.lam[k])
+        kept: Array = out.lam[:rows]
+        return kept
 
     def _result(self, status: str, message: str) -> Trajectory:
         count, numbers = self._control.counts, self._control.numbers
@@ -225,7 +253,7 @@ class Run:
         out = self._output
         return trajectory_of(
             self.system,
-            (self.times[:rows], out.q[:rows], out.v[:rows], out.a[:rows], out.lam[:rows]),
+            (self.times[:rows], out.q[:rows], out.v[:rows], out.a[:rows], self._multipliers(rows)),
             status=status,
             message=message,
             nfev=int(count[2]),

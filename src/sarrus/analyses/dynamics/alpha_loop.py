@@ -92,6 +92,8 @@ class Matrix(NamedTuple):
     S_v: Any
     Q_q: Any
     Q_v: Any
+    row_of: Any
+    left_out: Any
     indptr: Any
     indices: Any
     pointers: Any
@@ -148,7 +150,7 @@ def update(scheme: Any, h: Any, state: Any) -> Any:
         state.v1[k] = state.v0[k] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x1)
 
 
-def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, beta: Any) -> Any:
+def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> Any:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step."""
     n = len(state.q0)
     RESIDUAL(index.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
@@ -157,7 +159,7 @@ def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, beta: Any) -> 
     for k in range(n):
         memory.right[k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
     for k in range(len(memory.Phi)):
-        memory.right[n + k] = memory.Phi[k] / beta
+        memory.right[n + k] = memory.Phi[k] / beta if left_out[k] == 0.0 else state.lam1[k]
 
 
 def factor(index: Any, b: Any, t: Any, state: Any, matrix: Any, beta: Any, gamma: Any) -> Any:
@@ -165,6 +167,8 @@ def factor(index: Any, b: Any, t: Any, state: Any, matrix: Any, beta: Any, gamma
     JACOBIAN(index.jacobian, b, t, state.q1, state.lam1, matrix.Phi_q, matrix.Phi_qT_lam_q)
     INERTIA(index.inertia, b, state.q1, state.v1, state.a1, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
     STIFFNESS(index.stiffness, b, t, state.q1, state.v1, matrix.Q_q, matrix.Q_v)
+    for k in range(len(matrix.Phi_q)):
+        matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
     weights = matrix.weights
     weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
     weights[3], weights[5] = -gamma, -gamma
@@ -220,7 +224,7 @@ def newton(
     rate, before = 0.0, 0.0
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
-        residual(index, b, t, state, memory, beta)
+        residual(index, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
         if control.numbers[2] != beta:
             control.counts[3] += 1
@@ -267,8 +271,8 @@ def project(index: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, memory: Any, m
             memory.right[k] = 0.0
         for k in range(len(memory.rate)):
             defect = memory.Phi[k] if position else memory.rate[k] + memory.Phi_t[k]
-            memory.right[n + k] = defect
-            worst = max(worst, abs(defect))
+            memory.right[n + k] = defect * (1.0 - matrix.left_out[k])
+            worst = max(worst, abs(memory.right[n + k]))
         if worst < PROJECTED:
             continue
         backsolve(matrix, memory.right, memory.solution)
@@ -333,7 +337,7 @@ def rescale(index: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, mat
         for k in range(n):
             memory.right[k] = 0.0
         for k in range(len(memory.rate)):
-            memory.right[n + k] = memory.rate[k] + memory.Phi_t[k]
+            memory.right[n + k] = (memory.rate[k] + memory.Phi_t[k]) * (1.0 - matrix.left_out[k])
         backsolve(matrix, memory.right, memory.solution)
         for k in range(n):
             state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]

@@ -23,33 +23,46 @@ class NewtonMatrix:
     Attributes
     ----------
     values : numbers of all operators, one after another, Φ_q last; `views[name]` is an operator's part
-    segments : for each operator in the order of BLOCKS, then Φ_q and Φ_qᵀ, the first number and the one behind the last
+    segments : for each operator in the order of BLOCKS, then the unit entries of equations left out, Φ_q and Φ_qᵀ: the
+        first number and the one behind the last
+    row_of : the equation that each number of Φ_q belongs to
+    left_out : (m,) 1 for equations that are left out because others imply them, else 0: they become λ_k = 0
     places : for each number (those of Φ_q twice) its place in the factored arrangement
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, kept: Array | None) -> None:
         self.n = system.nq + system.m
         parts = [_entries(system, name) for name in BLOCKS]
-        rows, columns = _entries(system, "Phi_q")
-        below, above = (rows + system.nq, columns), (columns, rows + system.nq)
-        everywhere = [*parts, below, above]
+        self.row_of, columns = _entries(system, "Phi_q")
+        below, above = (self.row_of + system.nq, columns), (columns, self.row_of + system.nq)
+        unit = np.arange(system.nq, self.n)
+        everywhere = [*parts, (unit, unit), below, above]
         sizes = [len(r) for r, _ in everywhere]
         starts = np.concatenate([[0], np.cumsum(sizes)])
         self.values = np.zeros(starts[-2])
         self.views = {
-            name: self.values[starts[k] : starts[k + 1]] for k, name in enumerate((*BLOCKS, "Phi_q"))
+            name: self.values[starts[k] : starts[k + 1]]
+            for k, name in enumerate((*BLOCKS, "left_out", "Phi_q"))
         }
         self.segments = np.column_stack([starts[:-1], starts[1:]]).astype(np.int64)
         keys = np.concatenate([c * self.n + r for r, c in everywhere])
         unique, self._place = np.unique(keys, return_inverse=True)
         self.indices = (unique % self.n).astype(np.int64)
         self.indptr = np.searchsorted(unique // self.n, np.arange(self.n + 1)).astype(np.int64)
-        self.weights = np.zeros(len(sizes))
+        self.weights = np.ones(len(sizes))
+        self.left_out = self.views["left_out"]
+        self.keep(kept)
         self.lu: Any = None
+
+    def keep(self, kept: Array | None) -> None:
+        """Solve only the equations in these places of Φ (None: all)."""
+        self.left_out[:] = 0 if kept is None else 1
+        self.left_out[kept if kept is not None else []] = 0
 
     def weigh(self, beta: float, gamma: float) -> Array:
         """The weights of the operators for a scheme's β' and γ'."""
-        self.weights[:] = [1.0, beta, -beta, -gamma, -beta, -gamma, beta, 1.0, 1.0]
+        self.weights[: len(BLOCKS)] = [1.0, beta, -beta, -gamma, -beta, -gamma, beta]
+        self.views["Phi_q"][self.left_out[self.row_of] > 0] = 0.0
         return self.weights
 
     def assembled(self) -> Array:

@@ -14,10 +14,14 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
+from ..independence import Inconsistent, Independence
 from ..motion import Motion
 from ..projection import Projection
 from ..saddle import SingularSystem
 from .outcome import trajectory_of
+
+TINY = 1e-6  # of the whole time: steps so short are given up on
+PATIENCE = 20  # after so many of them in a row
 
 
 @dataclass(frozen=True)
@@ -40,10 +44,13 @@ class ODE:
         """Integrate over the times `t_eval`; see `sarrus.simulate`."""
         from scipy import integrate
 
-        motion, recorder = Motion(system), Recorder(system, t_eval)
+        independence = Independence(system, start.q, t_eval[0])
+        motion, recorder = Motion(system, independence.kept), Recorder(system, t_eval, independence)
         y = np.concatenate([start.q, start.v])
         status, message, steps = "finished", "reached the end", 0
+        tiny = 0
         try:
+            independence.check(start)
             solver = getattr(integrate, self.name)(
                 motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol, max_step=max_step
             )
@@ -54,24 +61,40 @@ class ODE:
                     status, message = "step too small", f"{trouble} at t = {solver.t:.6g} s"
                     break
                 steps += 1
+                tiny = tiny + 1 if solver.step_size < TINY * (t_eval[-1] - t_eval[0]) else 0
+                if tiny >= PATIENCE:
+                    status, message = "step too small", _stuck(solver.t)
+                    break
                 recorder.record(motion, solver.t, solver.dense_output(), up_to=solver.t)
                 solver.y = np.concatenate(recorder.projection(solver.t, *np.split(solver.y, 2)))
+                if independence.renew(solver.t, solver.y[: system.nq]):
+                    motion.keep(independence.kept)
+                    recorder.projection.keep(independence.kept)
                 system.remember(solver.y[: system.nq], motion.b, solver.t)
                 solver.f = motion.rate(solver.t, solver.y)
                 if progress:
                     progress(float(solver.t))
+        except Inconsistent as contradiction:
+            status, message = "inconsistent", str(contradiction)
         except SingularSystem:
             status = "singular configuration"
             message = f"the constraints become dependent near t = {recorder.last:.6g} s; change the start or the model"
         return recorder.trajectory(status, message, motion.evaluations, steps)
 
 
+def _stuck(t: float) -> str:
+    return (
+        f"steps become ever shorter near t = {t:.6g} s: a force is very stiff, or the mechanism comes to a singular "
+        "position, where motions branch; `singularities` locates such positions along a motion"
+    )
+
+
 class Recorder:
     """Collects states at given times from a solver's interpolants, each projected onto the constraints."""
 
-    def __init__(self, system: System, times: Array) -> None:
-        self.system, self.times = system, times
-        self.projection = Projection(system)
+    def __init__(self, system: System, times: Array, independence: Independence) -> None:
+        self.system, self.times, self._independence = system, times, independence
+        self.projection = Projection(system, independence.kept)
         self.last = float(times[0])
         self._rows: list[tuple[Any, ...]] = []
 
@@ -81,6 +104,7 @@ class Recorder:
             time = float(self.times[len(self._rows)])
             q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
             a, lam = motion.acceleration(time, q, v)
+            lam = self._independence.shortest(time, q, lam)
             self._rows.append((time, q, v, a, lam))
         self.last = float(t)
 

@@ -1,0 +1,110 @@
+"""Degrees of freedom and dependent equations of a system at one position, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from ..results import Mobility
+from ..results.mobility import Kind
+from ..system import System
+from .assembly import assemble
+from .rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
+from .repetitions import repetitions
+from .second_order import common_zeros
+
+DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
+STRAIGHT = 1e-6  # curvature, relative, that counts as zero
+
+
+def mobility(
+    system: System, q: ArrayLike | None = None, *, t: float = 0.0, tolerance: float = TOLERANCE
+) -> Mobility:
+    """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
+
+    A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
+    equations with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) a position that satisfies the constraints; by default the model's, assembled
+    t : time [s]
+    tolerance : relative size of a singular value that counts as zero
+
+    Returns
+    -------
+    Mobility
+        Printed, it says all this in words.
+
+    Raises
+    ------
+    ValueError
+        If no position is given and the model cannot be assembled.
+    """
+    at = _assembled(system, t) if q is None else np.asarray(q, dtype=float)
+    J = system.Phi_q(at, t)
+    found = rank_of(J, tolerance)
+    null = found.null / row_lengths(J)[:, None]
+    motions = _motions(J, found)
+    kind, finite = _kind(system, at, t, null, motions)
+    return Mobility(
+        system.name,
+        *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
+        repetitions=repetitions(system, at, J, found.null),
+        kept=independent_rows(found.null, normalizations(system)),
+        null_vectors=null,
+        motions=motions,
+        smallest=found.smallest,
+    )
+
+
+def _assembled(system: System, t: float) -> Array:
+    start = assemble(system, t=t)
+    if not start.success:
+        raise ValueError(start.message)
+    return start.q
+
+
+def normalizations(system: System) -> Array:
+    """Mark the equations of the Euler parameters (m,)."""
+    mark = np.ones(system.m, dtype=bool)
+    for rows in system.rows.values():
+        mark[rows] = False
+    return mark
+
+
+def _motions(J: csr_array, found: Rank) -> Array:
+    if J.shape[1] > DENSE_UP_TO:
+        return np.zeros((J.shape[1], 0))
+    right = np.linalg.svd(J.toarray() / row_lengths(J)[:, None], full_matrices=True)[2]
+    return np.asarray(right[found.rank :].T)
+
+
+def _kind(system: System, q: Array, t: float, null: Array, motions: Array) -> tuple[Kind, int | None]:
+    """Which motions go on, by second order, and how many degrees of freedom they have."""
+    freedom, repeated = motions.shape[1], null.shape[1]
+    if system.nq > DENSE_UP_TO:
+        return "untested", None
+    if not repeated or not freedom:
+        return "redundant" if repeated else "regular", freedom
+    forms = _independent(np.array([_form(system, q, t, null[:, n], motions) for n in range(repeated)]))
+    if not len(forms):
+        return "redundant", freedom
+    return ("branching", None) if common_zeros(forms) else ("shaky", 0)
+
+
+def _independent(forms: Array) -> Array:
+    """As few symmetric matrices (count, d, d) as span the same forms, none where all vanish."""
+    count, d, _ = forms.shape
+    _, sizes, span = np.linalg.svd(forms.reshape(count, d * d), full_matrices=False)
+    return np.asarray(span[sizes > STRAIGHT].reshape(-1, d, d))
+
+
+def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:
+    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z, relative to the size of the matrix in the middle."""
+    H = system.Phi_qT_lam_q(q, n, t)
+    size = abs(H).max() or 1.0
+    return np.asarray(motions.T @ (H @ motions)) / size

@@ -1,0 +1,110 @@
+"""Dependent constraints in analyses: which equations are solved, which multipliers are reported, what is refused.
+
+An analysis of a system whose equations are dependent, but consistent, goes on with a choice of independent equations.
+Coordinates, velocities and accelerations do not depend on this choice. Multipliers are not unique; reported are the
+shortest ones, with the least Σ λ_k² over all equations, of all that give the same constraint forces Φ_qᵀλ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import qr
+
+from ..algebra import Array
+from ..results import Assembly
+from ..system import System
+from .degrees_of_freedom import normalizations
+from .rank import independent_rows, rank_of, row_lengths
+from .saddle import Saddle, SingularSystem
+
+CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
+AMPLIFICATION = 10.0  # of the equations kept in those left out, above which another choice is made
+
+
+class Inconsistent(ArithmeticError):
+    """Dependent constraints contradict each other."""
+
+
+class Independence:
+    """A choice of independent equations of one system, made at one position and renewed along a motion.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) a position that satisfies the constraints
+    t : time [s]
+
+    Attributes
+    ----------
+    kept : places in Φ of the equations chosen, or None where all are independent
+    """
+
+    def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
+        self._system, self._fixed = system, normalizations(system)
+        self._null = rank_of(system.Phi_q(q, t)).null
+        self.kept: Array | None = None
+        if self._null.shape[1]:
+            self._choose(self._null)
+
+    def _choose(self, null: Array) -> None:
+        self.kept = independent_rows(null, self._fixed)
+        self._saddle = Saddle(self._system, "I", self.kept)
+        self._dropped = np.setdiff1d(np.arange(self._system.m), self.kept)
+
+    def renew(self, t: float, q: Array) -> bool:
+        """Choose again at another position, if the choice is no longer good there; true if there is another choice.
+
+        Where the rank is not what it was, at a singular position, the choice stays.
+        """
+        if self.kept is None or not self._poor(t, q):
+            return False
+        null = rank_of(self._system.Phi_q(q, t)).null
+        if null.shape != self._null.shape:
+            return False
+        self._choose(null)
+        return True
+
+    def _poor(self, t: float, q: Array) -> bool:
+        try:
+            return bool(abs(self._combinations(t, q)).max() > AMPLIFICATION)
+        except SingularSystem:
+            return True
+
+    def _combinations(self, t: float, q: Array) -> Array:
+        """For every equation left out, itself less what it follows from (m, k): nᵀΦ_q = 0."""
+        J, nothing = self._system.Phi_q(q, t), np.zeros(self._system.m)
+        self._saddle.factor(np.ones(self._system.nq), J.data)
+        left_out = J[self._dropped].toarray()
+        found = -np.array([self._saddle.solve(row, nothing)[1] for row in left_out]).T
+        found[self._dropped, np.arange(len(left_out))] = 1
+        return found
+
+    def shortest(self, t: float, q: Array, lam: Array) -> Array:
+        """The shortest multipliers (m,) that give the same constraint forces."""
+        if self.kept is None:
+            return lam
+        basis = qr(self._combinations(t, q), mode="economic")[0]
+        return np.asarray(lam - basis @ (basis.T @ lam))
+
+    def check(self, start: Assembly) -> None:
+        """Refuse a start whose equations contradict each other.
+
+        Raises
+        ------
+        Inconsistent
+            If the assembly failed, or no acceleration satisfies all constraints.
+        """
+        if not start.success:
+            raise Inconsistent(start.message)
+        if self.kept is None:
+            return
+        t = start.asked.t if start.asked else 0.0
+        lengths = row_lengths(self._system.Phi_q(start.q, t))
+        scaled = self._system.gamma(start.q, start.v, t) / lengths
+        missing = self._null @ (self._null.T @ scaled)
+        if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):
+            row = self._system.row_names[int(np.argmax(abs(missing)))]
+            raise Inconsistent(
+                f"{self._system.name} has redundant constraints that contradict each other as soon as it moves, "
+                f"first of all {row}; it is stuck in this position, or its velocity leaves the way that it can go"
+            )

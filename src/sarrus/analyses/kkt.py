@@ -1,0 +1,83 @@
+"""The matrix [A Jᵀ; J 0] for a Jacobian J of any rank: its answer of least multipliers, by proximal refinement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse import block_array, csr_array, eye_array
+from scipy.sparse.linalg import splu
+
+from ..algebra import Array
+
+DENSE_BELOW = 400  # unknowns, where LAPACK is faster than SuperLU
+PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL times the scale of J A⁻¹ Jᵀ
+REFINEMENTS = 12
+SMALL = 1e-15  # correction, relative, at which refinement ends
+
+
+class KKT:
+    """Solves A x + Jᵀ y = f, J x = g, factored once for any number of right sides; A is symmetric.
+
+    With -δI in the place of 0 the matrix is regular whatever the rank of J, if A is positive on the null space of J.
+    Refining the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers.
+
+    Parameters
+    ----------
+    A : (n, n), or its diagonal (n,)
+    J : (m, n)
+    """
+
+    def __init__(self, A: Any, J: csr_array) -> None:
+        self._A: Any = csr_array(np.diag(A)) if isinstance(A, np.ndarray) and A.ndim == 1 else csr_array(A)
+        self._J = J
+        self.n = J.shape[1]
+        self._delta = PROXIMAL * _scale(self._A, J)
+        self._inverse = self._factored()
+
+    def _factored(self) -> Callable[[Array], Array]:
+        m, n = self._J.shape
+        if m + n >= DENSE_BELOW:
+            corner = -self._delta * eye_array(m)
+            whole = block_array([[self._A, self._J.T], [self._J, corner]]).tocsc()
+            return splu(whole).solve  # type: ignore[no-any-return]
+        matrix = np.zeros((n + m, n + m))
+        matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
+        matrix[:n, n:] = matrix[n:, :n].T
+        matrix[range(n, n + m), range(n, n + m)] = -self._delta
+        factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
+        return lambda right: np.asarray(lu_solve(factors, right, check_finite=False))
+
+    def step(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """x and y without refinement, for the directions of iterations."""
+        found = self._inverse(np.concatenate([f, g]))
+        return found[: self.n], found[self.n :]
+
+    def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """x and y (n,), (m,), or one column for each of f and g (n, k), (m, k).
+
+        Where g is not in the range of J, J x is as near to g as can be reached; see `gap`.
+        """
+        x, y = self.step(f, g)
+        size, before = abs(x).max(initial=0.0), np.inf
+        for _ in range(REFINEMENTS):
+            dx, dy = self.step(f - self._A @ x - self._J.T @ y, g - self._J @ x)
+            change = abs(dx).max(initial=0.0)
+            if change >= before:
+                break
+            x, y, before = x + dx, y + dy, change
+            if change <= SMALL * size:
+                break
+        return x, y
+
+    def gap(self, x: Array, g: Array) -> float:
+        """Largest entry of |J x - g|: not round-off where no x exists."""
+        return float(abs(self._J @ x - g).max(initial=0.0))
+
+
+def _scale(A: csr_array, J: csr_array) -> float:
+    weight = np.maximum(abs(A.diagonal()), 1e-300)
+    weight = np.maximum(weight, 1e-6 * weight.max(initial=0.0))
+    return float((J.multiply(J) @ (1 / weight)).max(initial=0.0)) or 1.0

@@ -1,0 +1,101 @@
+"""Along the constraints to the nearest coordinates: q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from ..system import System
+from .feasible import Feasible
+from .kkt import KKT
+from .minimum_step import MinimumStep
+
+STATIONARY = 1e-12  # of the gradient along the constraints, relative to W (q - q₀)
+ITERATIONS = 60
+SHIFTS = (0.0, 0.3, 1.0, 3.0, 10.0)  # times W, added until the step goes downhill
+HALVINGS = 12
+CLOSE = 1e-5  # a step so short that round-off hides how the distance falls, and that needs no such test
+LONGEST = 0.5  # largest entry of a step
+RETRACTIONS = 12  # steps back onto the constraints
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """q (nq,), its multipliers λ (m,), Newton steps, and whether W (q - q₀) + Φ_qᵀλ = 0 within round-off."""
+
+    q: Array
+    lam: Array
+    steps: int
+    stationary: bool
+
+
+class LeastChange:
+    """Newton's method with the exact curvature (Φ_qᵀλ)_q, each step followed by one back onto the constraints.
+
+    Parameters
+    ----------
+    system : System
+    weight : (nq,) the diagonal of W
+    free : (nq,) which coordinates are not held
+    t : time [s]
+    """
+
+    def __init__(self, system: System, weight: Array, free: Array, t: float) -> None:
+        self.system, self.weight, self.free, self.t = system, weight, np.flatnonzero(free), t
+        self._inverse = np.where(free, 1 / weight, 0.0)
+        self._feasible = Feasible(system, self._inverse, t)
+
+    def __call__(self, q: Array, guess: Array, tolerance: float) -> Nearest:
+        """Descend from q, on the constraints, towards the guess (both (nq,))."""
+        for steps in range(ITERATIONS):
+            J = self.system.Phi_q(q, self.t)
+            lam, slope = self._multipliers(J, q - guess)
+            size = np.linalg.norm(self.weight * (q - guess))
+            if np.linalg.norm(slope) <= STATIONARY * (size + 1e-3):
+                return Nearest(q, lam, steps, True)
+            there = self._descend(q, guess, J, lam, slope, tolerance)
+            if there is None:
+                return Nearest(q, lam, steps, False)
+            q = there
+        return Nearest(q, lam, ITERATIONS, False)
+
+    def _multipliers(self, J: csr_array, change: Array) -> tuple[Array, Array]:
+        """λ that makes W (q - q₀) + Φ_qᵀλ least in the metric, and this remainder."""
+        step, lam, slope = MinimumStep(J, self._inverse), np.zeros(J.shape[0]), self.weight * change
+        for _ in range(2):
+            lam = lam + step.multipliers(-(J @ (self._inverse * slope)))
+            slope = self.weight * change + J.T @ lam
+        return lam, np.where(self._inverse > 0, slope, 0.0)
+
+    def _descend(
+        self, q: Array, guess: Array, J: csr_array, lam: Array, slope: Array, tolerance: float
+    ) -> Array | None:
+        step = self._direction(q, J, lam, slope)
+        if abs(step).max() < CLOSE:
+            return self._feasible(q + step, tolerance, RETRACTIONS).q
+        before, length = self._distance(q, guess), min(1.0, LONGEST / max(abs(step).max(), 1e-300))
+        for _ in range(HALVINGS):
+            there = self._feasible(q + length * step, tolerance, RETRACTIONS)
+            if there.ok and self._distance(there.q, guess) <= before + 0.1 * length * float(slope @ step):
+                return there.q
+            length /= 2
+        return None
+
+    def _direction(self, q: Array, J: csr_array, lam: Array, slope: Array) -> Array:
+        """Newton's step along the constraints, its curvature shifted until it goes downhill."""
+        F = self.free
+        J_F, H = csr_array(J[:, F]), self.system.Phi_qT_lam_q(q, lam, self.t).toarray()[np.ix_(F, F)]
+        step, W = np.zeros(len(q)), np.diag(self.weight[F])
+        for shift in SHIFTS:
+            A = (1 + shift) * W + H
+            step[F], _ = KKT(A, J_F).step(-slope[F], np.zeros(len(lam)))
+            if step[F] @ A @ step[F] > 1e-3 * (step[F] @ W @ step[F]) and slope @ step < 0:
+                return step
+        step[F], _ = KKT(self.weight[F], J_F).step(-slope[F], np.zeros(len(lam)))
+        return step
+
+    def _distance(self, q: Array, guess: Array) -> float:
+        return 0.5 * float(np.sum(self.weight * (q - guess) ** 2))

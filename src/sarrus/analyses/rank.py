@@ -1,0 +1,121 @@
+"""Rank of a sparse Jacobian: the combinations of rows that vanish, and the directions that it does not restrain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import csr_array, eye_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from ..algebra import Array
+
+TOLERANCE = (
+    1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
+)
+DENSE_UP_TO = 700  # rows of a component that are analysed by singular values
+FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
+
+
+@dataclass(frozen=True)
+class Rank:
+    """Rank of J (m, n).
+
+    Attributes
+    ----------
+    rank : number of independent rows
+    null : (m, m - rank) orthonormal combinations of unit rows that vanish
+    smallest : smallest singular value that is not taken for zero, rows scaled to unit length
+    """
+
+    rank: int
+    null: Array
+    smallest: float
+
+
+def rank_of(J: csr_array, tolerance: float = TOLERANCE) -> Rank:
+    """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration."""
+    unit = unit_rows(J)
+    labels, count = _components(unit)
+    nulls, smallest = [], np.inf
+    for n in range(count):
+        rows = np.flatnonzero(labels == n)
+        null, least = _null_of(unit[rows], tolerance)
+        wide = np.zeros((J.shape[0], null.shape[1]))
+        wide[rows] = null
+        nulls.append(wide)
+        smallest = min(smallest, least)
+    null = np.hstack(nulls) if nulls else np.zeros((J.shape[0], 0))
+    return Rank(J.shape[0] - null.shape[1], null, float(smallest))
+
+
+def unit_rows(J: csr_array) -> csr_array:
+    """J with every row scaled to unit length; rows of zeros stay."""
+    return csr_array(J.multiply(1 / row_lengths(J)[:, None]))
+
+
+def row_lengths(J: csr_array) -> Array:
+    """Length of every row (m,), 1 for rows of zeros."""
+    length = np.sqrt(np.asarray(J.multiply(J).sum(axis=1)).reshape(-1))
+    return np.where(length > 0, length, 1.0)
+
+
+def independent_rows(null: Array, last: Array) -> Array:
+    """A well-conditioned choice of independent rows, given all vanishing combinations (m, k).
+
+    Parameters
+    ----------
+    null : (m, k) from `Rank`
+    last : (m,) rows that must be kept (their removal would be no help to anyone)
+
+    Notes
+    -----
+    The k rows left out are the pivots of a QR factorization of the combinations: what these rows say follows from the
+    others with the least amplification.
+    """
+    candidates = np.flatnonzero(~last)
+    if not null.shape[1]:
+        return np.arange(len(null))
+    order = qr(null[candidates].T, mode="r", pivoting=True)[1]
+    dropped = candidates[order[: null.shape[1]]]
+    return np.setdiff1d(np.arange(len(null)), dropped)
+
+
+def _components(unit: csr_array) -> tuple[Array, int]:
+    """The component of each row: rows that share a column belong together."""
+    m, n = unit.shape
+    row = np.repeat(np.arange(m), np.diff(unit.indptr))
+    graph = csr_array((np.ones(len(row)), (row, m + unit.indices)), shape=(m + n, m + n))
+    labels = connected_components(graph, directed=False)[1][:m]
+    names, labels = np.unique(labels, return_inverse=True)
+    return labels, len(names)
+
+
+def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
+    m = unit.shape[0]
+    if m > DENSE_UP_TO:
+        return _null_by_iteration(unit, tolerance)
+    used = np.unique(unit.indices)
+    left, values, _ = np.linalg.svd(unit[:, used].toarray(), full_matrices=True)
+    values = np.concatenate([values, np.zeros(m - len(values))])
+    zero = values <= tolerance * values.max(initial=0.0)
+    return left[:, zero], float(values[~zero].min(initial=np.inf))
+
+
+def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]:
+    """The eigenvectors of J Jᵀ for its smallest eigenvalues, more of them until the last is not zero."""
+    m = unit.shape[0]
+    normal = (unit @ unit.T).tocsc()
+    inverse = LinearOperator((m, m), matvec=splu((normal + FLOOR * eye_array(m)).tocsc()).solve)
+    start = np.random.default_rng(0).normal(size=m)
+    for count in (8, 32, 128, 512):
+        _, vectors = eigsh(inverse, k=min(count, m - 1), which="LM", v0=start)
+        values = np.linalg.norm(unit.T @ vectors, axis=0)
+        zero = values <= max(tolerance, 1e-7) * np.sqrt(normal.diagonal().max())
+        if not np.all(zero):
+            return vectors[:, zero], float(values[~zero].min())
+    raise ArithmeticError(
+        "more than 500 dependent equations in one mechanism; look for joints that were copied"
+    )

@@ -1,0 +1,67 @@
+"""Velocities: the least change that satisfies Φ_q v = -Φ_t, with given rates of coordinates and joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from ..algebra import Array
+from ..system import System
+from .joint_rate import Rate, rate
+from .kkt import KKT
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """v (nq,) with its multipliers μ (m,) and ν, and how far each equation is from being satisfied."""
+
+    v: Array
+    mu: Array
+    nu: Array
+    gap: Array
+
+
+class Rates:
+    """The rows C(q) and the values of rates given by name, C(q) v = values."""
+
+    def __init__(self, system: System, given: Mapping[str, float]) -> None:
+        self.size = system.nq
+        self.rates: list[Rate] = [rate(system, name) for name in given]
+        self.values = np.array([float(value) for value in given.values()])
+
+    def rows(self, q: Array) -> csr_array:
+        """C (number of rates, nq)."""
+        return csr_array(np.array([r.row(q) for r in self.rates]).reshape(-1, self.size))
+
+    def rows_xi_q(self, q: Array, xi: Array) -> csr_array:
+        """(C ξ)_q (number of rates, nq)."""
+        return csr_array(np.array([r.row_xi_q(q, xi) for r in self.rates]).reshape(-1, self.size))
+
+    def curvature(self, q: Array, nu: Array) -> csr_array:
+        """(Cᵀν)_q (nq, nq), symmetric."""
+        total = np.zeros((self.size, self.size))
+        for one, factor in zip(self.rates, nu, strict=True):
+            total += factor * one.row_q(q)
+        return csr_array(total)
+
+
+def assemble_velocity(
+    system: System, q: Array, v: Array, weight: Array, free: Array, rates: Rates, t: float
+) -> Velocity:
+    """Solve W (v - v₀) + Φ_qᵀμ + Cᵀν = 0, Φ_q v = -Φ_t, C v = rates; held velocities keep their values.
+
+    Returns
+    -------
+    Velocity
+        `gap` (m + number of rates,) is not round-off where no such velocity exists.
+    """
+    F, J = np.flatnonzero(free), csr_array(vstack([system.Phi_q(q, t), rates.rows(q)]))
+    right = np.concatenate([-system.Phi_t(q, t), rates.values])
+    matrix = KKT(weight[F], csr_array(J[:, F]))
+    change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
+    found = v.copy()
+    found[F] += change
+    return Velocity(found, multipliers[: system.m], multipliers[system.m :], J @ found - right)

@@ -1,0 +1,114 @@
+"""What the analysis of rank gives back: degrees of freedom, dependent equations, what motions remain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..algebra import Array
+
+Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """Equations of one joint that follow from other joints' equations.
+
+    Attributes
+    ----------
+    joint : whose equations they are
+    repeats : names of the joints from which they follow, in the model's order
+    rows : their places in Φ
+    directions : what each restrains, for example "rotation about x"
+    whole : whether these are all equations of the joint
+    """
+
+    joint: str
+    repeats: tuple[str, ...]
+    rows: tuple[int, ...]
+    directions: tuple[str, ...]
+    whole: bool
+
+    def __str__(self) -> str:
+        others = _listed(self.repeats) if self.repeats else "what is fixed already"
+        what = "all that it restrains, " if self.whole and len(self.rows) > 1 else ""
+        return f"{self.joint} repeats {others}: {what}{_grouped(self.directions)}"
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """Degrees of freedom of a system at one position, and the equations that are dependent there.
+
+    Attributes
+    ----------
+    name : of the system
+    coordinates, equations, rank : size of Φ_q and its rank
+    degrees_of_freedom : coordinates less rank: the motions that are possible at this instant
+    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, as far as
+        second order tells. "branching": motions cross here, and are fewer elsewhere. "shaky": a motion is possible for
+        an instant only. "untested": too large for the test of second order.
+    finite : degrees of freedom of motions that go on; None where they branch or were not tested
+    repetitions : dependent equations by joint
+    kept : places in Φ of a well-conditioned choice of independent equations (rank,)
+    null_vectors : (equations, equations - rank) combinations of equations whose gradients vanish
+    motions : (coordinates, degrees_of_freedom) an orthonormal basis of the possible velocities
+    smallest : smallest singular value that counts, with every equation scaled to a unit gradient
+    """
+
+    name: str
+    coordinates: int
+    equations: int
+    rank: int
+    degrees_of_freedom: int
+    kind: Kind
+    finite: int | None
+    repetitions: tuple[Repetition, ...]
+    kept: Array = field(repr=False)
+    null_vectors: Array = field(repr=False)
+    motions: Array = field(repr=False)
+    smallest: float
+
+    @property
+    def redundant(self) -> int:
+        """Number of dependent equations."""
+        return self.equations - self.rank
+
+    def __str__(self) -> str:
+        return "\n".join([f"{self.name}: {self._motion()}", *self._counts(), *map(str, self.repetitions)])
+
+    def _motion(self) -> str:
+        n = self.degrees_of_freedom
+        freedom = f"{n} degree{'' if n == 1 else 's'} of freedom"
+        if self.kind == "shaky":
+            return f"{freedom} for an instant only: second order lets no more than {self.finite} go on"
+        if self.kind == "branching":
+            return (
+                f"{freedom} at this position only: motions cross or touch here, and there are fewer elsewhere"
+            )
+        return freedom + (", whether they go on was not tested" if self.kind == "untested" else "")
+
+    def _counts(self) -> list[str]:
+        count = f"{self.coordinates} coordinates, {self.equations} equations (Euler parameters' unit lengths included)"
+        told = f", {self.redundant} of them redundant" if self.redundant else ", all independent"
+        return [count + told]
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
+
+
+def _grouped(directions: tuple[str, ...]) -> str:
+    """ "displacement along x, displacement along y, rotation about z" with each kind said once."""
+    groups: dict[str, list[str]] = {}
+    for direction in directions:
+        for word in (" along ", " about "):
+            if word in direction:
+                kind, axis = direction.split(word, 1)
+                groups.setdefault(kind + word, []).append(axis)
+                break
+        else:
+            groups.setdefault(direction, [])
+    return ", ".join(
+        kind + _listed(tuple(sorted(set(axes), key=lambda axis: (len(axis), axis)))) if axes else kind
+        for kind, axes in groups.items()
+    )

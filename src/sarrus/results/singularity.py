@@ -1,0 +1,29 @@
+"""A singular position that was found along a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..algebra import Array
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """A position at which constraints, or the inputs of a mechanism, lose rank.
+
+    Attributes
+    ----------
+    at : time [s], or parameter of the path
+    q : (nq,)
+    kind : "branch": the constraints become dependent and motions meet. "dead centre": the inputs stand still while the
+        mechanism moves, so that they do not determine its motion.
+    smallest : smallest singular value there, of equations scaled to unit gradients
+    message : one sentence
+    """
+
+    at: float
+    q: Array = field(repr=False)
+    kind: Literal["branch", "dead centre"]
+    smallest: float
+    message: str

@@ -1,0 +1,120 @@
+"""Overconstrained linkages move: accelerations are unique, multipliers the shortest; contradictions are refused."""
+
+import numpy as np
+import pytest
+from tests.analyses import linkages
+from tests.analyses.linkages import Z, chain
+
+import sarrus as sr
+from sarrus.analyses.independence import Independence
+from sarrus.analyses.motion import Motion
+from sarrus.euler import rotate
+
+# Point (1, -1, 0) of Bricard's linkage at 0.5, 1, 2, 5 and 10 s; computed apart, by least squares.
+BRICARD = {
+    0.5: (0.77471781, -0.97981505, -0.19990616),
+    1.0: (0.27448132, -0.88670794, -0.46233000),
+    2.0: (-0.77813537, -0.98035268, -0.19725267),
+    5.0: (0.999932742, -0.999999998, -0.0000672554),
+    10.0: (0.999730987, -0.999999964, -0.000268976512),
+}
+
+
+def test_bricard_follows_the_reference() -> None:
+    times = [0.0, *BRICARD]
+    run = sr.simulate(linkages.bricard(), until=10.0, t_eval=times, rtol=1e-10, atol=1e-12)
+    assert run.success, run.message
+    rod = run["rod_2"]
+    ends = [r + rotate(p, np.array([0, -0.5, 0])) for r, p in zip(rod.position, rod.euler, strict=True)]
+    assert np.allclose(ends[1:], list(BRICARD.values()), atol=2e-8)
+    assert run.violation.max() < 1e-12
+
+
+@pytest.mark.parametrize("make", [linkages.door, linkages.sarrus, linkages.bennett], ids=lambda m: m.__name__)
+def test_overconstrained_linkages_move(make: object) -> None:
+    system = make()  # type: ignore[operator]
+    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 21), rtol=1e-9, atol=1e-11)
+    assert run.success, run.message
+    assert abs(run.q - run.q[0]).max() > 0.1
+    assert run.violation.max() < 1e-12
+    energy = [total_energy(system, q, v) for q, v in zip(run.q, run.v, strict=True)]
+    assert np.ptp(energy) < 1e-6
+    for q, v, a, lam in zip(run.q, run.v, run.a, run.lam, strict=True):
+        left = system.M_a(q, a) + system.Phi_qT_lam(q, lam)
+        assert np.allclose(left, system.Q(q, v) + system.S(q, v), atol=1e-8)
+        assert np.allclose(system.Phi_q_xi(q, a), system.gamma(q, v), atol=1e-8)
+        shortest = np.linalg.pinv(system.Phi_q(q).toarray().T, rcond=1e-8) @ system.Phi_qT_lam(q, lam)
+        assert np.allclose(lam, shortest, atol=1e-7)
+
+
+def total_energy(system: sr.System, q: np.ndarray, v: np.ndarray) -> float:
+    gravity = np.array(system.model.gravity)
+    potential = -sum(
+        body.mass * gravity @ r for body, r in zip(system.model.bodies, q.reshape(-1, 7)[:, :3], strict=True)
+    )
+    return float(system.kinetic_energy(q, v) + potential)
+
+
+def test_accelerations_do_not_depend_on_the_choice() -> None:
+    system = linkages.bennett()
+    start = sr.assemble(system, v=np.random.default_rng(1).normal(size=system.nq))
+    chosen = Independence(system, start.q).kept
+    assert chosen is not None
+    want, _ = Motion(system, chosen).acceleration(0.0, start.q, start.v)
+    others = 0
+    for dropped in np.random.default_rng(2).permutation(20)[:10]:
+        J = system.Phi_q(start.q).toarray()
+        kept = chosen
+        if dropped in chosen:  # exchange one row for one that was left out
+            left_out = np.setdiff1d(np.arange(system.m), chosen)
+            for row in left_out:
+                other = np.sort(np.append(chosen[chosen != dropped], row))
+                if np.linalg.svd(J[other], compute_uv=False)[-1] > 1e-3:
+                    kept, others = other, others + 1
+        a, _ = Motion(system, kept).acceleration(0.0, start.q, start.v)
+        assert np.allclose(a, want, atol=1e-8)
+    assert others > 3
+
+
+def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
+    system = linkages.bricard()
+    independence, motion = Independence(system, system.q0), linkages.bricard()
+    run = sr.simulate(motion, until=2.5, t_eval=np.linspace(0, 2.5, 26))
+    for q in run.q:
+        independence.renew(0.0, q)
+        kept = system.Phi_q(q)[independence.kept].toarray()
+        assert np.linalg.svd(kept, compute_uv=False)[-1] > 1e-3
+
+
+def test_contradictory_joints_are_refused() -> None:
+    system = linkages.contradictory_door()
+    run = sr.simulate(system, until=1.0)
+    assert not run.success
+    assert run.status == "inconsistent"
+    assert "hinge_2 by 0.05 m" in run.message
+    assert len(run.t) == 0
+
+
+def test_a_velocity_that_leads_nowhere_is_refused() -> None:
+    """Two rods in one line between fixed hinges may have a velocity, but no acceleration to go with it."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], dtype=float)
+    system = chain("stretched", points, np.tile(Z, (3, 1)))
+    moving = sr.assemble(system, rates={"hinge_1": 1.0})
+    assert moving.success, moving.message
+    run = sr.simulate(system, moving, until=1.0)
+    assert not run.success
+    assert run.status == "inconsistent"
+    assert "contradict each other as soon as it moves" in run.message
+
+
+def test_a_crooked_door_is_stuck() -> None:
+    system = linkages.crooked_door()
+    assert sr.mobility(system).degrees_of_freedom == 0
+    run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5])
+    assert run.success
+    assert np.allclose(run.q[-1], system.q0, atol=1e-9)
+
+
+def test_running_into_a_branch_ends_with_a_sentence() -> None:
+    run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11)
+    assert run.success or "singular position" in run.message

@@ -98,7 +98,7 @@ def _lay_out(populations: list[Population]) -> Array:
 
 def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
     """The numbers of a population; curves go to the store behind all numbers, and their place is the number."""
-    kinds = population.kind.fields.values()
+    kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
     for values in population.values:
         for kind, value in zip(kinds, values, strict=True):
             if kind == "Curve":

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from . import rotation
 from .inertia import Inertia, Inertia6, inertia_entries
+from .measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from .orientation import Orientation, euler_parameters
 from .pose import Pose
-from .quantity import Array, Vec3, Vector, positive, vector
+from .quantity import Array, Vec3, positive, vector
 from .solid import Solid
 
 
@@ -53,13 +54,13 @@ class Body(Solid):
     Nothing is checked here: ``blueprint``, and so ``System``, names what is wrong.
     """
 
-    mass: float
-    inertia: Inertia
-    position: Vector = (0.0, 0.0, 0.0)
+    mass: Mass
+    inertia: Annotated[Inertia, In("kg m^2")]
+    position: Place = (0.0, 0.0, 0.0)
     orientation: Orientation = (1.0, 0.0, 0.0, 0.0)
-    center_of_mass: Vector | None = None
-    velocity: Vector = (0.0, 0.0, 0.0)
-    angular_velocity: Vector = (0.0, 0.0, 0.0)
+    center_of_mass: Offset | None = None
+    velocity: Velocity = (0.0, 0.0, 0.0)
+    angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
 
     def pose(self) -> Pose:
         """Return the initial pose; raise ModelError if it is none."""

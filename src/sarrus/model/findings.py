@@ -9,7 +9,13 @@ from .errors import ModelError
 from .origin import Origin, Path
 from .show import quote
 
-KINDS = {"bodies": "body", "joints": "joint", "forces": "force"}
+KINDS = {
+    "bodies": "body",
+    "joints": "joint",
+    "forces": "force",
+    "points": "point",
+    "parameters": "parameter",
+}
 
 
 def part_name(path: Path) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .body import Body
+from .expression import Expression
 from .forces import Force
+from .formulas import Formulas
 from .joints import Joint
-from .origin import Origin
+from .origin import Origin, Path
 from .quantity import Vector
 
 
@@ -28,6 +30,8 @@ class Model:
         Acceleration in global axes [m/s²].
     origin
         The file that the model was read from.
+    formulas
+        The parameters of that file, and the formulas that give numbers of the model from them.
     """
 
     name: str
@@ -36,6 +40,17 @@ class Model:
     forces: Sequence[Force] = ()
     gravity: Vector = (0.0, 0.0, 0.0)
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
+    formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The value of every parameter of the model file, in SI units."""
+        return self.formulas.parameters
+
+    @property
+    def expressions(self) -> Mapping[Path, Expression]:
+        """The formula of every number that was given by one, by its place: ``("bodies", "rod", "mass")``."""
+        return self.formulas.expressions
 
     def where(self, name: str) -> str:
         """Return ``file:line`` of the part called ``name``, or nothing if there is no file."""

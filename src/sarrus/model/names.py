@@ -13,9 +13,14 @@ NAME = r"[^\W\d][\w-]*"  # a letter or _, then letters, digits, _ and -
 Value = TypeVar("Value")
 
 
+def matches(pattern: str, text: object) -> bool:
+    """Return whether ``text`` is a text of this pattern."""
+    return isinstance(text, str) and re.fullmatch(pattern, text) is not None
+
+
 def check_name(name: object) -> None:
     """Raise a ModelError if ``name`` is not a name that a path like ``rod.mass`` can hold."""
-    if not isinstance(name, str) or re.fullmatch(NAME, name) is None:
+    if not matches(NAME, name):
         told = f"its name must be letters, digits, _ and -, starting with a letter, but is {show(name)}"
         raise ModelError(f"{told}; rename it")
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
@@ -13,15 +12,24 @@ _PAIRS = {"body": "bodies", "point": "points", "frame": "frames"}  # body_i, bod
 
 @dataclass(frozen=True)
 class Origin:
-    """A file's name and the line of every entry in it, by path: ``("bodies", "rod", "mass")``."""
+    """A file's name and the line of every entry in it, by path: ``("bodies", "rod", "mass")``.
+
+    ``files`` names the file of each part that was included from another one.
+    """
 
     file: str
-    lines: Mapping[Path, int]
+    lines: dict[Path, int]
+    files: dict[Path, str] = field(default_factory=dict)
 
     def where(self, path: Path) -> str:
         """Return ``file:line`` of an entry, or of the nearest entry that holds it."""
-        known = [path[:n] for n in range(len(path), -1, -1) if path[:n] in self.lines]
-        return f"{self.file}:{self.lines[known[0]]}" if known else self.file
+        line = self.line(path)
+        file = self.files.get(path[:2], self.file)
+        return f"{file}:{line}" if line else file
+
+    def line(self, path: Path) -> int:
+        """Return the line of an entry, or of the nearest entry that holds it; 0 if there is none."""
+        return next((self.lines[path[:n]] for n in range(len(path), -1, -1) if path[:n] in self.lines), 0)
 
     def of_field(self, part: Path, field: str) -> str:
         """Return ``file:line`` of a part's field, also where the file joins two fields in a pair."""

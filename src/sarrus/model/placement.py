@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 
 from .errors import ModelError
 from .frame import Frame, LocalFrame
+from .measure import Direction, Place
 from .point import LocalPoint, Point
 from .pose import Poses
 from .quantity import Vector
@@ -57,8 +58,8 @@ class AboutAxis:
 
     body_i: Solid | None = None
     body_j: Solid | None = None
-    point: Vector | None = None
-    axis: Vector | None = None
+    point: Place | None = None
+    axis: Direction | None = None
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
@@ -26,6 +26,6 @@ class Entry(BaseModel):
         return data
 
 
-def said(sentence: str, key: str = "") -> PydanticCustomError:
+def said(sentence: str, key: str = "", kind: Literal["said", "echo"] = "said") -> PydanticCustomError:
     """Return an error that pydantic collects, with its sentence and the key it is about."""
-    return PydanticCustomError("said", "{sentence}", {"sentence": sentence, "key": key})
+    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence, "key": key})

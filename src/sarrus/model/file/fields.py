@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import NoneType
-from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
+from collections.abc import Callable, Mapping
+from functools import cache
+from types import GenericAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_origin
 
 from pydantic import (
     AfterValidator,
-    AllowInfNan,
+    BeforeValidator,
     ConfigDict,
-    Discriminator,
     Field,
-    Strict,
     StrictStr,
-    Tag,
+    create_model,
     model_validator,
 )
 
 from ..curve import Curve
+from ..expression import Expression
 from ..frame import Frame
 from ..inertia import Inertia
+from ..measure import In
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
 from ..quantity import Vector
 from ..solid import Solid
 from .entry import Entry, said
+from .form import list_of, marked, one_of
+from .scope import full_name
+from .stated import function_in, list_in, number_in
+from .typed import typed
 
 Solids: TypeAlias = Mapping[str, Solid]
 
@@ -39,12 +44,23 @@ class BodyRef(str):
         return find(str(self), solids, "body")
 
 
-Number = Annotated[float, Strict(), AllowInfNan(False)]
-Three = Annotated[list[Number], Field(min_length=3, max_length=3)]
-Four = Annotated[list[Number], Field(min_length=4, max_length=4)]
-Rows = Annotated[list[Three], Field(min_length=3, max_length=3)]
-Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
-Name = Annotated[StrictStr, AfterValidator(BodyRef)]
+def _named(value: Any) -> Any:
+    """Return the name that a body has in the whole model."""
+    return str(full_name(value, value)) if isinstance(value, str) else value
+
+
+if TYPE_CHECKING:
+    Axis: TypeAlias = list[float]
+    Local: TypeAlias = list[float]
+    Spot: TypeAlias = list[float]
+    Turns: TypeAlias = list[float]
+    Moment: TypeAlias = float
+    Turn: TypeAlias = float
+else:
+    Axis, Local, Spot = list_in("1", 3), list_in("m", 3), list_in("m", 3, named=True)
+    Moment, Turn, Turns = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
+
+Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
 
 
 class PointEntry(Entry):
@@ -53,8 +69,8 @@ class PointEntry(Entry):
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["at"]}, {"required": ["global"]}]})
 
     body: Name
-    at: Three = Field(default_factory=list)
-    everywhere: Three = Field(default_factory=list, alias="global")
+    at: Local = Field(default_factory=list)
+    everywhere: Spot = Field(default_factory=list, alias="global")
 
     @model_validator(mode="after")
     def _one_of_two(self) -> PointEntry:
@@ -71,8 +87,8 @@ class PointEntry(Entry):
 class FrameEntry(PointEntry):
     """A frame on a body: its origin as a point, its first axis ``x`` and third axis ``z``."""
 
-    x: Three = Field(default_factory=list)
-    z: Three = Field(default_factory=list)
+    x: Axis = Field(default_factory=list)
+    z: Axis = Field(default_factory=list)
 
     def build(self, solids: Solids) -> Frame:
         """Return the frame."""
@@ -82,7 +98,7 @@ class FrameEntry(PointEntry):
 class TableEntry(Entry):
     """A curve through pairs [x, y]."""
 
-    table: Annotated[list[Pair], Field(min_length=2)]
+    table: list[list[float]]
 
     def build(self, solids: Solids) -> Curve:
         """Return the spline."""
@@ -92,8 +108,8 @@ class TableEntry(Entry):
 class AxisAngleEntry(Entry):
     """A rotation by ``angle`` [rad] about ``axis``."""
 
-    axis: Three
-    angle: Number
+    axis: Axis
+    angle: Turn
 
     def build(self, solids: Solids) -> AxisAngle:
         """Return the rotation."""
@@ -103,7 +119,7 @@ class AxisAngleEntry(Entry):
 class EulerAnglesEntry(Entry):
     """Three rotations [rad] about the body's own axes, in the order of ``sequence``."""
 
-    angles: Three
+    angles: Turns
     sequence: StrictStr = "xyz"
 
     def build(self, solids: Solids) -> EulerAngles:
@@ -114,72 +130,87 @@ class EulerAnglesEntry(Entry):
 class InertiaEntry(Entry):
     """Entries of the inertia tensor about the centre of mass [kg m²]; xy is −∫ x y dm."""
 
-    xx: Number
-    yy: Number
-    zz: Number
-    xy: Number = 0.0
-    xz: Number = 0.0
-    yz: Number = 0.0
+    xx: Moment
+    yy: Moment
+    zz: Moment
+    xy: Moment = 0.0
+    xz: Moment = 0.0
+    yz: Moment = 0.0
 
     def build(self, solids: Solids) -> dict[str, float]:
         """Return the entries."""
         return self.model_dump()
 
 
-# Tags of untagged unions stand in parentheses: no key looks like that, see sentences.py.
 def _number_or_table(value: Any) -> str:
-    return "(table)" if isinstance(value, (dict, TableEntry)) else "(number)"
+    return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
 
 def _inertia(value: Any) -> str:
     if isinstance(value, (dict, InertiaEntry)):
-        return "(entries)"
-    return "(matrix)" if _has_rows(value) else "(principal)"
+        return "entries"
+    return "matrix" if _has_rows(value) else "principal"
 
 
 def _orientation(value: Any) -> str:
     if isinstance(value, dict):
-        return "(axis-angle)" if value.keys() & {"axis", "angle"} else "(angles)"
-    return "(matrix)" if _has_rows(value) else "(parameters)"
+        return "axis_angle" if value.keys() & {"axis", "angle"} else "angles"
+    return "matrix" if _has_rows(value) else "parameters"
 
 
 def _has_rows(value: Any) -> bool:
     return isinstance(value, list) and any(isinstance(row, list) for row in value)
 
 
-NumberOrTable = Annotated[
-    Annotated[Number, Tag("(number)")] | Annotated[TableEntry, Tag("(table)")],
-    Discriminator(_number_or_table),
-]
-InertiaForm = Annotated[
-    Annotated[Three, Tag("(principal)")]
-    | Annotated[Rows, Tag("(matrix)")]
-    | Annotated[InertiaEntry, Tag("(entries)")],
-    Discriminator(_inertia),
-]
-OrientationForm = Annotated[
-    Annotated[Four, Tag("(parameters)")]
-    | Annotated[Rows, Tag("(matrix)")]
-    | Annotated[AxisAngleEntry, Tag("(axis-angle)")]
-    | Annotated[EulerAnglesEntry, Tag("(angles)")],
-    Discriminator(_orientation),
-]
+@cache
+def _table_in(unit: str, over: str) -> Any:
+    """Return the form of a table whose columns are in these units."""
+    pair = marked(GenericAlias(tuple, (number_in(over), number_in(unit))), BeforeValidator(_two))
+    words = f"{unit}_over_{over}".replace("/", "_per_").replace(" ", "_").replace("^", "")
+    return create_model(
+        f"Table_{words}",
+        __base__=TableEntry,
+        __doc__=TableEntry.__doc__,
+        table=(marked(list_of(pair), Field(min_length=2)), ...),
+    )
 
 
-def _parts(annotation: Any) -> frozenset[Any]:
-    parts = frozenset(get_args(annotation)) or frozenset({annotation})
-    return parts - {NoneType}
+def _two(value: Any) -> Any:
+    if isinstance(value, list) and len(value) != 2:
+        raise said(f"must have 2 entries, but has {len(value)}; give 2")
+    return value
 
 
-_FORMS: dict[frozenset[Any], Any] = {
-    _parts(float): Number,
-    _parts(Vector): Three,
-    _parts(Solid): Name,
-    _parts(Point): PointEntry,
-    _parts(Frame): FrameEntry,
-    _parts(float | Curve): NumberOrTable,
-    _parts(Inertia): InertiaForm,
-    _parts(Orientation): OrientationForm,
+def _number_or_table_in(unit: str, over: str) -> Any:
+    return one_of(_number_or_table, number=number_in(unit), table=_table_in(unit, over))
+
+
+def _matrix_in(unit: str) -> Any:
+    return marked(list_of(list_in(unit, 3)), Field(min_length=3, max_length=3))
+
+
+InertiaForm = one_of(
+    _inertia, principal=list_in("kg m^2", 3), matrix=_matrix_in("kg m^2"), entries=InertiaEntry
+)
+OrientationForm = one_of(
+    _orientation,
+    parameters=list_in("1", 4),
+    matrix=_matrix_in("1"),
+    axis_angle=AxisAngleEntry,
+    angles=EulerAnglesEntry,
+)
+
+
+_FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
+    typed(float).members: lambda to: number_in(to.unit),
+    typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
+    typed(Solid).members: lambda to: Name,
+    typed(Point).members: lambda to: PointEntry,
+    typed(Frame).members: lambda to: FrameEntry,
+    typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
+    typed(Expression).members: lambda to: function_in(to.unit, to.over),
+    typed(Inertia).members: lambda to: InertiaForm,
+    typed(Orientation).members: lambda to: OrientationForm,
 }
 
 
@@ -187,7 +218,7 @@ def form_of(annotation: Any) -> Any:
     """Return the file's form of a field's type; whether it may be left out is decided elsewhere."""
     if get_origin(annotation) is Literal:
         return annotation
-    parts = _parts(annotation)
-    if parts not in _FORMS:
+    members, measure = typed(annotation)
+    if members not in _FORMS:
         raise TypeError(f"a field of type {annotation} has no form in a model file; see {__name__}")
-    return _FORMS[parts]
+    return _FORMS[members](measure)

@@ -41,7 +41,7 @@ class Slot(NamedTuple):
 @cache
 def slots(kind: type) -> list[Slot]:
     """Return the keys that describe an object of ``kind``, without its name."""
-    hints = get_type_hints(kind)
+    hints = get_type_hints(kind, include_extras=True)
     collected: dict[str, Slot] = {}
     for field in fields(kind):
         if field.name != "name":

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache, reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import Field, StrictStr, create_model
 
@@ -13,8 +12,11 @@ from ..body import Body
 from ..forces import Force
 from ..joints import Joint
 from .entry import Entry
-from .fields import Three
+from .form import list_of, mapping_of, marked
 from .forms import entry_model
+from .include import IncludeForm
+from .parameters import Parameters
+from .stated import list_in
 
 
 def layout() -> type[Entry]:
@@ -28,10 +30,22 @@ def _layout(joints: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
         "schema_": (StrictStr, Field(default="", alias="$schema", description="For editors.")),
         "name": (StrictStr, Field(description="Any text on one line.")),
         "description": (StrictStr, Field(default="", description="For people.")),
-        "gravity": (Three, Field(default=[0.0, 0.0, 0.0], description="In global axes [m/s²].")),
-        "bodies": (Mapping[str, entry_model(Body, tagged=False)], Field(description="By name.")),  # type: ignore[misc]
-        "joints": (Mapping[str, _any_of(joints)], Field(default={}, description="By name.")),  # type: ignore[misc]
-        "forces": (Mapping[str, _any_of(forces)], Field(default={}, description="By name.")),  # type: ignore[misc]
+        "gravity": (
+            list_in("m/s^2", 3),
+            Field(default=[0.0, 0.0, 0.0], description="In global axes [m/s²]."),
+        ),
+        "include": (
+            list_of(IncludeForm),
+            Field(default=[], description="Files whose parts become parts of this one."),
+        ),
+        "parameters": (
+            Parameters,
+            Field(default={}, description="Numbers and formulas by name, or groups of them."),
+        ),
+        "points": (mapping_of(list_in("m", 3)), Field(default={}, description="Global points by name.")),
+        "bodies": (mapping_of(entry_model(Body, tagged=False)), Field(description="By name.")),
+        "joints": (mapping_of(_any_of(joints)), Field(default={}, description="By name.")),
+        "forces": (mapping_of(_any_of(forces)), Field(default={}, description="By name.")),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
     model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)
@@ -40,4 +54,4 @@ def _layout(joints: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
 
 def _any_of(kinds: tuple[type, ...]) -> Any:
     models: list[Any] = [entry_model(kind, tagged=True) for kind in kinds]
-    return Annotated[reduce(or_, models), Field(discriminator="type")]
+    return marked(reduce(or_, models), Field(discriminator="type"))

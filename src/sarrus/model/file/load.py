@@ -3,30 +3,38 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..body import Body
+from ..errors import ModelError
 from ..expand import expand
 from ..findings import Findings
 from ..forces import Force
+from ..formulas import Formulas
 from ..joints import Joint
 from ..model import Model
+from ..quantity import number
+from ..show import quote, suggest
 from ..solid import GROUND, ground
 
 if TYPE_CHECKING:
     from .document import Document
     from .entry import Entry
     from .fields import Solids
+    from .numbers import Numbers
 
 
-def load(path: str | os.PathLike[str]) -> Model:
+def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None) -> Model:
     """Read a model from a YAML or JSON file and check all of it.
 
     Parameters
     ----------
     path
         A file whose name ends in ``.yaml``, ``.yml`` or ``.json``; see docs/model-file.md.
+    parameters
+        New values for parameters of the file: numbers in SI units, or texts as in the file.
 
     Returns
     -------
@@ -39,8 +47,13 @@ def load(path: str | os.PathLike[str]) -> Model:
         For anything that is wrong with the file or the model, in one sentence that names
         file, line, part and remedy.
     """
-    document = read(Path(path))
-    model = build_model(validate(document), document)
+    from .include import with_included
+    from .numbers import Numbers
+
+    document = with_included(read(Path(path)))
+    exchange(document, parameters or {})
+    numbers = Numbers(document.data)
+    model = build_model(validate(document, numbers), document, numbers)
     expand(model)
     return model
 
@@ -55,7 +68,19 @@ def read(path: Path) -> Document:
     return read_json(text, str(path)) if path.suffix.lower() == ".json" else read_yaml(text, str(path))
 
 
-def validate(document: Document) -> Entry:
+def exchange(document: Document, new: Mapping[str, float | str]) -> None:
+    """Replace values of parameters in the document."""
+    for name, value in new.items():
+        group, _, inner = name.rpartition(".")
+        holder = document.data.get("parameters", {}) if isinstance(document.data, dict) else {}
+        holder = holder.get(group) if group else holder
+        if not isinstance(holder, dict) or inner not in holder:
+            known = holder if isinstance(holder, dict) else ()
+            raise ModelError(f"there is no parameter {quote(name)}; {suggest(name, known)}", part="model")
+        holder[inner] = value if isinstance(value, str) else number(value, name)
+
+
+def validate(document: Document, numbers: Numbers) -> Entry:
     """Return the document's data in the layout of a model file."""
     from pydantic import ValidationError
 
@@ -63,20 +88,23 @@ def validate(document: Document) -> Entry:
     from .sentences import first_error
 
     try:
-        return layout().model_validate(document.data)
+        return layout().model_validate(document.data, context=numbers)
     except ValidationError as error:
         raise first_error(error, document) from None
 
 
-def build_model(entry: Any, document: Document) -> Model:
+def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     """Return the model that a validated file describes."""
+    from .collect import formulas
+
     findings = Findings(document.origin)
     bodies = _build(entry.bodies, "bodies", {"": Body}, {}, findings)
     solids = {GROUND: ground, **{body.name: body for body in bodies}}
     joints = _build(entry.joints, "joints", Joint.kinds, solids, findings)
     forces = _build(entry.forces, "forces", Force.kinds, solids, findings)
     findings.raise_first()
-    return Model(entry.name, bodies, joints, forces, entry.gravity, origin=document.origin)
+    said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
+    return Model(entry.name, bodies, joints, forces, entry.gravity, origin=document.origin, formulas=said)
 
 
 def _build(

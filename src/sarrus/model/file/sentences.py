@@ -12,11 +12,14 @@ from ..findings import KINDS, part_name
 from ..origin import Path, path_text
 from ..show import quote, show, suggest
 from .document import Document
+from .numbers import FORMS
 
 
 def first_error(error: ValidationError, document: Document) -> ModelError:
     """Return the ModelError for the first finding, with the number of the others."""
-    findings = error.errors(include_url=False)
+    found = error.errors(include_url=False)
+    # An echo repeats what is told at its own place; it counts only if nothing else is wrong.
+    findings = [one for one in found if one["type"] != "echo"] or found[:1]
     finding: dict[str, Any] = dict(findings[0])
     path = _path(finding, document.data)
     subject = path_text(path[2:] if path and path[0] in KINDS and len(path) > 1 else path)
@@ -76,8 +79,9 @@ _mapping = _wrong("a mapping", "give keys and values, as in key: value")
 
 SENTENCES: dict[str, Callable[[dict[str, Any], Any], str]] = {
     "said": lambda ctx, value: str(ctx["sentence"]),
+    "echo": lambda ctx, value: str(ctx["sentence"]),
     "missing": lambda ctx, value: "is missing; add it",
-    "float_type": _wrong("a number", "write it without quotes or units, as in 1.5e-3"),
+    "float_type": _wrong("a number", FORMS),
     "finite_number": _wrong("a finite number", "check its size and unit"),
     "string_type": _wrong("a text", "put it in quotes if it looks like a number"),
     "list_type": _wrong("a list", "write it in brackets, as in [0, 0, 1]"),

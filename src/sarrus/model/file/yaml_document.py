@@ -1,7 +1,8 @@
 """YAML text to a document, straight from the parser's events.
 
-The subset: one document of mappings, lists and scalars. Anchors, aliases and tags are refused, so no
-cycle, no growing file and no Python object can be written; nothing is composed before it is checked.
+The subset: one document of mappings, lists and scalars, with anchors, aliases and merge keys. Tags are refused, so no
+Python object can be written; an alias is copied when it is met, and the copies are counted, so there is no cycle and no
+bomb.
 """
 
 from __future__ import annotations
@@ -24,8 +25,11 @@ from yaml.events import (
 
 from ..errors import ModelError
 from ..origin import Origin, Path
+from .anchors import Anchors
 from .document import Document, refusal, refuse_deep, refuse_repeated
 from .scalar import resolve
+
+MERGE = "<<"
 
 
 def read_yaml(text: str, file: str) -> Document:
@@ -41,7 +45,7 @@ def read_yaml(text: str, file: str) -> Document:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
-        told = f"is not valid YAML, {error.problem or error.context}; check indentation, brackets and quotes"
+        told = f"is not valid YAML, {error.problem or error.context}; {_remedy(text, line)}"
         raise refusal(told.replace("\n", " "), file, line) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
@@ -55,6 +59,7 @@ class _Reader:
     def __init__(self, text: str, file: str) -> None:
         self.file = file
         self.lines: dict[Path, int] = {}
+        self.anchors = Anchors(file, self.lines)
         self.events: Iterator[Event] = yaml.parse(text, Loader=yaml.SafeLoader)
 
     def document(self) -> Document:
@@ -68,9 +73,16 @@ class _Reader:
 
     def _value(self, event: Event, path: Path) -> Any:
         line = _line(event)
+        if isinstance(event, AliasEvent):
+            return self.anchors.copy(str(event.anchor), path, line)
         self.lines.setdefault(path, line)
         refuse_deep(len(path), self.file, line, path)
-        self._refuse_marks(event, path)
+        self._refuse_tag(event, path)
+        with self.anchors.named(getattr(event, "anchor", None), path) as anchored:
+            anchored.data = self._plain(event, path)
+        return anchored.data
+
+    def _plain(self, event: Event, path: Path) -> Any:
         if isinstance(event, MappingStartEvent):
             return self._mapping(path)
         if isinstance(event, SequenceStartEvent):
@@ -86,33 +98,45 @@ class _Reader:
 
     def _mapping(self, path: Path) -> dict[str, Any]:
         values: dict[str, Any] = {}
+        merged: list[tuple[Any, Path]] = []
         while not isinstance(event := next(self.events), MappingEndEvent):
             key = self._key(event, path)
             refuse_repeated(key, self.lines.get((*path, key)), self.file, _line(event), path)
             self.lines[(*path, key)] = _line(event)
-            values[key] = self._value(next(self.events), (*path, key))
+            value = self._value(next(self.events), (*path, key))
+            if key == MERGE and isinstance(event, ScalarEvent) and event.implicit[0]:
+                merged.append((value, (*path, key)))
+            else:
+                values[key] = value
+        for value, place in merged:
+            self.anchors.merge(value, place, values)
         return values
 
     def _key(self, event: Event, path: Path) -> str:
-        self._refuse_marks(event, path)
+        if isinstance(event, AliasEvent):
+            raise refusal("has an alias (*) as key; write the key out", self.file, _line(event), path)
+        self._refuse_tag(event, path)
         if not isinstance(event, ScalarEvent):
             told = "has a key that is a list or a mapping; use a plain word as key"
             raise refusal(told, self.file, _line(event), path)
         return str(event.value)
 
-    def _refuse_marks(self, event: Event, path: Path) -> None:
-        told = ""
-        if isinstance(event, AliasEvent) or getattr(event, "anchor", None):
-            told = "uses an anchor or alias (& or *), which a model file may not; write the value out"
-        elif getattr(event, "tag", None):
+    def _refuse_tag(self, event: Event, path: Path) -> None:
+        if getattr(event, "tag", None):
             told = "uses a tag (!), which a model file may not; remove it"
-        if told:
             raise refusal(told, self.file, _line(event), path)
 
     def _refuse_second(self, event: Event) -> None:
         if isinstance(event, DocumentStartEvent):
             told = "a second document starts with ---; keep one model in a file"
             raise refusal(told, self.file, _line(event))
+
+
+def _remedy(text: str, line: int) -> str:
+    near = text.splitlines()[max(line - 2, 0) : line]
+    if any("${" in one for one in near):
+        return "inside brackets put ${…} in quotes or leave it away"
+    return "check indentation, brackets and quotes"
 
 
 def _line(event: Event) -> int:

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ... import elements
+from ..measure import ForceVector
 from ..point import Axes, Point
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Vector, vector
+from ..quantity import vector
 from .force import Force, choose, refuse_ground
 
 
@@ -18,7 +19,7 @@ class PointForce(Force):
     """A ``force`` [N] at ``point``, constant in global axes, or in body axes: it follows the body."""
 
     point: Point
-    force: Vector
+    force: ForceVector
     axes: Axes = "global"
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:

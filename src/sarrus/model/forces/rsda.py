@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import atan2
+from typing import Annotated
 
 import numpy as np
 
 from ... import elements
 from ..frame import LocalFrame
+from ..measure import Angle, In
 from ..names import find
 from ..placement import AboutAxis
 from ..pose import Poses
@@ -38,10 +40,10 @@ class RSDA(AboutAxis, Force):
         Actuator's torque [N m].
     """
 
-    k: float = field(kw_only=True)
-    c: float = 0.0
-    angle: float = 0.0
-    torque: float = 0.0
+    k: Annotated[float, In("N m/rad")] = field(kw_only=True)
+    c: Annotated[float, In("N m s/rad")] = 0.0
+    angle: Angle = 0.0
+    torque: Annotated[float, In("N m")] = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the RSDA with its initial angle."""

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ... import elements
+from ..measure import TorqueVector
 from ..names import find
 from ..point import Axes
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Vector, vector
+from ..quantity import vector
 from ..solid import Solid
 from .force import Force, choose, refuse_ground
 
@@ -20,7 +21,7 @@ class Torque(Force):
     """A ``torque`` [N m] on ``body``, constant in global axes, or in body axes: it follows the body."""
 
     body: Solid
-    torque: Vector
+    torque: TorqueVector
     axes: Axes = "global"
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ... import elements
 from ..curve import Curve
 from ..errors import ModelError
+from ..measure import In, Length
 from ..placement import Points, refuse_same_body
 from ..point import Point
 from ..pose import Poses
@@ -46,10 +47,10 @@ class TSDA(Force):
 
     point_i: Point
     point_j: Point
-    k: float | Curve
-    length: float
-    c: float | Curve = 0.0
-    force: float | Curve = 0.0
+    k: Annotated[float | Curve, In("N/m", over="m")]
+    length: Length
+    c: Annotated[float | Curve, In("N s/m", over="m/s")] = 0.0
+    force: Annotated[float | Curve, In("N", over="s")] = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the linear TSDA, or the nonlinear one if a law is a curve."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 from ... import elements
+from ..measure import In, Length
 from ..point import Point
 from ..pose import Poses
 from ..primitive import Primitive
@@ -30,10 +32,10 @@ class Tyre(Force):
     """
 
     point: Point
-    k: float
-    c: float
-    radius: float
-    road: float = 0.0
+    k: Annotated[float, In("N/m")]
+    c: Annotated[float, In("N s/m")]
+    radius: Length
+    road: Length = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the tyre."""

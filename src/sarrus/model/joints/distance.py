@@ -9,6 +9,7 @@ import numpy as np
 
 from ... import elements
 from ..errors import ModelError
+from ..measure import Length
 from ..placement import refuse_same_body
 from ..point import Point
 from ..pose import Poses
@@ -23,7 +24,7 @@ class Distance(Joint):
 
     point_i: Point
     point_j: Point
-    length: float | None = None
+    length: Length | None = None
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield Φˢˢ(P_i, P_j, C), Eq. (28)."""

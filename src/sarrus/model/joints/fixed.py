@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..frame import Frame
+from ..measure import Place
 from ..placement import placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Vector
 from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
@@ -20,7 +20,7 @@ class Fixed(Joint):
 
     body_i: Solid | None = None
     body_j: Solid | None = None
-    point: Vector | None = None
+    point: Place | None = None
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 

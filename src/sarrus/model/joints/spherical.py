@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import ModelError
+from ..measure import Place
 from ..placement import Points, refuse_both, refuse_other_body, refuse_same_body, two_bodies
 from ..point import Point
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Vector
 from ..solid import Solid
 from .joint import Joint, spherical
 
@@ -21,7 +21,7 @@ class Spherical(Joint):
 
     body_i: Solid | None = None
     body_j: Solid | None = None
-    point: Vector | None = None
+    point: Place | None = None
     point_i: Point | None = None
     point_j: Point | None = None
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from ..errors import ModelError
 from ..frame import PERPENDICULAR, Frame
+from ..measure import Direction, Place
 from ..placement import Axis, placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Array, Vector, direction
+from ..quantity import Array, direction
 from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
@@ -25,9 +26,9 @@ class Universal(Joint):
 
     body_i: Solid | None = None
     body_j: Solid | None = None
-    point: Vector | None = None
-    axis_i: Vector | None = None
-    axis_j: Vector | None = None
+    point: Place | None = None
+    axis_i: Direction | None = None
+    axis_j: Direction | None = None
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 

@@ -1,0 +1,97 @@
+"""The functions and operators of formulas, each with its derivatives."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from .dispatch import apply, power
+from .tree import REGISTRY, Expression, Function, Number, Partials, call
+
+CONSTANTS = {"pi": math.pi}
+DEGREE = math.pi / 180
+
+
+def _operator(name: str, precedence: int, value: Callable[..., Any], partials: Partials) -> None:
+    REGISTRY[name] = Function(name, (1,) if name == "neg" else (2,), value, partials, precedence)
+
+
+def _function(name: str, count: int, partials: Partials, value: Callable[..., Any] | None = None) -> None:
+    REGISTRY[name] = Function(name, (count,), value or partial(apply, name), partials)
+
+
+def _power_partials(x: Expression, n: Expression) -> tuple[Expression, ...]:
+    by_x = n * x ** (Number(n.number - 1) if isinstance(n, Number) else n - 1)
+    # A constant exponent needs no logarithm, which a negative x does not have.
+    return by_x, Number(0.0) if not n.names() else x**n * call("log", x)
+
+
+def _absolute(x: Any) -> Any:
+    return apply("max", x, -x)
+
+
+def _hypot(x: Any, y: Any) -> Any:
+    plain = isinstance(x, (int, float)) and isinstance(y, (int, float))
+    return math.hypot(x, y) if plain else apply("sqrt", x * x + y * y)
+
+
+def _select_partials(a: Expression, b: Expression, x: Expression, y: Expression) -> tuple[Expression, ...]:
+    one, zero = Number(1.0), Number(0.0)
+    return zero, zero, call("select", a, b, one, zero), call("select", a, b, zero, one)
+
+
+def _extreme(first_if: Callable[[Expression, Expression], Expression]) -> Partials:
+    """Return the partials of min or max: 1 for the argument that is taken, 0 for the other."""
+    return lambda a, b: (first_if(a, b), 1 - first_if(a, b))
+
+
+def _progress(x: Any, x0: Any, x1: Any) -> Any:
+    """Return (x − x0)/(x1 − x0), held between 0 and 1."""
+    return apply("min", apply("max", (x - x0) / (x1 - x0), 0), 1)
+
+
+def _step(x: Any, x0: Any, h0: Any, x1: Any, h1: Any) -> Any:
+    s = _progress(x, x0, x1)
+    return h0 + (h1 - h0) * (s * s * (3 - 2 * s))
+
+
+def _step_partials(
+    x: Expression, x0: Expression, h0: Expression, x1: Expression, h1: Expression
+) -> tuple[Expression, ...]:
+    width, height = x1 - x0, h1 - h0
+    s = call("min", call("max", (x - x0) / width, Number(0.0)), Number(1.0))
+    slope, risen = height * 6 * s * (1 - s) / width, s * s * (3 - 2 * s)
+    return slope, slope * (s - 1), 1 - risen, -(slope * s), risen
+
+
+_operator("+", 1, operator.add, lambda a, b: (Number(1.0), Number(1.0)))
+_operator("-", 1, operator.sub, lambda a, b: (Number(1.0), Number(-1.0)))
+_operator("*", 2, operator.mul, lambda a, b: (b, a))
+_operator("/", 2, operator.truediv, lambda a, b: (1 / b, -(a / (b * b))))
+_operator("neg", 3, operator.neg, lambda a: (Number(-1.0),))
+_operator("**", 4, power, _power_partials)
+
+_function("sin", 1, lambda x: (call("cos", x),))
+_function("cos", 1, lambda x: (-call("sin", x),))
+_function("tan", 1, lambda x: (1 + call("tan", x) ** 2,))
+_function("asin", 1, lambda x: (1 / call("sqrt", 1 - x * x),))
+_function("acos", 1, lambda x: (-(1 / call("sqrt", 1 - x * x)),))
+_function("atan", 1, lambda x: (1 / (1 + x * x),))
+_function("atan2", 2, lambda y, x: (x / (x * x + y * y), -(y / (x * x + y * y))))
+_function("sqrt", 1, lambda x: (1 / (2 * call("sqrt", x)),))
+_function("exp", 1, lambda x: (call("exp", x),))
+_function("log", 1, lambda x: (1 / x,))
+_function("hypot", 2, lambda x, y: (x / call("hypot", x, y), y / call("hypot", x, y)), _hypot)
+_function("abs", 1, lambda x: (call("select", -x, x, Number(1.0), Number(-1.0)),), _absolute)
+_function("min", 2, _extreme(lambda a, b: call("select", a, b, Number(1.0), Number(0.0))))
+_function("max", 2, _extreme(lambda a, b: call("select", b, a, Number(1.0), Number(0.0))))
+_function("deg", 1, lambda x: (Number(1 / DEGREE),), lambda x: x / DEGREE)
+_function("rad", 1, lambda x: (Number(DEGREE),), lambda x: x * DEGREE)
+_function("step", 5, _step_partials, _step)
+_function("select", 4, _select_partials)
+
+# What a person may call. select(a, b, x, y), x where a <= b and else y, is only met in derivatives.
+FUNCTIONS = tuple(name for name, known in REGISTRY.items() if not known.precedence and name != "select")

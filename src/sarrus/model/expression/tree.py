@@ -1,0 +1,262 @@
+"""The tree of a formula: numbers, names and calls of functions; its value and its exact derivative.
+
+Nothing here recurses: a formula of any length, and the derivative of a derivative, is worked off in one loop over its
+nodes, each of them once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from ..errors import ModelError
+from ..show import quote
+
+Values: TypeAlias = dict["Expression", Any]
+Partials: TypeAlias = "Callable[..., tuple[Expression, ...]]"
+
+WHOLE = 2**53  # below this a float that is a whole number is exactly that
+ATOM = 9  # precedence of what needs no brackets
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """What a formula may call.
+
+    Parameters
+    ----------
+    name
+        As it is written; operators are functions too.
+    counts
+        The numbers of arguments that it takes.
+    value
+        Its value for any kind of number.
+    partials
+        Its derivatives with respect to each argument, as trees.
+    precedence
+        Of an operator; 0 for a function that is called by name.
+    """
+
+    name: str
+    counts: tuple[int, ...]
+    value: Callable[..., Any]
+    partials: Partials
+    precedence: int = 0
+
+
+REGISTRY: dict[str, Function] = {}  # filled in functions.py
+
+
+class Expression:
+    """A formula. Immutable; arithmetic on formulas gives formulas."""
+
+    args: tuple[Expression, ...] = ()
+
+    def value(self, env: Mapping[str, Any] | None = None) -> Any:
+        """Return the formula's value.
+
+        Parameters
+        ----------
+        env
+            A number for every name: floats, arrays, complex numbers, recorded numbers, or any type with arithmetic
+            and methods such as ``x.sin()``.
+
+        Raises
+        ------
+        ModelError
+            If a name has no number, or a plain number is divided by zero or outside a function's domain.
+        """
+        values: Values = {}
+        for node in self.nodes():
+            values[node] = node._value(env or {}, values)
+        return values[self]
+
+    def derivative(self, name: str) -> Expression:
+        """Return the exact derivative with respect to a name, as a formula.
+
+        At the kinks of ``min``, ``max`` and ``abs`` it is the derivative of the side that is taken there.
+        """
+        found: dict[Expression, Expression] = {}
+        for node in self.nodes():
+            found[node] = node._derivative(name, found)
+        return found[self]
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names in the formula, each once, in their order."""
+        return tuple(dict.fromkeys(node.name for node in self.nodes() if isinstance(node, Name)))
+
+    def replaced(self, new: Mapping[str, Expression]) -> Expression:
+        """Return the formula with formulas in the place of names."""
+        made: dict[Expression, Expression] = {}
+        for node in self.nodes():
+            if isinstance(node, Call):
+                args = tuple(made[arg] for arg in node.args)
+                made[node] = node if args == node.args else Call(node.function, args)
+            else:
+                made[node] = new.get(node.name, node) if isinstance(node, Name) else node
+        return made[self]
+
+    def nodes(self) -> Iterator[Expression]:
+        """Yield every node once, arguments before what is made of them."""
+        done: set[Expression] = set()
+        waiting: list[tuple[Expression, bool]] = [(self, False)]
+        while waiting:
+            node, ready = waiting.pop()
+            if node not in done and (ready or not node.args):
+                done.add(node)
+                yield node
+            elif node not in done:
+                waiting.append((node, True))
+                waiting.extend((arg, False) for arg in reversed(node.args))
+
+    def __str__(self) -> str:
+        texts: dict[Expression, tuple[str, int]] = {}
+        for node in self.nodes():
+            texts[node] = node._text(texts)
+        return texts[self][0]
+
+    def __add__(self, other: Expression | float) -> Expression:
+        a, b = self, lift(other)
+        if is_number(a, 0):
+            return b
+        return a if is_number(b, 0) else call("+", a, b)
+
+    def __sub__(self, other: Expression | float) -> Expression:
+        a, b = self, lift(other)
+        if is_number(b, 0):
+            return a
+        return -b if is_number(a, 0) else call("-", a, b)
+
+    def __mul__(self, other: Expression | float) -> Expression:
+        a, b = self, lift(other)
+        if is_number(a, 0) or is_number(b, 1):
+            return a
+        return b if is_number(b, 0) or is_number(a, 1) else call("*", a, b)
+
+    def __truediv__(self, other: Expression | float) -> Expression:
+        b = lift(other)
+        return self if is_number(self, 0) or is_number(b, 1) else call("/", self, b)
+
+    def __pow__(self, other: Expression | float) -> Expression:
+        b = lift(other)
+        return self if is_number(b, 1) else call("**", self, b)
+
+    def __neg__(self) -> Expression:
+        if isinstance(self, Number):
+            return Number(-self.number)
+        return call("neg", self)
+
+    def __radd__(self, other: float) -> Expression:
+        return lift(other) + self
+
+    def __rsub__(self, other: float) -> Expression:
+        return lift(other) - self
+
+    def __rmul__(self, other: float) -> Expression:
+        return lift(other) * self
+
+    def __rtruediv__(self, other: float) -> Expression:
+        return lift(other) / self
+
+    def _value(self, env: Mapping[str, Any], values: Values) -> Any:
+        raise NotImplementedError
+
+    def _derivative(self, name: str, found: Mapping[Expression, Expression]) -> Expression:
+        return Number(0.0)
+
+    def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Number(Expression):
+    """A number, in SI units if it was written with a unit."""
+
+    number: float
+    unit: str = ""
+    written: str = field(default="", repr=False)
+
+    def _value(self, env: Mapping[str, Any], values: Values) -> Any:
+        whole = self.number.is_integer() and abs(self.number) < WHOLE
+        return int(self.number) if whole else self.number
+
+    def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
+        text = self.written or f"{self._value({}, {})}"
+        return text, 1 if text.startswith("-") else ATOM
+
+
+@dataclass(frozen=True, eq=False)
+class Name(Expression):
+    """A name whose number is given when the formula is evaluated; it may be a path, as in ``rod.position.x``."""
+
+    name: str
+
+    def _value(self, env: Mapping[str, Any], values: Values) -> Any:
+        if self.name not in env:
+            raise ModelError(f"{quote(self.name)} has no value; give it one")
+        return env[self.name]
+
+    def _derivative(self, name: str, found: Mapping[Expression, Expression]) -> Expression:
+        return Number(1.0 if name == self.name else 0.0)
+
+    def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
+        return self.name, ATOM
+
+
+@dataclass(frozen=True, eq=False)
+class Call(Expression):
+    """A function or an operator with its arguments."""
+
+    function: Function
+    args: tuple[Expression, ...]
+
+    def _value(self, env: Mapping[str, Any], values: Values) -> Any:
+        try:
+            return self.function.value(*(values[arg] for arg in self.args))
+        except ZeroDivisionError:
+            raise self._refusal("divides by zero") from None
+        except OverflowError:
+            raise self._refusal("is too large") from None
+        except ValueError:
+            raise self._refusal("has no real value there") from None
+
+    def _refusal(self, reason: str) -> ModelError:
+        return ModelError(f"holds {quote(str(self))}, which {reason}; change its numbers")
+
+    def _derivative(self, name: str, found: Mapping[Expression, Expression]) -> Expression:
+        result: Expression = Number(0.0)
+        if any(not is_number(found[arg], 0) for arg in self.args):
+            for partial, arg in zip(self.function.partials(*self.args), self.args, strict=True):
+                result = result + partial * found[arg]
+        return result
+
+    def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
+        own = self.function.precedence
+        if not own:
+            return f"{self.function.name}({', '.join(texts[arg][0] for arg in self.args)})", ATOM
+        if len(self.args) == 1:
+            return "-" + _bracketed(texts[self.args[0]], own), own
+        left, right = (texts[arg] for arg in self.args)
+        to_right = self.function.name == "**"
+        sides = _bracketed(left, own + to_right), _bracketed(right, own + (not to_right))
+        return f" {self.function.name} ".join(sides) if own == 1 else self.function.name.join(sides), own
+
+
+def call(function: str, *args: Expression) -> Call:
+    """Return the call of a function by its name."""
+    return Call(REGISTRY[function], args)
+
+
+def lift(value: Expression | float) -> Expression:
+    """Return a plain number as a formula, and a formula as it is."""
+    return value if isinstance(value, Expression) else Number(float(value))
+
+
+def is_number(expression: Expression, number: float) -> bool:
+    """Return whether a formula is just this number."""
+    return isinstance(expression, Number) and expression.number == number
+
+
+def _bracketed(text: tuple[str, int], least: int) -> str:
+    return text[0] if text[1] >= least else f"({text[0]})"

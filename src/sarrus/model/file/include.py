@@ -1,0 +1,191 @@
+"""A model file with the files that it includes, as one document."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_model
+
+from ..findings import KINDS, part_name
+from ..names import NAME, matches
+from ..origin import Origin, Path
+from ..show import quote, suggest
+from .document import Document, refusal
+from .entry import Entry, said
+from .form import list_of, one_of
+from .scope import Scope, scoped
+
+SECTIONS = tuple(KINDS)  # all else, such as gravity, counts only in the file that is loaded
+DEEPEST = 16  # files within files
+MOST = 500  # files of one model
+
+
+def _prefix(text: str) -> str:
+    if text and not matches(NAME, text):
+        raise said(f"must be letters, digits and _, starting with a letter, but is {quote(text)}; change it")
+    return text
+
+
+class IncludeEntry(Entry):
+    """A file whose parts become parts of this model."""
+
+    file: Annotated[StrictStr, Field(description="Relative to the folder of this file.")]
+    prefix: Annotated[StrictStr, AfterValidator(_prefix)] = ""
+    parameters: dict[str, Any] = Field(default={}, description="New values of parameters of that file.")
+
+
+def _form(value: Any) -> str:
+    return "mapping" if isinstance(value, (dict, IncludeEntry)) else "file"
+
+
+IncludeForm: Any = one_of(_form, file=StrictStr, mapping=IncludeEntry)
+
+
+Includes: Any = create_model("Includes", include=(list_of(IncludeForm), ...))
+
+
+def with_included(document: Document) -> Document:
+    """Return a document with the parts of all files that it includes, under their prefixes.
+
+    Raises
+    ------
+    ModelError
+        If a file cannot be read, includes itself, or has a name that is taken.
+    """
+    if not (isinstance(document.data, dict) and "include" in document.data):
+        return document
+    return _Gatherer().gather(_checked(document), (FilePath(document.origin.file).resolve(),), Scope())
+
+
+class _Gatherer:
+    """Walks through the files and counts them."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def gather(self, document: Document, chain: tuple[FilePath, ...], scope: Scope) -> Document:
+        """Return the document with its own parts and those of its files, all under their full names."""
+        whole = _renamed(document, scope)
+        entries = _entries(document)
+        for place, entry in enumerate(entries):
+            part = self._part(document, ("include", place), entry, chain, scope)
+            _join(whole, part, document, ("include", place))
+        return whole
+
+    def _part(
+        self, document: Document, at: Path, entry: IncludeEntry, chain: tuple[FilePath, ...], scope: Scope
+    ) -> Document:
+        from .load import read
+
+        path = chain[-1].parent / entry.file
+        self._check(document, at, path, chain)
+        inner = Scope(scope.prefix + entry.prefix, scope)
+        read_one = read(FilePath(document.origin.file).parent / entry.file)
+        part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
+        scope.names |= {entry.prefix + name for name in inner.names}
+        _override(part, entry.parameters, inner, document, at, scope)
+        return part
+
+    def _check(self, document: Document, at: Path, path: FilePath, chain: tuple[FilePath, ...]) -> None:
+        self.count += 1
+        if path.resolve() in chain:
+            names = " includes ".join(file.name for file in (*chain[chain.index(path.resolve()) :], path))
+            raise _wrong(document, at, f"includes itself, {names}; remove one of the includes")
+        if len(chain) >= DEEPEST or self.count > MOST:
+            raise _wrong(
+                document, at, f"includes more than {MOST} files or {DEEPEST} levels; join some of them"
+            )
+        if not path.is_file():
+            raise _wrong(document, at, f"includes {quote(path.name)}, which is no file; check the path")
+
+
+def _entries(document: Document) -> list[IncludeEntry]:
+    from .sentences import first_error
+
+    data = document.data
+    try:
+        found = Includes.model_validate({"include": data.get("include", [])}).include
+    except ValidationError as error:
+        raise first_error(error, document) from None
+    return [entry if isinstance(entry, IncludeEntry) else IncludeEntry(file=entry) for entry in found]
+
+
+def _checked(document: Document) -> Document:
+    """Return a document, or refuse what the layout of the whole model will not see."""
+    from .layout import layout
+
+    file = document.origin.file
+    if not isinstance(document.data, dict):
+        raise refusal("must be a mapping; give keys and values, as in key: value", file, 1)
+    known = [field.alias or name for name, field in layout().model_fields.items()]
+    for key, value in document.data.items():
+        if key not in known:
+            raise _wrong(document, (key,), f"has no key {quote(key)}; {suggest(key, known)}")
+        if key in SECTIONS and not isinstance(value, dict):
+            raise _wrong(document, (key,), f"{key} must be a mapping; give keys and values, as in key: value")
+    return document
+
+
+def _renamed(document: Document, scope: Scope) -> Document:
+    """Return the sections of a file with prefixed names, and the file of each part."""
+    data, origin = document.data, document.origin
+    scope.names |= {name for section in SECTIONS for name in _section(data, section)}
+    sections = {
+        section: {
+            scope.prefix + name: scoped(value, scope) for name, value in _section(data, section).items()
+        }
+        for section in SECTIONS
+        if section in data
+    }
+    alone = {key: value for key, value in data.items() if key != "include"}
+    lines = {_under(path, scope.prefix): line for path, line in origin.lines.items()}
+    files = {path[:2]: origin.file for path in lines if path and path[0] in SECTIONS}
+    return Document({**alone, **sections}, Origin(origin.file, lines, files))
+
+
+def _section(data: dict[str, Any], section: str) -> dict[str, Any]:
+    found = data.get(section)
+    return found if isinstance(found, dict) else {}
+
+
+def _under(path: Path, prefix: str) -> Path:
+    if len(path) < 2 or path[0] not in SECTIONS:
+        return path
+    return (path[0], f"{prefix}{path[1]}", *path[2:])
+
+
+def _join(whole: Document, part: Document, document: Document, at: Path) -> None:
+    """Add the parts of an included file to the whole."""
+    for section in SECTIONS:
+        for name, value in _section(part.data, section).items():
+            if name in _section(whole.data, section):
+                told = (
+                    f"brings a second {part_name((section, name))}; give it a prefix, or remove one of them"
+                )
+                raise _wrong(document, at, told)
+            whole.data.setdefault(section, {})[name] = value
+    lines = {path: line for path, line in part.origin.lines.items() if len(path) > 1 and path[0] in SECTIONS}
+    whole.origin.lines.update(lines)
+    whole.origin.files.update(part.origin.files)
+
+
+def _override(
+    part: Document, given: dict[str, Any], inner: Scope, document: Document, at: Path, scope: Scope
+) -> None:
+    """Replace parameters of an included file by the values that the include gives."""
+    own = _section(part.data, "parameters")
+    for name, value in given.items():
+        full = inner.prefix + name
+        if full not in own:
+            known = [one.removeprefix(inner.prefix) for one in own]
+            told = f"gives the unknown parameter {quote(name)}; {suggest(name, known)}"
+            raise _wrong(document, (*at, "parameters", name), told)
+        own[full] = scoped(value, scope)
+        where = (*at, "parameters", name)
+        part.origin.lines["parameters", full] = document.origin.line(where)
+        part.origin.files["parameters", full] = document.origin.file
+
+
+def _wrong(document: Document, path: Path, sentence: str) -> Exception:
+    return refusal(sentence, document.origin.file, document.origin.line(path))

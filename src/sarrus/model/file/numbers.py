@@ -1,0 +1,208 @@
+"""The numbers of a model file that are texts: units converted, formulas evaluated, names looked up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from ..body import Body
+from ..errors import ModelError
+from ..expression import Expression, Name, Number, parse
+from ..expression.dimensions import Powers, fits, unit_of
+from ..expression.units import powers_of, unit_text
+from ..findings import KINDS
+from ..forces import Force
+from ..joints import Joint
+from ..show import quote, show, suggest
+from .scalar import NUMBER
+from .scope import full_name
+from .typed import measures
+
+LONGEST_CHAIN = 60  # names that need one another
+AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
+FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
+
+
+class Computed(float):
+    """A number that a formula gave."""
+
+    expression: Expression
+
+
+class Echo(ModelError):
+    """An error that is told at its own place too: a name is used whose formula is wrong."""
+
+
+class Numbers:
+    """All that the formulas of one file need; values are worked out when they are first asked for.
+
+    Attributes
+    ----------
+    trees, values, units
+        Of every name that was asked for, each after those that it needs.
+    """
+
+    def __init__(self, data: Any) -> None:
+        self.data: dict[str, Any] = data if isinstance(data, dict) else {}
+        self.trees: dict[str, Expression] = {}
+        self.values: dict[str, float] = {}
+        self.units: dict[str, Powers] = {}
+        self.open: list[str] = []
+
+    def number(self, text: str, unit: str) -> Computed:
+        """Return the number that a text gives, in the SI unit ``unit``, with its formula."""
+        tree = self.tree(text)
+        self._check_unit(tree, text, unit)
+        result = Computed(_finite(tree.value(self.values), text))
+        result.expression = tree
+        return result
+
+    def function(self, text: str, unit: str, over: str, variable: str = "t") -> Expression:
+        """Return the formula of a function of one variable, with numbers for all other names."""
+        tree = self.tree(text, variable)
+        self._check_unit(tree, text, unit, {variable: powers_of(over)})
+        return tree.replaced({name: Number(value) for name, value in self.values.items()})
+
+    def point(self, text: str) -> Any:
+        """Return the entries of a named point as they are written."""
+        name, points = full_name(text, text), self._section("points")
+        if name not in points:
+            given = f"has the unknown point {quote(text)}"
+            raise ModelError(f"{given}; {suggest(name, points) if points else 'define it under points'}")
+        return points[name]
+
+    def tree(self, text: str, *variables: str) -> Expression:
+        """Return the formula of a text under the full names, all of which have values then."""
+        if NUMBER.fullmatch(text):
+            raise ModelError(f"must be a number, but is {quote(text)}; write it without quotes")
+        tree = parse(text)
+        full = {name: Name(full_name(text, name)) for name in tree.names() if name not in variables}
+        for name in full.values():
+            self._need(name.name, text)
+        return tree.replaced(full)
+
+    def parameters(self) -> dict[str, float]:
+        """Return every parameter with its value; those of a group as ``group.name``."""
+        names = self._parameter_names()
+        for name in names:
+            self._need(name, name)
+        return {name: self.values[name] for name in names}
+
+    def _need(self, name: str, text: str) -> None:
+        """Work out the value of a name."""
+        if name in self.values:
+            return
+        if name in self.open:
+            circle = " needs ".join(quote(one) for one in (*self.open[self.open.index(name) :], name))
+            raise ModelError(f"holds formulas that go in a circle, {circle}; give one of them a number")
+        if len(self.open) >= LONGEST_CHAIN:
+            raise ModelError(f"needs a chain of more than {LONGEST_CHAIN} names; give one of them a number")
+        raw, unit = self._definition(name, text)
+        self.open.append(name)
+        try:
+            self._define(name, raw, unit)
+        except ModelError as error:
+            raise Echo(error.sentence) from None
+        finally:
+            self.open.pop()
+
+    def _define(self, name: str, raw: Any, unit: str | None) -> None:
+        if isinstance(raw, str):
+            computed = self.number(raw, unit or "")
+            tree, value = computed.expression, float(computed)
+        else:
+            value = _finite(raw, name)
+            tree = Number(value)
+        own = powers_of(unit) if unit else (unit_of(tree, self.units) or None)
+        self.trees[name], self.values[name], self.units[name] = tree, value, own
+
+    def _check_unit(
+        self, tree: Expression, text: str, unit: str, variables: Mapping[str, Powers] | None = None
+    ) -> None:
+        found = unit_of(tree, {**self.units, **(variables or {})})
+        if unit and not fits(found, unit):
+            expected = "a plain number" if unit == "1" else unit
+            told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
+            raise ModelError(f"{told}; give it in {expected}, or leave the unit away")
+
+    def _definition(self, name: str, text: str) -> tuple[Any, str | None]:
+        """Return what the file says for a name, and the unit that its place declares."""
+        section, part, steps = self._home(name)
+        if section:
+            raw = self._walk(self._section(section)[part], steps)
+            if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
+                return raw, self._declared(section, part, steps)
+            if raw is not None:
+                told = f"uses {quote(name)}, which is {show(raw)} and no number"
+                wrong = Echo if section == "parameters" else ModelError
+                raise wrong(f"{told}; name one of its numbers, as in {name}.x")
+        raise self._unknown(name, text)
+
+    def _home(self, name: str) -> tuple[str, str, list[str]]:
+        """Return the section that a path leads into, the part there, and the rest of the path."""
+        part, *steps = name.split(".")
+        for section in reversed(KINDS):  # parameters and points first
+            held = self._section(section)
+            if part in held and (section != "parameters" or isinstance(held[part], dict) == bool(steps)):
+                return section, part, steps
+        return "", part, steps
+
+    def _walk(self, value: Any, steps: list[str]) -> Any:
+        """Return what a path leads to, or None."""
+        for step in steps:
+            if isinstance(value, str):
+                value = self._section("points").get(full_name(value, value))
+            if isinstance(value, dict):
+                value = value.get(step)
+            else:
+                place = AXES.get(step, -1)
+                value = value[place] if isinstance(value, list) and 0 <= place < len(value) else None
+        return value
+
+    def _declared(self, section: str, part: str, steps: list[str]) -> str | None:
+        if section in ("parameters", "points"):
+            return None if section == "parameters" else "m"
+        entry = self._section(section)[part]
+        kinds: dict[str, dict[str, Any]] = {"joints": dict(Joint.kinds), "forces": dict(Force.kinds)}
+        kind = Body if section == "bodies" else kinds[section].get(str(entry.get("type")))
+        measure = measures(kind).get(steps[0]) if kind and steps else None
+        return measure.unit if measure else None
+
+    def _unknown(self, name: str, text: str) -> ModelError:
+        known = [*self._parameter_names(), *self._part_numbers()]
+        hint = suggest(name, known) if known else "define it under parameters"
+        if text.strip() == name and "." not in name and "did you mean" not in hint:
+            return ModelError(f"must be a number, but is {quote(text)}; {FORMS}")
+        return ModelError(f"uses the unknown name {quote(name)}; {hint}")
+
+    def _section(self, section: str) -> dict[str, Any]:
+        found = self.data.get(section)
+        return found if isinstance(found, dict) else {}
+
+    def _parameter_names(self) -> list[str]:
+        groups = self._section("parameters").items()
+        inner = ([f"{k}.{name}" for name in v] if isinstance(v, dict) else [k] for k, v in groups)
+        return [name for names in inner for name in names]
+
+    def _part_numbers(self) -> list[str]:
+        points = [f"{name}.{axis}" for name in self._section("points") for axis in "xyz"]
+        parts = [
+            f"{name}.{key}"
+            for section in ("bodies", "joints", "forces")
+            for name, entry in self._section(section).items()
+            if isinstance(entry, dict)
+            for key, value in entry.items()
+            if isinstance(value, float)
+        ]
+        return points + parts
+
+
+def _finite(value: Any, text: str) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = float("inf")
+    if not isfinite(number):
+        raise ModelError(f"must be a finite number, but {quote(text)} is {show(number)}; change its numbers")
+    return number

@@ -1,0 +1,93 @@
+"""How a number is written in a model file: plain, with a unit, or as a formula; and lists of such numbers."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from typing import Any, TypeAlias
+
+from pydantic import (
+    AllowInfNan,
+    Field,
+    InstanceOf,
+    Strict,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+    WrapValidator,
+)
+
+from ..errors import ModelError
+from ..expression import Expression
+from ..expression import Number as Constant
+from .entry import said
+from .form import list_of, marked
+from .numbers import Echo, Numbers
+
+Handler: TypeAlias = ValidatorFunctionWrapHandler
+
+
+@cache
+def number_in(unit: str) -> Any:
+    """Return the form of one number in an SI unit; with ``""`` for any unit."""
+    schema = {"type": ["number", "string"], **_described(unit)}
+    wrap = WrapValidator(partial(_number, unit))
+    return marked(float, Strict(), AllowInfNan(False), wrap, WithJsonSchema(schema))
+
+
+@cache
+def list_in(unit: str, count: int, named: bool = False) -> Any:
+    """Return the form of a list of numbers in an SI unit; ``named`` if a point's name may stand for it."""
+    numbers = marked(list_of(number_in(unit)), Field(min_length=count, max_length=count))
+    if not named:
+        return numbers
+    schema = {"anyOf": [_list_schema(unit, count), {"type": "string", "description": "The name of a point."}]}
+    return marked(numbers, WrapValidator(_point), WithJsonSchema(schema))
+
+
+@cache
+def function_in(unit: str, over: str) -> Any:
+    """Return the form of a function of t, such as ``10 N * sin(2*pi*t)``."""
+    schema = {"type": ["number", "string"], "description": f"[{unit}], a formula in t [{over}]"}
+    wrap = WrapValidator(partial(_function, unit, over))
+    return marked(InstanceOf[Expression], wrap, WithJsonSchema(schema))
+
+
+def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    if not isinstance(value, str):
+        return handler(value)
+    return _said(_numbers(info).number, value, unit)
+
+
+def _point(value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    return handler(_said(_numbers(info).point, value) if isinstance(value, str) else value)
+
+
+def _function(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    if isinstance(value, float):
+        return Constant(value)
+    if not isinstance(value, str):
+        return handler(value)
+    return _said(_numbers(info).function, value, unit, over)
+
+
+def _numbers(info: ValidationInfo) -> Numbers:
+    return info.context if isinstance(info.context, Numbers) else Numbers({})
+
+
+def _said(work: Any, *args: Any) -> Any:
+    """Do some work, and hand its ModelError to pydantic, which knows where in the file it belongs."""
+    try:
+        return work(*args)
+    except Echo as error:
+        raise said(error.sentence, kind="echo") from None
+    except ModelError as error:
+        raise said(error.sentence) from None
+
+
+def _described(unit: str) -> dict[str, str]:
+    return {"description": f"[{unit}]"} if unit not in ("", "1") else {}
+
+
+def _list_schema(unit: str, count: int) -> dict[str, Any]:
+    item = {"type": ["number", "string"], **_described(unit)}
+    return {"type": "array", "items": item, "minItems": count, "maxItems": count}

@@ -1,0 +1,308 @@
+"""Files within files, anchors, aliases and merge keys."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from sarrus.model import Model, ModelError, load
+
+HUB = """\
+parameters: {d: 10 mm}
+bodies:
+  bolt: {mass: d * 10 kg/m, inertia: [1, 1, 1], position: [0, y, 0]}
+joints:
+  nut: {type: fixed, bodies: [bolt, wheel], point: C}
+"""
+WHEEL = """\
+name: a wheel
+gravity: [0, 0, -1]
+include: [{file: parts/hub.yaml, prefix: h_}]
+parameters:
+  y: 1
+  r: 0.3 m
+points: {C: [0, y, r]}
+bodies:
+  wheel: {mass: h_bolt.mass*3, inertia: [1, 1, 1], position: C}
+joints:
+  axle: {type: revolute, bodies: [chassis, wheel], point: C, axis: [0, 1, 0]}
+forces:
+  tyre: {type: tyre, point: {body: wheel, at: [0, 0, 0]}, k: 1, c: 1, radius: r}
+  push: {type: point_force, point: {body: wheel, at: [0, 0, 0]}, force: [0, 0, chassis.mass * 1 m/s^2], axes: body}
+"""
+CAR = """\
+name: car
+parameters: {track: 2 m}
+include:
+  - {file: wheel.yaml, prefix: left_, parameters: {y: track/2}}
+  - {file: wheel.yaml, prefix: right_, parameters: {y: -track/2, r: 310 mm}}
+bodies:
+  chassis: {mass: 100, inertia: [1, 1, 1]}
+"""
+
+
+def written(folder: Path, *, car: str = CAR, wheel: str = WHEEL, hub: str = HUB) -> Model:
+    """Return the model of three files."""
+    (folder / "parts").mkdir(exist_ok=True)
+    (folder / "parts" / "hub.yaml").write_text(hub)
+    (folder / "wheel.yaml").write_text(wheel)
+    (folder / "car.yaml").write_text(car)
+    return load(folder / "car.yaml")
+
+
+def test_a_file_can_be_included_twice(tmp_path: Path) -> None:
+    car = written(tmp_path)
+    assert [body.name for body in car.bodies] == [
+        "chassis",
+        *("left_wheel", "left_h_bolt", "right_wheel", "right_h_bolt"),
+    ]
+    assert [list(body.position) for body in car.bodies[1:]] == [
+        *([0, 1, 0.3], [0, 1, 0], [0, -1, 0.31], [0, -1, 0]),
+    ]
+    axle, nut = car.joints[0], car.joints[1]
+    assert [(axle.body_i.name, axle.body_j.name), (nut.body_i.name, nut.body_j.name)] == [  # type: ignore[attr-defined]
+        ("chassis", "left_wheel"),
+        ("left_h_bolt", "left_wheel"),
+    ]
+    assert car.bodies[1].mass == pytest.approx(0.3)
+    assert (car.name, list(car.gravity)) == ("car", [0, 0, 0])
+    assert list(car.forces[1].force) == [0, 0, 100]  # type: ignore[attr-defined]
+
+
+def test_parts_remember_the_file_that_they_stand_in(tmp_path: Path) -> None:
+    car = written(tmp_path)
+    assert car.where("left_tyre") == f"{tmp_path / 'wheel.yaml'}:13"
+    assert car.where("right_h_bolt") == f"{tmp_path / 'parts' / 'hub.yaml'}:3"
+    assert car.where("chassis") == f"{tmp_path / 'car.yaml'}:7"
+
+
+def test_derivatives_go_through_includes(tmp_path: Path) -> None:
+    rates = written(tmp_path).formulas.derivatives("track")
+    assert rates["bodies", "left_wheel", "position", 1] == 0.5
+    assert rates["joints", "right_h_nut", "point", 1] == -0.5
+
+
+def test_a_file_without_a_prefix_shares_its_names(tmp_path: Path) -> None:
+    car = written(tmp_path, car=CAR.split("  - {file")[0] + "  - wheel.yaml\n" + CAR[CAR.index("bodies:") :])
+    assert [part.name for part in car.joints] == ["axle", "h_nut"]
+    assert car.parameters["y"] == 1
+
+
+WRONG = [
+    (
+        "wheel",
+        "radius: r",
+        "radius: q",
+        "wheel.yaml:13",
+        'force "left_tyre": radius must be a number, but is',
+    ),
+    (
+        "wheel",
+        "mass: h_",
+        "mas: h_",
+        "wheel.yaml:9",
+        'body "left_wheel": has no key "mas"; did you mean "mass"',
+    ),
+    (
+        "wheel",
+        "chassis, w",
+        "chasis, w",
+        "wheel.yaml:11",
+        'joint "left_axle": there is no body "chasis"; did you',
+    ),
+    ("wheel", "radius: r", "radius: -r", "wheel.yaml:13", 'force "left_tyre": radius must be greater than 0'),
+    ("wheel", "y: 1", "y: 1/0", "wheel.yaml:11", ""),
+    ("wheel", "bodies:", "bodie:", "wheel.yaml:8", 'model: has no key "bodie"; did you mean "bodies"?'),
+    ("wheel", "  y: 1\n", "  y: 1\n  y: 2\n", "wheel.yaml:6", 'parameter "y": the key "y" is given twice'),
+    (
+        "wheel",
+        "parts/hub",
+        "car",
+        "wheel.yaml:3",
+        "includes itself, car.yaml includes wheel.yaml includes car",
+    ),
+    (
+        "wheel",
+        "parts/hub.yaml",
+        "parts/nut.yaml",
+        "wheel.yaml:3",
+        'includes "nut.yaml", which is no file; check',
+    ),
+    (
+        "wheel",
+        "[{file: parts/hub.yaml, prefix: h_}]",
+        "3",
+        "wheel.yaml:3",
+        "include must be a list, but is 3.0",
+    ),
+    (
+        "hub",
+        "d * 10",
+        "e * 10",
+        "hub.yaml:3",
+        'body "left_h_bolt": mass uses the unknown name "e"; choose from',
+    ),
+    ("hub", "10 mm", "10 kg", "hub.yaml:3", 'body "left_h_bolt": mass expects kg, but "d * 10 kg/m" is in'),
+    ("hub", HUB, "", "hub.yaml", "file: is empty; give at least"),
+    ("hub", HUB, "[]", "hub.yaml:1", "model: must be a mapping; give keys and values"),
+    ("hub", HUB, "bodies: [1]", "hub.yaml:1", "model: bodies must be a mapping; give keys and values"),
+    ("hub", HUB, "a: [", "hub.yaml:1", "model: is not valid YAML"),
+    (
+        "car",
+        "y: -track",
+        "yy: -track",
+        "car.yaml:5",
+        'model: gives the unknown parameter "yy"; did you mean "y"',
+    ),
+    (
+        "car",
+        "-track/2",
+        "-trac/2",
+        "car.yaml:5",
+        'parameter "right_y": uses the unknown name "trac"; did you',
+    ),
+    ("car", "right_", "left_", "car.yaml:5", 'model: brings a second body "left_wheel"; give it a prefix'),
+    ("car", "right_", "3_", "car.yaml:5", "include[1].prefix must be letters, digits and _, starting with a"),
+    (
+        "car",
+        "prefix: right_",
+        "prefx: right_",
+        "car.yaml:5",
+        'include[1] has no key "prefx"; did you mean "prefix"',
+    ),
+    (
+        "car",
+        "file: wheel.yaml, prefix: right_",
+        "prefix: right_",
+        "car.yaml:5",
+        "include[1].file is missing; add",
+    ),
+    ("car", "bodies:", "bodies: 3\nx:", "car.yaml:6", "bodies must be a mapping; give keys and values"),
+]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "where", "phrase"), WRONG, ids=lambda v: str(v)[:20])
+def test_what_is_wrong_names_the_right_file(
+    file: str, old: str, new: str, where: str, phrase: str, tmp_path: Path
+) -> None:
+    texts = {"car": CAR, "wheel": WHEEL, "hub": HUB}
+    assert old in texts[file]
+    if not phrase:  # a value that every include replaces is never asked for
+        assert written(tmp_path, **{file: texts[file].replace(old, new, 1)}).name == "car"
+        return
+    with pytest.raises(ModelError) as caught:
+        written(tmp_path, **{file: texts[file].replace(old, new, 1)})
+    told = str(caught.value)
+    assert Path(told.split(": ")[0]).name == where, told
+    assert phrase in told
+    assert told.isprintable()
+
+
+def test_files_that_include_each_other_twice_are_no_bomb(tmp_path: Path) -> None:
+    for n in range(14):
+        twice = f"include: [{{file: m{n + 1}.yaml, prefix: a_}}, {{file: m{n + 1}.yaml, prefix: b_}}]\n"
+        (tmp_path / f"m{n}.yaml").write_text("name: bomb\n" + twice)
+    (tmp_path / "m14.yaml").write_text("bodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n")
+    began = time.perf_counter()
+    with pytest.raises(ModelError, match="includes more than 500 files or 16 levels; join some of them"):
+        load(tmp_path / "m0.yaml")
+    assert time.perf_counter() - began < 20
+
+
+ALIASES = """\
+name: aliases
+bodies:
+  a: &rod {mass: &m 2.0, inertia: &J [1, 1, 1]}
+  b: *rod
+  c:
+    <<: *rod
+    mass: 3
+  d:
+    <<: [{mass: 4}, *rod]
+    position: [*m, 0, 0]
+  e: {mass: *m, inertia: *J}
+"""
+
+
+def test_aliases_and_merge_keys_are_copies(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(ALIASES)
+    model = load(tmp_path / "m.yaml")
+    assert [body.mass for body in model.bodies] == [2, 2, 3, 4, 2]
+    assert all(list(body.inertia) == [1, 1, 1] for body in model.bodies)
+    assert list(model.bodies[3].position) == [2, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "phrase"),
+    [
+        (
+            "&m 2.0",
+            "&m -2.0",
+            3,
+            'body "a": mass must be greater than 0, but is -2.0; give the mass in kg (and',
+        ),
+        ("*rod\n    mass: 3", "*rod\n    mas: 3", 7, 'body "c": has no key "mas"; did you mean "mass"?'),
+        (
+            "b: *rod",
+            "b: *rd",
+            4,
+            'body "b": uses the alias "*rd", but there is no anchor &rd above it; did you',
+        ),
+        (
+            "b: *rod",
+            "b: &x [*x]",
+            4,
+            'body "b": uses the alias "*x" inside of its own anchor; write the value',
+        ),
+        (
+            "<<: *rod\n    mass",
+            "<<: 3\n    mass",
+            6,
+            'body "c": has a merge key (<<) that is no mapping; give',
+        ),
+        (
+            "<<: *rod\n    mass",
+            "<<: []\n    mass",
+            6,
+            'body "c": has a merge key (<<) that is no mapping; give',
+        ),
+        (
+            "<<: *rod\n    mass",
+            "<<: *rod\n    <<: *rod\n    mass",
+            7,
+            'body "c": the key "<<" is given twice',
+        ),
+        (
+            "<<: *rod\n    mass",
+            "<<: *J\n    mass",
+            6,
+            'body "c": has a merge key (<<) that is no mapping; give',
+        ),
+        ("mass: *m", "*m : 3", 11, 'body "e": has an alias (*) as key; write the key out'),
+    ],
+)
+def test_wrong_aliases_are_refused(old: str, new: str, line: int, phrase: str, tmp_path: Path) -> None:
+    assert old in ALIASES
+    (tmp_path / "m.yaml").write_text(ALIASES.replace(old, new, 1))
+    with pytest.raises(ModelError) as caught:
+        load(tmp_path / "m.yaml")
+    assert str(caught.value).startswith(f"{tmp_path / 'm.yaml'}:{line}: {phrase}"), str(caught.value)
+
+
+def test_aliases_are_no_bomb(tmp_path: Path) -> None:
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 60)]
+    (tmp_path / "m.yaml").write_text("\n".join(lines))
+    began = time.perf_counter()
+    with pytest.raises(ModelError, match=r"m.yaml:6: model: copies more than 500000 entries by its aliases"):
+        load(tmp_path / "m.yaml")
+    assert time.perf_counter() - began < 20
+
+
+def test_aliases_do_not_nest_deeper_than_a_file_may(tmp_path: Path) -> None:
+    lines = ["a0: &a0 [1]", *(f"a{n}: &a{n} [*a{n - 1}]" for n in range(1, 100))]
+    (tmp_path / "m.yaml").write_text("\n".join(lines))
+    with pytest.raises(ModelError, match="is nested deeper than 64 levels"):
+        load(tmp_path / "m.yaml")

@@ -1,4 +1,4 @@
-"""Constraints that are linear combinations of scalar functions: all their derivatives to q are the same combinations."""
+"""Constraints that are linear combinations of scalar functions: so are their derivatives to q."""
 
 from __future__ import annotations
 

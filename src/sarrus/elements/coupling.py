@@ -1,7 +1,7 @@
-"""Couplings: the coordinates of two joints are proportional. i and j are the bodies of the first, k and l of the second.
+"""Couplings: the coordinates of two joints are proportional.
 
-Bodies may repeat. The paper has no formulas for them; derivatives to the numbers are made by differentiating what is
-recorded.
+i and j are the bodies of the first joint, k and l of the second; they may repeat. The paper has no formulas for them;
+derivatives to the numbers are made by differentiating what is recorded.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Screw: travel along an axis is proportional to the angle about it. One equation beside those of a cylindrical joint."""
+"""Screw: travel along an axis is proportional to the angle about it; an equation beside those of a cylinder."""
 
 from __future__ import annotations
 

@@ -42,3 +42,5 @@ AngularVelocity: TypeAlias = Annotated[Vector, In("rad/s")]
 Acceleration: TypeAlias = Annotated[Vector, In("m/s^2")]
 ForceVector: TypeAlias = Annotated[Vector, In("N")]
 TorqueVector: TypeAlias = Annotated[Vector, In("N m")]
+Ratio: TypeAlias = Annotated[float, In("1")]
+Number: TypeAlias = Annotated[float, In("")]  # of whatever unit

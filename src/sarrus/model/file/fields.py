@@ -22,6 +22,7 @@ from ..expression import Expression
 from ..frame import Frame
 from ..inertia import Inertia
 from ..measure import In
+from ..motion import Motion
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
@@ -142,6 +143,22 @@ class InertiaEntry(Entry):
         return self.model_dump()
 
 
+def _named_joint(value: Any) -> Any:
+    """Return the name of a joint's coordinate in the whole model."""
+    return str(full_name(value, value)) if isinstance(value, str) else value
+
+
+JointName = Annotated[StrictStr, BeforeValidator(_named_joint)]
+
+
+def _formula_or_table(value: Any) -> str:
+    return "table" if isinstance(value, (dict, TableEntry)) else "formula"
+
+
+def _motion_in(unit: str, over: str) -> Any:
+    return one_of(_formula_or_table, formula=function_in(unit, over), table=_table_in(unit, over))
+
+
 def _number_or_table(value: Any) -> str:
     return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
@@ -208,6 +225,8 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
     typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
+    typed(Motion).members: lambda to: _motion_in(to.unit, to.over),
+    typed(str).members: lambda to: JointName,
     typed(Expression).members: lambda to: function_in(to.unit, to.over),
     typed(Inertia).members: lambda to: InertiaForm,
     typed(Orientation).members: lambda to: OrientationForm,

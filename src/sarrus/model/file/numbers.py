@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any
 
 from ..body import Body
+from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, fits, unit_of
@@ -164,7 +165,11 @@ class Numbers:
         if section in ("parameters", "points"):
             return None if section == "parameters" else "m"
         entry = self._section(section)[part]
-        kinds: dict[str, dict[str, Any]] = {"joints": dict(Joint.kinds), "forces": dict(Force.kinds)}
+        kinds: dict[str, dict[str, Any]] = {
+            "joints": dict(Joint.kinds),
+            "drivers": dict(Driver.kinds),
+            "forces": dict(Force.kinds),
+        }
         kind = Body if section == "bodies" else kinds[section].get(str(entry.get("type")))
         measure = measures(kind).get(steps[0]) if kind and steps else None
         return measure.unit if measure else None
@@ -189,7 +194,7 @@ class Numbers:
         points = [f"{name}.{axis}" for name in self._section("points") for axis in "xyz"]
         parts = [
             f"{name}.{key}"
-            for section in ("bodies", "joints", "forces")
+            for section in ("bodies", "joints", "drivers", "forces")
             for name, entry in self._section(section).items()
             if isinstance(entry, dict)
             for key, value in entry.items()

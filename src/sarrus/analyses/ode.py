@@ -38,7 +38,9 @@ class ODE:
         """Integrate over the times `t_eval`; see `sarrus.simulate`."""
         from scipy import integrate
 
-        motion, recorder = Motion(system), Recorder(system, t_eval)
+        motion = Motion(system)
+        system.remember(start.q, motion.b, float(t_eval[0]))
+        recorder = Recorder(system, t_eval, motion.b)
         y = np.concatenate([start.q, start.v])
         status, message, steps = "finished", "reached the end", 0
         try:
@@ -67,9 +69,9 @@ class ODE:
 class Recorder:
     """Collects states at given times from a solver's interpolants, each projected onto the constraints."""
 
-    def __init__(self, system: System, times: Array) -> None:
-        self.system, self.times = system, times
-        self.projection = Projection(system)
+    def __init__(self, system: System, times: Array, b: Array) -> None:
+        self.system, self.times, self.b = system, times, b
+        self.projection = Projection(system, b)
         self.last = float(times[0])
         self._rows: list[tuple[Any, ...]] = []
 
@@ -79,7 +81,7 @@ class Recorder:
             time = float(self.times[len(self._rows)])
             q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
             a, lam = motion.acceleration(time, q, v)
-            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q, time)).max(initial=0.0)))
+            self._rows.append((time, q, v, a, lam, abs(self.system.Phi(q, time, b=self.b)).max(initial=0.0)))
         self.last = float(t)
 
     def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:
@@ -100,4 +102,5 @@ class Recorder:
             message=message,
             nfev=evaluations,
             nsteps=steps,
+            joints=self.system.joint_coordinates,
         )

@@ -32,7 +32,7 @@ def motion_of(value: Motion, field: str) -> Law:
     ModelError
         If it is no number, formula in t, table or function, or cannot be differentiated.
     """
-    given: Any = parse_expression(value, variables=(VARIABLE,)) if isinstance(value, str) else value
+    given: Any = _parsed(value, field) if isinstance(value, str) else value
     if isinstance(given, Expression):
         return _formula(given, field)
     if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
@@ -40,6 +40,13 @@ def motion_of(value: Motion, field: str) -> Law:
     return Law(
         number(given, field, "give a number, a formula in t, a table or a function"), Curve.constant(1.0)
     )
+
+
+def _parsed(text: str, field: str) -> Expression:
+    try:
+        return parse_expression(text, variables=(VARIABLE,))
+    except ModelError as error:
+        raise ModelError(f"{field} {error.sentence}", field=field) from None
 
 
 def _formula(tree: Expression, field: str) -> Law:

@@ -29,9 +29,7 @@ class Screw(Cylindrical):
         """Yield the primitives of a cylindrical joint, and the screw."""
         pitch = number(self.pitch, "pitch", "give the travel in m for a turn")
         if not pitch:
-            raise ModelError(
-                "pitch must not be 0; give the travel in m for a turn, or use a revolute joint", field="pitch"
-            )
+            raise ModelError("pitch must not be 0; give it in m, or use a revolute joint", field="pitch")
         yield from super().primitives(poses)
         i, j = self.frames(poses)
         values = (i.f, i.g, i.h, j.f, i.s, j.s, pitch / (2 * pi), 0.0, 0.0)

@@ -53,8 +53,10 @@ if TYPE_CHECKING:
     from .model import TravelDriver as TravelDriver
     from .model import Tyre as Tyre
     from .model import Universal as Universal
+    from .model import describe as describe
     from .model import ground as ground
     from .model import load as load
+    from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
     from .results import Trajectory as Trajectory
     from .system import System as System
@@ -67,7 +69,7 @@ _HOMES = {
         "DistanceDriver Driver EulerAngles Fixed Frame Gear Model ModelError ParallelAxes Planar Point "
         "PointDriver PointForce PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute "
         "RevoluteSpherical SarrusError Screw Spherical TSDA Torque Translational TravelDriver Tyre Universal "
-        "ground load"
+        "describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": "ODE assemble simulate",

@@ -27,9 +27,8 @@ def slider_crank() -> sr.System:
     joints = [
         sr.Revolute("pin", sr.ground, crank, point=(0, 0, 0), axis=(0, 0, 1)),
         sr.Revolute("knee", crank, rod, point=(CRANK, 0, 0), axis=(0, 0, 1)),
-        sr.PointOnLine("guide", sr.ground, slider, point=(CRANK + ROD, 0, 0), axis=(1, 0, 0)),
-        sr.ParallelAxes("upright", sr.ground, slider, axis=(1, 0, 0)),
-        sr.Universal("wrist", rod, slider, point=(CRANK + ROD, 0, 0), axis_i=(0, 0, 1), axis_j=(0, 1, 0)),
+        sr.Translational("guide", sr.ground, slider, point=(CRANK + ROD, 0, 0), axis=(1, 0, 0)),
+        sr.PointOnLine("wrist", rod, slider, point=(CRANK + ROD, 0, 0), axis=(0, 0, 1)),
     ]
     model = sr.Model(
         "slider-crank", [crank, rod, slider], joints, drivers=[sr.AngleDriver("motor", "pin", angle)]

@@ -29,6 +29,12 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert "((Φ_q ξ)_q η)_q" in capsys.readouterr().out
 
 
+def test_check_tells_and_draws_the_model_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", SLIDER_CRANK, "--draw", str(tmp_path / "crank.png")]) == 0
+    assert capsys.readouterr().out.startswith("slider-crank, from")
+    assert (tmp_path / "crank.png").stat().st_size > 10_000
+
+
 def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, figure = tmp_path / "run.csv", tmp_path / "run.svg"
     arguments = [

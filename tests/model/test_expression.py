@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from sarrus._jit.expression import Graph
 from sarrus.model import ModelError
+from sarrus.model.curve import Formula
 from sarrus.model.expression import FUNCTIONS, Expression, Name, Number, parse, parse_expression
 from sarrus.model.expression.dimensions import fits, unit_of
 from sarrus.model.expression.units import powers_of, unit_text
@@ -216,9 +217,17 @@ def test_numbers_with_methods_of_their_own_are_asked() -> None:
 
 def test_formulas_can_be_recorded_for_compilation() -> None:
     graph = Graph()
-    tree = parse("3*sqrt(t) + t**2*sin(2*t)")
-    tree.value({"t": graph.input("t")})
-    assert {node.op for node in graph.nodes} >= {"sqrt", "sin", "mul", "add"}
+    tree = parse("3*sqrt(t) + t**2*sin(2*t) + step(t, 0, 0, 1, 1) + atan2(1, t)*abs(t) + t**1.5")
+    for formula in (tree, tree.derivative("t"), tree.derivative("t").derivative("t")):
+        formula.value({"t": graph.input("t")})
+    assert {node.op for node in graph.nodes} >= {"sqrt", "sin", "mul", "add", "positive", "atan2"}
+
+
+def test_a_recorded_formula_is_the_formula() -> None:
+    tree = parse("3*sqrt(t) + step(t, 0, 0, 3, 1) + min(t, 2)*max(t, 1) - abs(t - 5) + t**1.5")
+    law = Formula(lambda t: tree.value({"t": t}))
+    assert len(law.numbers()) > 10
+    assert law(1.7) == tree.value({"t": 1.7})
 
 
 def test_arithmetic_on_formulas_gives_formulas() -> None:

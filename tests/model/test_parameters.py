@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import pickle
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 
@@ -15,6 +18,7 @@ from sarrus.model.expression import Expression
 from sarrus.model.file.stated import function_in
 from sarrus.model.file.typed import measures, typed
 from sarrus.model.inertia import Inertia
+from sarrus.model.measure import In
 from sarrus.model.quantity import Vector
 
 CRANK = """\
@@ -139,8 +143,28 @@ def test_a_function_of_time_keeps_its_variable() -> None:
     assert law.names() == ("t",)
     assert law.derivative("t").value({"t": 0.0}) == 6.0
     assert form.validate_python(4.0, context=numbers).value() == 4
-    with pytest.raises(ValueError, match=r"expects N, but .* is in s"):
-        form.validate_python("t", context=numbers)
+    assert form.validate_python("10*sin(2*pi*t)", context=numbers).value({"t": 0.25}) == 10
+    with pytest.raises(ValueError, match=r"expects N, but .* is in"):
+        form.validate_python("1 m * t", context=numbers)
+
+
+def test_a_curve_may_be_a_formula() -> None:
+    from pydantic import TypeAdapter
+
+    from sarrus.model.curve import Formula
+    from sarrus.model.file.fields import form_of
+    from sarrus.model.file.numbers import Numbers
+
+    form = TypeAdapter(form_of(Annotated[float | Curve | Formula, In("N", over="m")]))
+    numbers = Numbers({"parameters": {"k": "2 N/mm"}})
+    law = form.validate_python("k*x + 1 N", context=numbers).build({})
+    assert isinstance(law, Formula)
+    assert law(0.5) == 1001
+    assert len(law.numbers()) > 3
+    assert form.validate_python("k * 1 mm", context=numbers) == 2.0
+    assert form.validate_python({"table": [["0 mm", 1], [1, "2 kN"]]}, context=numbers).build({})(1) == 2000
+    with pytest.raises(ValueError, match="expects N, but"):
+        form.validate_python("1 kg * x", context=numbers)
 
 
 def test_every_number_of_every_part_says_what_it_measures() -> None:
@@ -249,6 +273,24 @@ def test_formulas_that_double_stay_quick(tmp_path: Path) -> None:
     model = written(tmp_path, BASE.format(**{**DEFAULTS, "parameters": "{p0: 1, " + doubling + "}"}))
     assert model.parameters["p149"] == 2.0**149
     assert model.formulas.derivatives("p0")["parameters", "p149"] == 2.0**149
+
+
+PIECES = ["l", "rod", "rod.mass", "A", "true", "[1]", "{}", "null", "1/0", "2 mm", "${l}"]
+PIECES += ["'", "-", ":", "sin(", "t", "<<"]
+
+
+def test_no_damage_to_formulas_gives_another_exception(tmp_path: Path) -> None:
+    """Replace a piece of the file at many places by words that mean something elsewhere."""
+    for place in range(20, len(CRANK), 9):
+        piece, length = PIECES[place % len(PIECES)], place % 5
+        with suppress(ModelError):
+            written(tmp_path, CRANK[:place] + piece + CRANK[place + length :])
+
+
+def test_a_model_with_formulas_can_be_sent_to_another_process(model: Model) -> None:
+    other = pickle.loads(pickle.dumps(model))
+    assert other.formulas.derivatives("l") == model.formulas.derivatives("l")
+    assert blueprint(other).q.tolist() == blueprint(model).q.tolist()
 
 
 def test_json_says_the_same(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from importlib import import_module
 VERBS = {
     "demo": "assemble, check, simulate and plot the shipped slider-crank",
     "run": "assemble and simulate a model file",
-    "check": "compare every derivative of a model with an independent one",
+    "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",
 }

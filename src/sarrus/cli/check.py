@@ -1,28 +1,45 @@
-"""``sarrus check MODEL``: every derivative of a model against an independent one."""
+"""``sarrus check MODEL``: a model in words, and every derivative of it against an independent one."""
 
 from __future__ import annotations
 
 import argparse
+import sys
+from typing import TYPE_CHECKING
 
 from .progress import Bar
 
+if TYPE_CHECKING:
+    from ..model import Model
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """The model file, and the seed of the random states."""
+    """The model file, the seed of the random states, and a file for a drawing."""
     parser.add_argument("model", help="a .yaml or .json model file")
     parser.add_argument(
         "--seed", type=int, default=0, help="of the random velocities, directions and multipliers"
     )
+    parser.add_argument("--draw", metavar="FILE", help="draw the model, .png or .svg")
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Print the table; 1 if something does not agree."""
+    """Print the words and the table; 1 if something does not agree."""
     from ..elements import OPERATORS
-    from ..model import load
+    from ..model import describe, load
     from ..system import System
 
-    system = System(load(chosen.model))
+    model = load(chosen.model)
+    print(describe(model), end="\n\n", flush=True)
+    if chosen.draw:
+        _draw(model, chosen.draw)
+    system = System(model)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
     print(report)
     return 0 if report.ok else 1
+
+
+def _draw(model: Model, file: str) -> None:
+    from ..views import mechanism_figure
+
+    mechanism_figure(model).savefig(file, dpi=150)
+    print(f"wrote {file}", file=sys.stderr)

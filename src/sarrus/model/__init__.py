@@ -13,6 +13,8 @@ from .drivers import PointDriver as PointDriver
 from .drivers import TravelDriver as TravelDriver
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
+from .expression import Expression as Expression
+from .expression import parse_expression as parse_expression
 from .file import load as load
 from .forces import RSDA as RSDA
 from .forces import TSDA as TSDA
@@ -45,3 +47,4 @@ from .orientation import AxisAngle as AxisAngle
 from .orientation import EulerAngles as EulerAngles
 from .point import Point as Point
 from .solid import ground as ground
+from .words import describe as describe

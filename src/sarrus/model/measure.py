@@ -43,4 +43,3 @@ Acceleration: TypeAlias = Annotated[Vector, In("m/s^2")]
 ForceVector: TypeAlias = Annotated[Vector, In("N")]
 TorqueVector: TypeAlias = Annotated[Vector, In("N m")]
 Ratio: TypeAlias = Annotated[float, In("1")]
-Number: TypeAlias = Annotated[float, In("")]  # of whatever unit

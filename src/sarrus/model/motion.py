@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 from .curve import Curve, Formula, curve_of
@@ -22,6 +23,16 @@ class Law(NamedTuple):
 
     scale: float
     curve: Curve | Formula
+
+
+@dataclass(frozen=True, eq=False)
+class _InTime:
+    """A formula's tree as a function of t; a class, so that models can be pickled."""
+
+    tree: Expression
+
+    def __call__(self, t: Any) -> Any:
+        return self.tree.value({VARIABLE: t})
 
 
 def motion_of(value: Motion, field: str) -> Law:
@@ -55,7 +66,7 @@ def _formula(tree: Expression, field: str) -> Law:
         raise ModelError(f"{field} depends on {quote(others[0])}; only t may stand in it", field=field)
     if not tree.names():
         return Law(number(float(tree.value()), field), Curve.constant(1.0))
-    return _checked(Formula(lambda t: tree.value({VARIABLE: t})), field)
+    return _checked(Formula(_InTime(tree)), field)
 
 
 def _checked(curve: Curve | Formula, field: str) -> Law:

@@ -13,8 +13,8 @@ MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
 FLOOR = 1e-17  # shown in place of an error of exactly zero
 
 
-def _figure(width: float, height: float) -> Any:
-    """A figure that belongs to no window: it is returned, shown by notebooks, and saved."""
+def figure_of(width: float, height: float) -> Any:
+    """Return a figure that belongs to no window: it is returned, shown by notebooks, and saved."""
     try:
         from matplotlib.figure import Figure
     except ImportError:
@@ -77,7 +77,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
 
 def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
     """One body's position and velocity, another's spin, and the constraint violation over time, as one figure."""
-    slide, figure = run[sliding], _figure(9.5, 5.6)
+    slide, figure = run[sliding], figure_of(9.5, 5.6)
     axes = figure.subplots(2, 2, sharex=True)
     panels = {
         f"{sliding}: position [m]": slide.position,
@@ -100,7 +100,7 @@ def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
 def check_figure(report: Any, tolerance: float) -> Any:
     """How far every operator is from its independent value, as one figure."""
     findings = list(report.findings)[::-1]
-    figure = _figure(7.5, 0.24 * len(findings) + 1.2)
+    figure = figure_of(7.5, 0.24 * len(findings) + 1.2)
     ax = figure.subplots()
     errors = [max(f.error, FLOOR) for f in findings]
     colours = [BLUE if f.ok else ORANGE for f in findings]

@@ -1,4 +1,4 @@
-"""Functions of any kind of number: plain and complex numbers, arrays, and types that bring their own methods."""
+"""Functions of any kind of number: plain, complex and recorded ones, arrays, types with their own methods."""
 
 from __future__ import annotations
 
@@ -8,53 +8,52 @@ from typing import Any
 
 import numpy as np
 
+from ... import functions
+
 LARGEST_POWER = 64  # whole exponents up to this are products, so that they need only multiplication
 
 
-def _arctan2(y: Any, x: Any) -> Any:
-    """Return the angle of (x, y); for complex numbers to first order, as a complex step needs it."""
-    if not (np.iscomplexobj(y) or np.iscomplexobj(x)):
-        return np.arctan2(y, x)
-    turn = np.real(x) * np.imag(y) - np.real(y) * np.imag(x)
-    return np.arctan2(np.real(y), np.real(x)) + 1j * turn / (np.real(x) ** 2 + np.real(y) ** 2)
+def _select(a: Any, b: Any, x: Any, y: Any) -> Any:
+    """Return x where a <= b, else y."""
+    return x + (y - x) * functions.positive(a - b)
 
 
-UFUNCS: dict[str, Callable[..., Any]] = {
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": _arctan2,
-    "sqrt": np.sqrt,
-    "exp": np.exp,
-    "log": np.log,
-    "min": np.minimum,
-    "max": np.maximum,
-    "select": lambda a, b, x, y: np.choose(np.real(a) <= np.real(b), (y, x)),
-}
+NAMES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log")
 PLAIN: dict[str, Callable[..., Any]] = {
-    **{name: getattr(math, name) for name in UFUNCS if name not in ("min", "max", "select")},
+    **{name: getattr(math, name) for name in NAMES},
     "min": min,
     "max": max,
     "select": lambda a, b, x, y: x if a <= b else y,
+}
+ARRAYS: dict[str, Callable[..., Any]] = {
+    **{name: getattr(np, name.replace("a", "arc", 1) if name[0] == "a" else name) for name in NAMES},
+    "min": np.minimum,
+    "max": np.maximum,
+    "select": lambda a, b, x, y: np.where(a <= b, x, y),
+}
+ANY: dict[str, Callable[..., Any]] = {
+    **{name: getattr(functions, name) for name in NAMES},
+    "min": functions.minimum,
+    "max": functions.maximum,
+    "select": _select,
 }
 
 
 def apply(name: str, *args: Any) -> Any:
     """Return a function's value.
 
-    Plain numbers go to ``math``, arrays and complex numbers to NumPy, numbers of mpmath to their context. Any other
-    type is asked for a method of the function's name, as in ``x.sin()`` and ``x.max(0)``, or for the method ``call``
-    of recorded numbers.
+    A type that brings a method of the function's name, as in ``x.sin()`` and ``x.max(0)``, is asked for it, unless
+    ``sarrus.functions`` knows the type.
     """
     if all(isinstance(arg, (int, float)) for arg in args):
         return PLAIN[name](*args)
+    if any(isinstance(arg, np.ndarray) for arg in args):
+        return ARRAYS[name](*args)
     for place, arg in enumerate(args):
-        if not isinstance(arg, (int, float, complex, np.ndarray, np.generic)):
-            return _own(name, arg, place, args)
-    return UFUNCS[name](*args)
+        if not _is_known(arg):
+            first = arg if place == 0 else arg * 0 + args[0]
+            return _method(first, name)(*args[1:])
+    return ANY[name](*args)
 
 
 def power(x: Any, n: Any) -> Any:
@@ -74,15 +73,12 @@ def product(x: Any, n: int) -> Any:
     return half * half * x if n % 2 else half * half
 
 
-def _own(name: str, arg: Any, place: int, args: tuple[Any, ...]) -> Any:
-    context = getattr(arg, "context", None)
-    if hasattr(context, name):
-        return getattr(context, name)(*args)
-    if context is not None:
-        return PLAIN[name](*args)
-    first = arg if place == 0 else arg * 0 + args[0]
-    if hasattr(first, name):
-        return getattr(first, name)(*args[1:])
-    if not hasattr(first, "call"):
-        raise TypeError(f"numbers of type {type(arg).__name__} have no method {name}")
-    return first.call(name, *args[1:])
+def _is_known(x: Any) -> bool:
+    """Return whether ``sarrus.functions`` takes a number: plain, complex, recorded, or of mpmath."""
+    return isinstance(x, (int, float, complex, np.generic)) or hasattr(x, "call") or hasattr(x, "context")
+
+
+def _method(x: Any, name: str) -> Any:
+    if not hasattr(x, name):
+        raise TypeError(f"numbers of type {type(x).__name__} have no method {name}")
+    return getattr(x, name)

@@ -20,7 +20,7 @@ SPACE = re.compile(r"\s*")
 
 
 class Token(NamedTuple):
-    """A piece of a formula: its kind, ``number``, ``name``, ``quoted`` (a name), ``sign`` or ``end``, and where it stands."""
+    """A piece of a formula: its kind (number, name, quoted name, sign or end) and where it stands."""
 
     kind: str
     text: str

@@ -44,6 +44,9 @@ class Function:
     partials: Partials
     precedence: int = 0
 
+    def __reduce__(self) -> tuple[Callable[[str], Function], tuple[str]]:
+        return function_named, (self.name,)
+
 
 REGISTRY: dict[str, Function] = {}  # filled in functions.py
 
@@ -241,6 +244,11 @@ class Call(Expression):
         to_right = self.function.name == "**"
         sides = _bracketed(left, own + to_right), _bracketed(right, own + (not to_right))
         return f" {self.function.name} ".join(sides) if own == 1 else self.function.name.join(sides), own
+
+
+def function_named(name: str) -> Function:
+    """Return the function of a name; trees are pickled by it."""
+    return REGISTRY[name]
 
 
 def call(function: str, *args: Expression) -> Call:

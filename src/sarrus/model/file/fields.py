@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..curve import Curve
+from ..curve import Curve, Formula
 from ..expression import Expression
 from ..frame import Frame
 from ..inertia import Inertia
@@ -31,7 +31,7 @@ from ..solid import Solid
 from .entry import Entry, said
 from .form import list_of, marked, one_of
 from .scope import full_name
-from .stated import function_in, list_in, number_in
+from .stated import function_in, law_in, list_in, number_in
 from .typed import typed
 
 Solids: TypeAlias = Mapping[str, Solid]
@@ -151,14 +151,6 @@ def _named_joint(value: Any) -> Any:
 JointName = Annotated[StrictStr, BeforeValidator(_named_joint)]
 
 
-def _formula_or_table(value: Any) -> str:
-    return "table" if isinstance(value, (dict, TableEntry)) else "formula"
-
-
-def _motion_in(unit: str, over: str) -> Any:
-    return one_of(_formula_or_table, formula=function_in(unit, over), table=_table_in(unit, over))
-
-
 def _number_or_table(value: Any) -> str:
     return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
@@ -198,8 +190,9 @@ def _two(value: Any) -> Any:
     return value
 
 
-def _number_or_table_in(unit: str, over: str) -> Any:
-    return one_of(_number_or_table, number=number_in(unit), table=_table_in(unit, over))
+def _number_or_table_in(unit: str, over: str, formula: bool = False) -> Any:
+    number = law_in(unit, over) if formula else number_in(unit)
+    return one_of(_number_or_table, number=number, table=_table_in(unit, over))
 
 
 def _matrix_in(unit: str) -> Any:
@@ -225,8 +218,9 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
     typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
-    typed(Motion).members: lambda to: _motion_in(to.unit, to.over),
+    typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(str).members: lambda to: JointName,
+    typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(Expression).members: lambda to: function_in(to.unit, to.over),
     typed(Inertia).members: lambda to: InertiaForm,
     typed(Orientation).members: lambda to: OrientationForm,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..body import Body
 from ..drivers import Driver
@@ -25,10 +25,23 @@ AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
 FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
 
 
+def variable_of(over: str) -> str:
+    """Return the name of a formula's variable: t for time, x for anything else."""
+    return "t" if over == "s" else "x"
+
+
 class Computed(float):
     """A number that a formula gave."""
 
     expression: Expression
+
+
+class Home(NamedTuple):
+    """A part that a path leads into, and the rest of the path."""
+
+    section: str
+    entry: Any
+    steps: list[str]
 
 
 class Echo(ModelError):
@@ -59,11 +72,22 @@ class Numbers:
         result.expression = tree
         return result
 
-    def function(self, text: str, unit: str, over: str, variable: str = "t") -> Expression:
+    def function(self, text: str, unit: str, over: str) -> Expression:
         """Return the formula of a function of one variable, with numbers for all other names."""
+        variable = variable_of(over)
         tree = self.tree(text, variable)
-        self._check_unit(tree, text, unit, {variable: powers_of(over)})
+        self._check_function(tree, text, unit, {variable: powers_of(over)})
         return tree.replaced({name: Number(value) for name, value in self.values.items()})
+
+    def _check_function(self, tree: Expression, text: str, unit: str, variable: dict[str, Powers]) -> None:
+        """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without."""
+        try:
+            self._check_unit(tree, text, unit, variable)
+        except ModelError as error:
+            try:
+                self._check_unit(tree, text, unit, {name: {} for name in variable})
+            except ModelError:
+                raise error from None
 
     def point(self, text: str) -> Any:
         """Return the entries of a named point as they are written."""
@@ -129,25 +153,23 @@ class Numbers:
 
     def _definition(self, name: str, text: str) -> tuple[Any, str | None]:
         """Return what the file says for a name, and the unit that its place declares."""
-        section, part, steps = self._home(name)
-        if section:
-            raw = self._walk(self._section(section)[part], steps)
+        found = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
+        for raw, home in found:
             if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
-                return raw, self._declared(section, part, steps)
+                return raw, self._declared(home)
+        for raw, home in found:
             if raw is not None:
                 told = f"uses {quote(name)}, which is {show(raw)} and no number"
-                wrong = Echo if section == "parameters" else ModelError
+                wrong = Echo if home.section == "parameters" else ModelError
                 raise wrong(f"{told}; name one of its numbers, as in {name}.x")
         raise self._unknown(name, text)
 
-    def _home(self, name: str) -> tuple[str, str, list[str]]:
-        """Return the section that a path leads into, the part there, and the rest of the path."""
+    def _homes(self, name: str) -> Iterator[Home]:
+        """Yield every part that a path may lead into: parameters and points come before the others."""
         part, *steps = name.split(".")
-        for section in reversed(KINDS):  # parameters and points first
-            held = self._section(section)
-            if part in held and (section != "parameters" or isinstance(held[part], dict) == bool(steps)):
-                return section, part, steps
-        return "", part, steps
+        for section in reversed(KINDS):
+            if part in self._section(section):
+                yield Home(section, self._section(section)[part], steps)
 
     def _walk(self, value: Any, steps: list[str]) -> Any:
         """Return what a path leads to, or None."""
@@ -161,17 +183,17 @@ class Numbers:
                 value = value[place] if isinstance(value, list) and 0 <= place < len(value) else None
         return value
 
-    def _declared(self, section: str, part: str, steps: list[str]) -> str | None:
-        if section in ("parameters", "points"):
-            return None if section == "parameters" else "m"
-        entry = self._section(section)[part]
+    def _declared(self, home: Home) -> str | None:
+        if home.section in ("parameters", "points"):
+            return None if home.section == "parameters" else "m"
         kinds: dict[str, dict[str, Any]] = {
             "joints": dict(Joint.kinds),
             "drivers": dict(Driver.kinds),
             "forces": dict(Force.kinds),
         }
-        kind = Body if section == "bodies" else kinds[section].get(str(entry.get("type")))
-        measure = measures(kind).get(steps[0]) if kind and steps else None
+        name = str(home.entry.get("type")) if isinstance(home.entry, dict) else ""
+        kind = Body if home.section == "bodies" else kinds.get(home.section, {}).get(name)
+        measure = measures(kind).get(home.steps[0]) if kind and home.steps else None
         return measure.unit if measure else None
 
     def _unknown(self, name: str, text: str) -> ModelError:

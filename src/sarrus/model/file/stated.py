@@ -16,12 +16,14 @@ from pydantic import (
     WrapValidator,
 )
 
+from ..curve import Formula
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
 from .entry import said
 from .form import list_of, marked
-from .numbers import Echo, Numbers
+from .numbers import Echo, Numbers, variable_of
+from .scalar import NUMBER
 
 Handler: TypeAlias = ValidatorFunctionWrapHandler
 
@@ -47,9 +49,42 @@ def list_in(unit: str, count: int, named: bool = False) -> Any:
 @cache
 def function_in(unit: str, over: str) -> Any:
     """Return the form of a function of t, such as ``10 N * sin(2*pi*t)``."""
-    schema = {"type": ["number", "string"], "description": f"[{unit}], a formula in t [{over}]"}
+    schema = {
+        "type": ["number", "string"],
+        "description": f"[{unit}], a formula in {variable_of(over)} [{over}]",
+    }
     wrap = WrapValidator(partial(_function, unit, over))
     return marked(InstanceOf[Expression], wrap, WithJsonSchema(schema))
+
+
+class Law:
+    """A formula in a place that may also hold a table: a number if it is constant, else a function."""
+
+    def __init__(self, tree: Expression, over: str) -> None:
+        self.tree = tree
+        self.variable = variable_of(over)
+
+    def __call__(self, x: Any) -> Any:
+        """Return the value for a number of any kind."""
+        return self.tree.value({self.variable: x})
+
+    def build(self, solids: Any) -> Formula:
+        """Return the curve."""
+        return Formula(self)
+
+
+@cache
+def law_in(unit: str, over: str) -> Any:
+    """Return the form of a number, or of a formula in t or x, in the place of a curve."""
+    schema = {"type": ["number", "string"], "description": f"[{unit}], or a formula in {variable_of(over)}"}
+    return marked(number_in(unit), WrapValidator(partial(_law, unit, over)), WithJsonSchema(schema))
+
+
+def _law(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
+    if not isinstance(value, str) or NUMBER.fullmatch(value):
+        return handler(value)
+    tree = _said(_numbers(info).function, value, unit, over)
+    return Law(tree, over) if tree.names() else handler(value)
 
 
 def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..coordinate import Known, chosen
-from ..measure import Number
+from ..measure import Ratio
 from ..primitive import Primitive
 from .coupling import Coupling, coupled, ratio_of
 
 
 @dataclass(frozen=True, eq=False)
 class Coupler(Coupling):
-    """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, in m and rad.
+    """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, as numbers in m and rad.
 
     Coordinates are given as ``slide.travel``, ``pin.angle``, or by the joint's name where it has only one. Left out,
     the offset is that of the initial pose.
@@ -21,8 +21,8 @@ class Coupler(Coupling):
 
     joint_i: str
     joint_j: str
-    ratio: Number
-    offset: Number | None = None
+    ratio: Ratio
+    offset: Ratio | None = None
 
     def relations(self, known: Known) -> Iterator[Primitive]:
         """Yield the second coordinate - ratio · the first - offset."""

@@ -1,0 +1,123 @@
+"""A model in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from .blueprint import Blueprint, blueprint
+from .forces import Force
+from .joints import Joint
+from .model import Model
+from .quantity import Array, vector
+from .registry import kind_name
+from .rotation import matrix
+
+MOST = 12  # parts that are named one by one
+WIDTH = 7  # coordinates of a body
+
+
+def describe(model: Model, *findings: str) -> str:
+    """Return what a model is, in words: bodies, joints, forces, degrees of freedom, mass, centre of mass.
+
+    Parameters
+    ----------
+    model
+        It is checked on the way.
+    findings
+        Further sentences of analyses, such as which equations are redundant; they follow the degrees of freedom.
+
+    Raises
+    ------
+    ModelError
+        If anything is wrong in the model.
+    """
+    plan = blueprint(model)
+    lines = [
+        _title(model),
+        _bodies(plan),
+        *_parts("joint", model.joints, plan),
+        *_parts("force", model.forces, plan),
+        _freedom(plan),
+        *findings,
+        *_parameters(model),
+    ]
+    return "\n".join(line for line in lines if line)
+
+
+def mass_and_center(plan: Blueprint) -> tuple[float, Array]:
+    """Return the mass of all bodies [kg] and their common centre of mass in the initial pose. (3,) [m]"""
+    masses, centers = [], []
+    for one in plan.placed:
+        if one.label == "inertia":
+            fields = dict(zip(one.element.fields, one.values, strict=True))
+            masses.append(fields["mass"])
+            centers.append(global_point(plan, one.bodies[0], fields.get("center", (0.0, 0.0, 0.0))))
+    return float(sum(masses)), np.average(centers, axis=0, weights=masses)
+
+
+def global_point(plan: Blueprint, body: int, local: Iterable[float]) -> Array:
+    """Return the global place in the initial pose of a point of body number ``body``. (3,) [m]"""
+    if body == 0:
+        return np.array([*local], dtype=float)
+    q = plan.q[WIDTH * (body - 1) : WIDTH * body]
+    return np.asarray(q[:3] + matrix(q[3:]) @ np.array([*local], dtype=float))
+
+
+def _title(model: Model) -> str:
+    where = f", from {model.origin.file}" if model.origin else ""
+    gravity = vector(model.gravity, "gravity")
+    weight = f"gravity {_triple(gravity)} m/s²" if any(gravity) else "no gravity"
+    return f"{model.name}{where}; {weight}"
+
+
+def _bodies(plan: Blueprint) -> str:
+    mass, center = mass_and_center(plan)
+    told = f"{_count(len(plan.bodies), 'body', 'bodies')}: {_listed(plan.bodies)}"
+    return f"{told}; {mass:.6g} kg in all, centre of mass at {_triple(center)} m"
+
+
+def _parts(word: str, parts: Sequence[Joint | Force], plan: Blueprint) -> list[str]:
+    """Return a line with the number of parts, and one for each type."""
+    kinds: dict[str, list[str]] = {}
+    for part in parts:
+        kinds.setdefault(kind_name(type(part)), []).append(part.name)
+    names_of_all = {part.name for part in parts}
+    rows = sum(one.element.rows for one in plan.placed if one.owner in names_of_all)
+    count = len(parts)
+    equations = f", {_count(rows, 'equation')}" if rows else ""
+    head = f"{_count(count, word)}{equations}:" if count else f"no {word}s"
+    return [head, *(f"  {len(names)} {kind}: {_listed(names)}" for kind, names in kinds.items())]
+
+
+def _freedom(plan: Blueprint) -> str:
+    """Return the count of degrees of freedom, as it is when no equation is redundant."""
+    rows = sum(one.element.rows for one in plan.placed)
+    free = 6 * len(plan.bodies) - rows
+    told = f"6 × {len(plan.bodies)} − {rows} = {free}"
+    if free < 0:
+        return f"degrees of freedom: {told}; there are redundant equations, or it cannot move"
+    return f"degrees of freedom: {told}, if no equation is redundant"
+
+
+def _parameters(model: Model) -> list[str]:
+    if not model.parameters:
+        return []
+    told = [f"{name} = {value:.6g}" for name, value in model.parameters.items()]
+    given = [path for path in model.expressions if path[0] != "parameters"]
+    formulas = f"{_count(len(given), 'number')} given by formulas"
+    return [f"{_count(len(told), 'parameter')} in SI units: {_listed(told)}; {formulas}"]
+
+
+def _count(number: int, one: str, many: str = "") -> str:
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    given = list(names)
+    return ", ".join(given[:MOST]) + (f", … ({len(given) - MOST} more)" if len(given) > MOST else "")
+
+
+def _triple(values: Iterable[float]) -> str:
+    return f"({', '.join(f'{value + 0.0:.4g}' for value in values)})"

@@ -1,0 +1,148 @@
+"""A mechanism in its initial pose: each body as lines from its origin to its points, joints and forces as marks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..algebra import Array
+from ..model import Model, blueprint
+from ..model.blueprint import Blueprint, Placed
+from ..model.words import global_point
+from .plots import ORANGE, figure_of
+
+BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
+JOINT, GROUND_COLOUR = "#222222", "#8a8f98"
+MOST_NAMES = 16  # of joints and forces
+MARGIN = 0.05  # of the largest extent, around the drawing
+
+
+class Mark(NamedTuple):
+    """A point at which a joint or force holds a body."""
+
+    owner: str
+    body: int
+    place: Array
+    is_joint: bool
+
+
+def mechanism_figure(model: Model) -> Any:
+    """Draw a model in its initial pose, as one figure.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ModelError
+        If anything is wrong in the model.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    plan = blueprint(model)
+    marks = _marks(plan)
+    figure = figure_of(8.5, 7.0)
+    ax = figure.add_subplot(projection="3d")
+    for number, name in enumerate(plan.bodies, start=1):
+        _draw_body(ax, plan, number, name, [mark.place for mark in marks if mark.body == number])
+    _draw_joints(ax, [mark for mark in marks if mark.is_joint])
+    _draw_forces(ax, [mark for mark in marks if not mark.is_joint])
+    _write_names(ax, marks)
+    _fit(ax, [*(mark.place for mark in marks), *(_origin(plan, b + 1) for b in range(len(plan.bodies)))])
+    ax.set_title(model.name, loc="left", fontsize=11)
+    return figure
+
+
+def _marks(plan: Blueprint) -> list[Mark]:
+    """Return the points of all joints and forces: the fields s, s_i and s_j of their elements."""
+    return [
+        Mark(one.owner, body, global_point(plan, body, point), one.element.rows > 0)
+        for one in plan.placed
+        for body, point in _points(one)
+    ]
+
+
+def _points(one: Placed) -> Iterable[tuple[int, Any]]:
+    fields = dict(zip(one.element.fields, one.values, strict=True))
+    names = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j")
+    return [(body, fields[name]) for name, body in zip(names, one.bodies, strict=False) if name in fields]
+
+
+def _origin(plan: Blueprint, body: int) -> Array:
+    return global_point(plan, body, (0.0, 0.0, 0.0))
+
+
+def _draw_body(ax: Any, plan: Blueprint, number: int, name: str, points: list[Array]) -> None:
+    origin, colour = _origin(plan, number), BODIES[(number - 1) % len(BODIES)]
+    for point in points:
+        _line(ax, origin, point, color=colour, linewidth=2.2)
+    if len(points) <= 4:
+        for one, other in combinations(points, 2):
+            _line(ax, one, other, color=colour, linewidth=0.8, alpha=0.5)
+    ax.scatter(*origin, color=colour, s=26, marker="s", depthshade=False)
+    ax.text(*origin, f" {name}\n", color=colour, fontsize=9)
+
+
+def _draw_joints(ax: Any, marks: list[Mark]) -> None:
+    """Draw a ring at every point of a joint, filled on the ground; a line between its points if they are apart."""
+    for own in _by_owner(marks):
+        _line(ax, own[0].place, own[-1].place, color=JOINT, linewidth=1.2, linestyle=":")
+    for mark in sorted(marks, key=lambda mark: mark.body, reverse=True):
+        ground = mark.body == 0
+        colours = {"facecolor": GROUND_COLOUR if ground else "white", "edgecolor": JOINT}
+        ax.scatter(
+            *mark.place, **colours, s=60 if ground else 30, marker="^" if ground else "o", depthshade=False
+        )
+
+
+def _draw_forces(ax: Any, marks: list[Mark]) -> None:
+    """Draw a dashed line between the points of a force, or a mark at its only one."""
+    for own in _by_owner(marks):
+        places = [mark.place for mark in own]
+        _line(ax, places[0], places[-1], color=ORANGE, linewidth=1.6, linestyle="--")
+        ax.scatter(*np.transpose(places), color=ORANGE, s=16, marker="D", depthshade=False)
+
+
+def _write_names(ax: Any, marks: list[Mark]) -> None:
+    """Write the names of joints and forces, those at one place together; none if there are many."""
+    names: dict[tuple[float, ...], list[Mark]] = {}
+    for own in _by_owner(marks):
+        middle = np.round((own[0].place + own[-1].place) / 2, 3) + 0.0
+        names.setdefault((*middle.tolist(), own[0].is_joint), []).append(own[0])
+    if len(names) > MOST_NAMES:
+        return
+    for (x, y, z, is_joint), found in names.items():
+        text = "\n" + ", ".join(mark.owner for mark in found)
+        ax.text(x, y, z, text, color=JOINT if is_joint else ORANGE, fontsize=8, va="top", ha="center")
+
+
+def _by_owner(marks: list[Mark]) -> list[list[Mark]]:
+    owners = dict.fromkeys(mark.owner for mark in marks)
+    return [[mark for mark in marks if mark.owner == owner] for owner in owners]
+
+
+def _line(ax: Any, one: Array, other: Array, **style: Any) -> None:
+    ax.plot(*np.transpose([one, other]), **style)
+
+
+def _fit(ax: Any, places: list[Array]) -> None:
+    """Give all axes the same scale, around all places."""
+    low, high = np.min(places, axis=0), np.max(places, axis=0)
+    pad = MARGIN * max(float(np.max(high - low)), 1e-3)
+    for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low - pad, high + pad, strict=True):
+        set_limits(a, b)
+    ax.set_box_aspect(high - low + 2 * pad, zoom=0.95)
+    ax.view_init(elev=20, azim=-60)
+    for label, set_label in zip("xyz", (ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), strict=True):
+        set_label(f"{label} [m]")
+    ax.tick_params(labelsize=7)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.pane.set_visible(False)

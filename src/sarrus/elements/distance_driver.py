@@ -10,7 +10,7 @@ from .element import Curve, Grid, Pair, Time
 class DistanceDriver(Distance, rows=1, rare=True):
     """Φ = dᵀd - (length f(t))² [m²]. Singular where the distance vanishes.
 
-    All derivatives to q are those of the distance constraint, Eqs. (96)-(103).
+    All derivatives to q are those of the distance constraint.
     """
 
     motion: Curve  # f(t) [-]
@@ -19,7 +19,7 @@ class DistanceDriver(Distance, rows=1, rare=True):
     def _length(self) -> Array:
         return self.length * self.motion(self.t)
 
-    def Phi(self, x: Pair) -> Array:  # Eq. (95) with C(t)
+    def Phi(self, x: Pair) -> Array:  # the distance with C(t)
         return Distance(self.s_i, self.s_j, self._length()).Phi(x)
 
     def Phi_b(self, x: Pair) -> Row:

@@ -8,11 +8,11 @@ from .element import Curve, Grid, Pair, Scalar, Time
 
 
 class Travel(Dot2, rows=1, rare=True):
-    """Φ = a_iᵀ d - travel [m for a unit vector], by the reduced form of DOT-2, Eq. (88), whose derivatives it has."""
+    """Φ = a_iᵀ d - travel [m for a unit vector] in the reduced form of DOT-2, whose derivatives it has."""
 
     travel: Scalar  # [m]
 
-    def Phi(self, x: Pair) -> Array:  # Eq. (88) and a constant
+    def Phi(self, x: Pair) -> Array:  # DOT-2 and a constant
         return super().Phi(x) - self.travel
 
     def Phi_b(self, x: Pair) -> Row:
@@ -35,7 +35,7 @@ class TravelDriver(Dot2, rows=1, rare=True):
     motion: Curve  # f(t) [m]
     t: Time
 
-    def Phi(self, x: Pair) -> Array:  # Eq. (88) and a function of time
+    def Phi(self, x: Pair) -> Array:  # DOT-2 and a function of time
         return super().Phi(x) - self.scale * self.motion(self.t)
 
     def Phi_b(self, x: Pair) -> Row:

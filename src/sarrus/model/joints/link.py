@@ -43,7 +43,7 @@ class Link:
         return frames
 
     def distance(self, i: LocalFrame, j: LocalFrame, poses: Poses) -> Primitive:
-        """The distance of the ends: the given length, or the one in the initial pose. Eq. (28)."""
+        """The distance of the ends: the given length, or the one in the initial pose."""
         apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
         initial = float(np.linalg.norm(apart))
         if self.length is None and initial < SMALLEST_LENGTH:

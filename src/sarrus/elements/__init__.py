@@ -1,6 +1,5 @@
 """What the paper derives: constraint primitives, inertias and forces, one file each, formulas only."""
 
-from .angle import Angle, AngleDriver
 from .constant_angle import ConstantAngle
 from .coordinate_driver import CoordinateDriver
 from .coupling import AngleAngle, TravelAngle, TravelTravel
@@ -11,6 +10,7 @@ from .dot2 import Dot2
 from .eccentric_inertia import EccentricInertia
 from .element import Element, ElementError, Force, InertiaElement, Pair, Primitive, Single
 from .gravity import EccentricGravity, Gravity
+from .joint_angle import Angle, AngleDriver
 from .normalization import Normalization
 from .operators import GROUPS, OPERATORS, Operator
 from .point_force import FollowerForce, PointForce

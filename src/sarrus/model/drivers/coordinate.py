@@ -11,9 +11,9 @@ from ..coordinate import Known
 from ..errors import ModelError
 from ..forces.force import refuse_ground
 from ..measure import In
-from ..motion import Motion, motion_of
 from ..names import find
 from ..pose import Poses
+from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
 from ..solid import Solid
 from .driver import Driver

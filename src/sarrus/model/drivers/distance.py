@@ -9,10 +9,10 @@ from typing import Annotated
 from ... import elements
 from ..coordinate import Known
 from ..measure import In
-from ..motion import Motion, motion_of
 from ..placement import refuse_same_body
 from ..point import Point
 from ..pose import Poses
+from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
 from .driver import Driver
 

@@ -9,8 +9,8 @@ from typing import Annotated
 from ... import elements
 from ..coordinate import TRAVEL, Known, chosen
 from ..measure import In
-from ..motion import Motion, motion_of
 from ..pose import Poses
+from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
 from .driver import Driver
 

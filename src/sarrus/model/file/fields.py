@@ -22,10 +22,10 @@ from ..expression import Expression
 from ..frame import Frame
 from ..inertia import Inertia
 from ..measure import In
-from ..motion import Motion
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
+from ..prescribed import Motion
 from ..quantity import Vector
 from ..solid import Solid
 from .entry import Entry, said

@@ -28,23 +28,40 @@ if TYPE_CHECKING:
     from .io import load_urdf as load_urdf
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
+    from .model import AngleDriver as AngleDriver
     from .model import AxisAngle as AxisAngle
     from .model import Body as Body
+    from .model import ConstantAngle as ConstantAngle
+    from .model import CoordinateDriver as CoordinateDriver
+    from .model import Coupler as Coupler
     from .model import Curve as Curve
     from .model import Cylindrical as Cylindrical
     from .model import Distance as Distance
+    from .model import DistanceDriver as DistanceDriver
+    from .model import Driver as Driver
     from .model import EulerAngles as EulerAngles
     from .model import Fixed as Fixed
     from .model import Frame as Frame
+    from .model import Gear as Gear
     from .model import Model as Model
     from .model import ModelError as ModelError
+    from .model import ParallelAxes as ParallelAxes
+    from .model import Planar as Planar
     from .model import Point as Point
+    from .model import PointDriver as PointDriver
     from .model import PointForce as PointForce
+    from .model import PointOnLine as PointOnLine
+    from .model import PointOnPlane as PointOnPlane
+    from .model import RackAndPinion as RackAndPinion
     from .model import Revolute as Revolute
+    from .model import RevoluteRevolute as RevoluteRevolute
+    from .model import RevoluteSpherical as RevoluteSpherical
     from .model import SarrusError as SarrusError
+    from .model import Screw as Screw
     from .model import Spherical as Spherical
     from .model import Torque as Torque
     from .model import Translational as Translational
+    from .model import TravelDriver as TravelDriver
     from .model import Tyre as Tyre
     from .model import Universal as Universal
     from .model import describe as describe
@@ -61,8 +78,11 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "model": (
-        "AxisAngle Body Curve Cylindrical Distance EulerAngles Fixed Frame Model ModelError Point PointForce RSDA "
-        "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal describe ground load parse_expression"
+        "AngleDriver AxisAngle Body ConstantAngle CoordinateDriver Coupler Curve Cylindrical Distance "
+        "DistanceDriver Driver EulerAngles Fixed Frame Gear Model ModelError ParallelAxes Planar Point "
+        "PointDriver PointForce PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute "
+        "RevoluteSpherical SarrusError Screw Spherical TSDA Torque Translational TravelDriver Tyre Universal "
+        "describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (

@@ -98,21 +98,34 @@ def operator_that_follows(kind, name, arithmetic, seed=0):
 
 
 def _derivative_along_v(there):
-    return there.difference(lambda s: s("Phi"), "q", there.operands["v"])
+    """Φ_q v; by complex step the kernel, itself checked, since a complex step cannot be taken twice."""
+    v = there.operands["v"]
+    if there.arithmetic == COMPLEX:
+        return there("Phi_q") @ v
+    return there.difference(lambda s: s("Phi"), "q", v)
+
+
+def _derivative_to_t(there, one):
+    if there.arithmetic == COMPLEX:
+        return there("Phi_t") * one
+    return there.difference(lambda s: s("Phi"), "t", one)
 
 
 def _time_terms(here):
     """2 (Φ_q v)_t + Φ_tt."""
-    one, v = here.direction("t"), here.operands["v"]
-    mixed = here.difference(lambda s: s.difference(lambda r: r("Phi"), "q", v), "t", one)
-    twice = here.difference(lambda s: s.difference(lambda r: r("Phi"), "t", one), "t", one)
-    return 2 * mixed / one + twice / (one * one) if here.kind.timed else 0 * here("Phi")
+    if not here.kind.timed:
+        return 0 * here("Phi")
+    one = here.direction("t")
+    mixed = here.difference(_derivative_along_v, "t", one)
+    twice = here.difference(lambda s: _derivative_to_t(s, one), "t", one)
+    return 2 * mixed / one + twice / (one * one)
 
 
 def constraint(kind, arithmetic, seed=0):
     """Φ against its definition."""
     here = state(kind, arithmetic, seed)
-    assert equal(here("Phi"), definitions.CONSTRAINTS[kind](here.element, here.operands["q"]))
+    expected = definitions.CONSTRAINTS[kind](here.element, here.operands["q"])
+    assert np.all(here.same(here("Phi"), expected))
 
 
 def mass_matrix(kind, arithmetic, seed=0):

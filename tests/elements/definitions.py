@@ -38,12 +38,95 @@ def normalization(e, q):
     return vec(q[3] ** 2 + q[4] ** 2 + q[5] ** 2 + q[6] ** 2 - 1)
 
 
+def constant_angle(e, q):
+    return dot1(e, q) - e.cosine
+
+
+def travel(e, q):
+    return dot2(e, q) - e.travel
+
+
+def _motion(e):
+    """The value of a driver's function of time."""
+    return _curve(e.motion.numbers[12 * (e.motion.at // 12) :][:12], e.t)
+
+
+def travel_driver(e, q):
+    return dot2(e, q) - e.scale * _motion(e)
+
+
+def distance_driver(e, q):
+    P_i, P_j = _points(e, q)
+    return vec((P_j - P_i) @ (P_j - P_i) - (e.length * _motion(e)) ** 2)
+
+
+def coordinate_driver(e, q):
+    return vec(e.by_r @ q[:3] + e.by_e0 * q[3] + e.by_e @ q[4:] - e.scale * _motion(e))
+
+
+def _angle(f_i, g_i, f_j, q):
+    """Angle of f_j in the plane of f_i and g_i, without turns; q of two bodies."""
+    a, A_i = A(q[10:]) @ f_j, A(q[3:7])
+    return mpmath.atan2((A_i @ g_i) @ a, (A_i @ f_i) @ a)
+
+
+def _turned(angle, near):
+    """An angle with the whole turns that bring it nearest to another one; π of 16 digits, as everywhere else."""
+    return angle + 2 * math.pi * min(range(-99, 100), key=lambda n: abs(angle + 2 * math.pi * n - near))
+
+
+def angle(e, q):
+    return vec(_turned(_angle(e.f_i, e.g_i, e.f_j, q), e.reference) - e.angle)
+
+
+def angle_driver(e, q):
+    goal = e.scale * _motion(e)
+    return vec(_turned(_angle(e.f_i, e.g_i, e.f_j, q), goal) - goal)
+
+
+def screw(e, q):
+    travel = (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
+    theta = _turned(_angle(e.f_i, e.g_i, e.f_j, q), e.angle + (travel - e.travel) / e.lead)
+    return vec(travel - e.travel - e.lead * (theta - e.angle))
+
+
+def _travel(a, s_i, s_j, q):  # as in `dot2`
+    return (A(q[3:7]) @ a) @ (q[7:10] + A(q[10:]) @ s_j - q[:3]) - a @ s_i
+
+
+def angle_angle(e, q):
+    first = _turned(_angle(e.f_i, e.g_i, e.f_j, q[:14]), e.reference)
+    second = _turned(_angle(e.f_k, e.g_k, e.f_l, q[14:]), e.ratio * first + e.offset)
+    return vec(second - e.ratio * first - e.offset)
+
+
+def travel_angle(e, q):
+    travel = _travel(e.a_i, e.s_i, e.s_j, q[:14]) - e.offset
+    return vec(travel - e.ratio * _turned(_angle(e.f_k, e.g_k, e.f_l, q[14:]), travel / e.ratio))
+
+
+def travel_travel(e, q):
+    first, second = _travel(e.a_i, e.s_i, e.s_j, q[:14]), _travel(e.a_k, e.s_k, e.s_l, q[14:])
+    return vec(second - e.ratio * first - e.offset)
+
+
 CONSTRAINTS = {
+    el.Angle: angle,
+    el.AngleAngle: angle_angle,
+    el.AngleDriver: angle_driver,
+    el.ConstantAngle: constant_angle,
+    el.CoordinateDriver: coordinate_driver,
     el.Distance: distance,
+    el.DistanceDriver: distance_driver,
     el.Dot1: dot1,
     el.Dot2: dot2,
-    el.Spherical: spherical,
     el.Normalization: normalization,
+    el.Screw: screw,
+    el.Spherical: spherical,
+    el.Travel: travel,
+    el.TravelAngle: travel_angle,
+    el.TravelDriver: travel_driver,
+    el.TravelTravel: travel_travel,
 }
 
 

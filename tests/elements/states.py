@@ -165,6 +165,8 @@ def state(kind, arithmetic, seed=0):
     operands = {name: _convert(random, 7 * kind.bodies, arithmetic) for name in BODY}
     operands["lam"], operands["t"] = (_convert(random, n, arithmetic) for n in (kind.rows, 1))
     operands["t"] = operands["t"][0]
+    if arithmetic in (DIGITS, COMPLEX):
+        operands["t"] = operands["t"] * 11 / 10  # on no knot of a curve, whose pieces need not meet
     numbers = _convert(random, kind.size(), arithmetic)
     curves = np.flatnonzero(fields(kind) == "Curve")
     numbers[curves] = len(CURVES) // 3 * np.arange(len(curves))
@@ -191,7 +193,7 @@ def converted(exact, arithmetic):
 def name_entry(kind, operator, place):
     """The entry of an operator's result at a place, in words."""
     labels = {Axis.ROWS: [f"row {n}" for n in range(kind.rows)]}
-    suffixes = ("_i", "_j") if kind.bodies == 2 else ("",)
+    suffixes = {1: ("",), 2: ("_i", "_j"), 4: ("_i", "_j", "_k", "_l")}[kind.bodies]
     parts = [block + suffix for suffix in suffixes for block in "rrrpppp"]
     labels[Axis.COORDINATES] = parts
     labels[Axis.NUMBERS] = [n for n, w in zip(kind.fields, kind.widths(), strict=True) for _ in range(w)]

@@ -54,12 +54,16 @@ def places(kind, names, random):
     if kind.bodies == 1:
         return [(str(n),) for n in random.choice(names, 2)]
     first, second = (str(n) for n in random.choice(names, 2, replace=False))
+    if kind.bodies == 4:
+        return [(first, second, first, "ground"), ("ground", first, second, first)]
     return [(first, second), (second, first), ("ground", first), (second, "ground")]
 
 
 def values(kind, random):
     made = []
     for field in kind.fields.values():
+        if field == "Time":
+            continue
         if field == "Curve":
             made.append(Curve((-2.0, 0.0, 2.0), tuple(tuple(c) for c in random.normal(size=(2, 4)))))
         else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,11 +46,25 @@ def distance(at: Places, i: int, j: int, s_i: object, s_j: object, length: float
     return d @ d - length**2
 
 
+def constant_angle(at: Places, i: int, j: int, a_i: object, a_j: object, cosine: float) -> object:
+    return at.vector(i, a_i) @ at.vector(j, a_j) - cosine
+
+
+def screw(at: Places, i: int, j: int, f: object, g: object, h: object, f_j: object, *rest: Any) -> object:
+    s_i, s_j, lead, angle, travel = rest
+    moved = at.vector(i, h) @ (at.point(j, s_j) - at.point(i, s_i)) - travel
+    a = at.vector(j, f_j)
+    turned = np.arctan2(at.vector(i, g) @ a, at.vector(i, f) @ a) - angle
+    return lead * (np.remainder(moved / lead - turned + np.pi, 2 * np.pi) - np.pi)
+
+
 FORMULAS: dict[str, Callable[..., object]] = {
     "Spherical": spherical,
     "Dot1": dot1,
     "Dot2": dot2,
     "Distance": distance,
+    "ConstantAngle": constant_angle,
+    "Screw": screw,
 }
 
 

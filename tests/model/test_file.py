@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
+import sarrus as sr
 from sarrus.model import (
     RSDA,
     TSDA,
@@ -22,6 +23,7 @@ from sarrus.model import (
     Body,
     Curve,
     Distance,
+    Driver,
     EulerAngles,
     Fixed,
     Force,
@@ -291,9 +293,10 @@ def example(start: str, folder: Path) -> Model:
 
 
 def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
-    assert len(EXAMPLES) == 5
+    assert len(EXAMPLES) == 6
     assert [body.name for body in example("name: slider-crank", tmp_path).bodies] == ["crank", "slider"]
-    for kind in (*Joint.kinds, *Force.kinds):
+    assert [driver.name for driver in example("name: driven wheels", tmp_path).drivers] == ["motor"]
+    for kind in (*Joint.kinds, *Driver.kinds, *Force.kinds):
         assert f"| `{kind}` |" in GUIDE
 
 
@@ -319,3 +322,105 @@ def test_the_guides_car_has_two_axles(tmp_path: Path) -> None:
 
 def test_the_guides_balls_are_copies(tmp_path: Path) -> None:
     assert [body.mass for body in example("name: three balls", tmp_path).bodies] == [2, 2, 3]
+
+
+DRIVEN = """\
+name: driven
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}
+  c: {mass: 1, inertia: [1, 1, 1], position: [2, 0, 0]}
+joints:
+  pin: {type: revolute, bodies: [ground, a], point: [0, 0, 0], axis: [0, 0, 1]}
+  bolt: {type: screw, bodies: [ground, b], point: [1, 0, 0], axis: [0, 0, 1], pitch: 2 mm}
+  table: {type: planar, bodies: [ground, c], point: [2, 0, 0], axis: [0, 0, 1]}
+  line: {type: point_on_line, bodies: [a, c], point: [2, 0, 0], axis: [1, 0, 0]}
+  plane: {type: point_on_plane, bodies: [a, c], point: [2, 0, 0], axis: [1, 0, 0]}
+  along: {type: parallel_axes, bodies: [a, b], axis: [1, 0, 0]}
+  lean: {type: constant_angle, bodies: [a, b], axis_i: [1, 0, 0], axis_j: [0, 1, 1], angle: 80 deg}
+  arm: {type: revolute_spherical, points: [{body: a, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], axis: [0, 0, 1]}
+  link: {type: revolute_revolute, points: [{body: a, at: [0, 0, 0]}, {body: c, at: [0, 0, 0]}], axis_i: [0, 0, 1]}
+  gear: {type: gear, joints: [pin, bolt], ratio: -2}
+  rack: {type: rack_and_pinion, rack: bolt, pinion: pin, radius: 5 cm, offset: 1}
+  pull: {type: coupler, joints: [table.travel_x, pin], ratio: 3}
+drivers:
+  motor: {type: angle, joint: pin, motion: 2*pi*t}
+  feed: {type: travel, joint: table.travel_y, motion: {table: [[0, 0], [1, 2 cm], [3, 0]]}}
+  jack: {type: distance, points: [{body: a, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], motion: 1 m + 10 mm * sin(t)}
+  path: {type: point, point: {body: c, at: [0, 0, 1]}, x: t^2, z: 1}
+  hold: {type: coordinate, body: b, coordinate: e1, motion: 0}
+"""
+
+
+def test_joints_couplings_and_drivers_in_yaml_and_python(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(DRIVEN)
+    found, model = load(tmp_path / "m.yaml"), driven()
+    for one, other in zip(blueprint(found).placed, blueprint(model).placed, strict=True):
+        assert (one.element, one.bodies, one.owner, one.label) == (other[0], other[1], other[3], other[4])
+        for value, expected in zip(one.values, other.values, strict=True):
+            at = 0.7 if callable(value) else None
+            np.testing.assert_allclose(
+                value if at is None else value(at), expected if at is None else expected(at)
+            )
+    assert found.where("feed") == f"{tmp_path / 'm.yaml'}:21"
+
+
+def driven() -> Model:
+    """Return the same model, said in Python."""
+    a, b, c = (Body(name, 1, (1, 1, 1), position=(x, 0, 0)) for x, name in enumerate("abc"))
+    at = {body.name: body.point(0, 0, 0) for body in (a, b, c)}
+    joints = [
+        Revolute("pin", ground, a, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Screw("bolt", ground, b, point=(1, 0, 0), axis=(0, 0, 1), pitch=0.002),
+        sr.Planar("table", ground, c, point=(2, 0, 0), axis=(0, 0, 1)),
+        sr.PointOnLine("line", a, c, point=(2, 0, 0), axis=(1, 0, 0)),
+        sr.PointOnPlane("plane", a, c, point=(2, 0, 0), axis=(1, 0, 0)),
+        sr.ParallelAxes("along", a, b, axis=(1, 0, 0)),
+        sr.ConstantAngle("lean", a, b, axis_i=(1, 0, 0), axis_j=(0, 1, 1), angle=np.deg2rad(80)),
+        sr.RevoluteSpherical("arm", at["a"], at["b"], axis=(0, 0, 1)),
+        sr.RevoluteRevolute("link", at["a"], at["c"], axis_i=(0, 0, 1)),
+        sr.Gear("gear", "pin", "bolt", ratio=-2),
+        sr.RackAndPinion("rack", "bolt", "pin", radius=0.05, offset=1),
+        sr.Coupler("pull", "table.travel_x", "pin", ratio=3),
+    ]
+    drivers = [
+        sr.AngleDriver("motor", "pin", lambda t: 2 * np.pi * t),
+        sr.TravelDriver("feed", "table.travel_y", [(0, 0), (1, 0.02), (3, 0)]),
+        sr.DistanceDriver("jack", at["a"], at["b"], "1 + 0.01*sin(t)"),
+        sr.PointDriver("path", c.point(0, 0, 1), x=lambda t: t * t, z=1.0),
+        sr.CoordinateDriver("hold", b, "e1", 0.0),
+    ]
+    return Model("driven", [a, b, c], joints, drivers=drivers)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("joint: pin, motion: 2*pi*t", "joint: pni, motion: t", ':20: driver "motor": there is no joint "pni"; did'),
+        ("motion: 2*pi*t", "motion: 2*pi*x", ':20: driver "motor": motion '),
+        ("motion: 2*pi*t", "moton: 2*pi*t", ':20: driver "motor": has no key "moton"; did you mean "motion"?'),
+        ("motion: 2*pi*t", "motion: 2 m * t", ':20: driver "motor": motion '),
+        ("motion: 2*pi*t", "motion: .nan", ':20: driver "motor": motion must be a finite number'),
+        ("motion: 2*pi*t", "motion: [1, 2]", ':20: driver "motor": motion must be a number'),
+        ("type: angle, joint: pin", "type: angel, joint: pin", ':20: driver "motor": has the unknown type "angel"'),
+        ("joint: table.travel_y", "joint: table", ':21: driver "feed": joint "table" has more than one travel'),
+        ("[[0, 0], [1, 2 cm], [3, 0]]", "[[0, 0]]", ':21: driver "feed": motion.table must have at least 2 entries'),
+        ("x: t^2, z: 1", "y:", ':23: driver "path": y must be a number'),
+        ("coordinate: e1", "coordinate: e9", ':24: driver "hold": coordinate must be one of x, y, z, e0, e1, e2, e3'),
+        ("joints: [pin, bolt]", "joints: [pin]", ':16: joint "gear": joints must have 2 entries, but has 1'),
+        ("joints: [pin, bolt]", "joints: [pin, gear]", ':16: joint "gear": joint "gear" has no angle'),
+        ("joints: [pin, bolt]", "joints: [pin, 3]", ':16: joint "gear": joints[1] must be a text, but is 3.0'),
+        ("ratio: -2", "ratio: 0", ':16: joint "gear": ratio must not be 0'),
+        ("pitch: 2 mm", "pitch: 2 kg", ':8: joint "bolt": pitch '),
+        ("rack: bolt", "rack: pin", ':17: joint "rack": joint "pin" has no travel'),
+        ("  motor: {", "  pin: {", ':20: driver "pin": the name "pin" is taken by another of the joints'),
+    ],
+)  # fmt: skip
+def test_wrong_drivers_and_couplings_are_refused_with_line_and_part(
+    old: str, new: str, told: str, tmp_path: Path
+) -> None:
+    assert old in DRIVEN
+    (tmp_path / "m.yaml").write_text(DRIVEN.replace(old, new, 1))
+    with pytest.raises(ModelError) as caught:
+        load(tmp_path / "m.yaml")
+    assert told in str(caught.value)

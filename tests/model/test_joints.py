@@ -14,15 +14,24 @@ from sarrus.elements import Dot1
 from sarrus.model import (
     Blueprint,
     Body,
+    ConstantAngle,
     Cylindrical,
     Distance,
     Fixed,
     Frame,
+    Gear,
     Joint,
     Model,
     ModelError,
+    ParallelAxes,
+    Planar,
     Point,
+    PointOnLine,
+    PointOnPlane,
     Revolute,
+    RevoluteRevolute,
+    RevoluteSpherical,
+    Screw,
     Spherical,
     Translational,
     Universal,
@@ -47,7 +56,16 @@ LABELS = {
     "cylindrical": ["f_i.h_j", "g_i.h_j", "f_i.d", "g_i.d"],
     "fixed": ["point", "f_i.h_j", "g_i.h_j", "f_i.g_j"],
     "distance": ["distance"],
+    "screw": ["f_i.h_j", "g_i.h_j", "f_i.d", "g_i.d", "screw"],
+    "planar": ["f_i.h_j", "g_i.h_j", "h_i.d"],
+    "revolute_spherical": ["h_i.d", "distance"],
+    "revolute_revolute": ["h_i.h_j", "h_i.d", "h_j.d", "distance"],
+    "point_on_line": ["f_i.d", "g_i.d"],
+    "point_on_plane": ["h_i.d"],
+    "parallel_axes": ["f_i.h_j", "g_i.h_j"],
+    "constant_angle": ["h_i.h_j"],
 }
+COUPLINGS = {"gear", "rack_and_pinion", "coupler"}  # see test_couplings.py
 ROWS = {
     "spherical": 3,
     "revolute": 5,
@@ -56,14 +74,37 @@ ROWS = {
     "cylindrical": 4,
     "fixed": 6,
     "distance": 1,
+    "screw": 5,
+    "planar": 3,
+    "revolute_spherical": 2,
+    "revolute_revolute": 4,
+    "point_on_line": 2,
+    "point_on_plane": 1,
+    "parallel_axes": 2,
+    "constant_angle": 1,
 }
+ABOUT_AXIS = (
+    "revolute",
+    "translational",
+    "cylindrical",
+    "planar",
+    "point_on_line",
+    "point_on_plane",
+    "screw",
+)
 
 
 def by_point(kind: str, i: Body, j: Body) -> Joint:
     """Return a joint that is placed by a global point and directions."""
     about: dict[str, object] = {}
-    if kind in ("revolute", "translational", "cylindrical"):
-        about = {"axis": AXIS}
+    if kind in ABOUT_AXIS:
+        about = {"axis": AXIS} | ({"pitch": 0.3} if kind == "screw" else {})
+    if kind in ("revolute_spherical", "revolute_revolute"):
+        return link(kind, i, j)
+    if kind == "parallel_axes":
+        return ParallelAxes("joint", i, j, axis=AXIS)
+    if kind == "constant_angle":
+        return ConstantAngle("joint", i, j, axis_i=AXIS, axis_j=(1.0, 0.0, 0.0))
     if kind == "universal":
         about = {"axis_i": AXIS, "axis_j": ACROSS}
     if kind == "distance":
@@ -73,13 +114,24 @@ def by_point(kind: str, i: Body, j: Body) -> Joint:
     return joint
 
 
+def link(kind: str, i: Body, j: Body) -> Joint:
+    """Return a link whose axes are normal to it, and neither parallel nor perpendicular to each other."""
+    apart = np.array([0.3, -1.0, 0.4])
+    ends = i.global_point(*POINT), j.global_point(*(np.array(POINT) + apart))
+    across, other = np.cross(apart, AXIS), np.cross(apart, [1.0, 0.0, 0.2])
+    if kind == "revolute_spherical":
+        return RevoluteSpherical("joint", *ends, axis=across)
+    return RevoluteRevolute("joint", *ends, axis_i=across, axis_j=other)
+
+
 def plan_of(*joints: Joint) -> Blueprint:
     """Return the blueprint of the two bodies with joints."""
     return blueprint(Model("m", [ONE, TWO], joints))
 
 
 def test_every_joint_is_tested_here() -> None:
-    assert set(Joint.kinds) == set(LABELS) == set(ROWS)
+    assert set(Joint.kinds) == set(LABELS) | COUPLINGS
+    assert set(LABELS) == set(ROWS)
 
 
 @pytest.mark.parametrize("kind", LABELS)
@@ -92,7 +144,7 @@ def test_phi_vanishes_in_the_pose_a_joint_was_placed_in(
     own = [one for one in plan.placed if one.owner == "joint"]
     assert [one.label for one in own] == LABELS[kind]
     assert sum(one.element.rows for one in own) == ROWS[kind]
-    assert {one.bodies for one in own} == {(number[pair[0].name], number[pair[1].name])}
+    assert {tuple(sorted(one.bodies)) for one in own} == {tuple(sorted(number[b.name] for b in pair))}
     assert largest_phi(plan) < 1e-15 * 20
 
 
@@ -111,6 +163,22 @@ UNIT = AXIS / np.linalg.norm(AXIS)
 @pytest.mark.parametrize(
     ("kind", "turn", "slide", "free"),
     [
+        ("screw", 0.8 * UNIT, 0.3 * 0.8 / (2 * np.pi) * UNIT, True),
+        ("screw", 5.0 * UNIT, 0.3 * 5.0 / (2 * np.pi) * UNIT, True),
+        ("screw", 0 * UNIT, 0.3 * UNIT, True),
+        ("screw", 0.8 * UNIT, 0 * UNIT, False),
+        ("screw", 0 * UNIT, 0.1 * UNIT, False),
+        ("planar", 0.8 * UNIT, 0.5 * ACROSS, True),
+        ("planar", 0 * UNIT, 0.1 * UNIT, False),
+        ("planar", 0.1 * ACROSS, 0 * UNIT, False),
+        ("point_on_line", [0.3, -0.4, 1.2], 0.3 * UNIT, True),
+        ("point_on_line", 0 * UNIT, 0.3 * ACROSS, False),
+        ("point_on_plane", [0.3, -0.4, 1.2], 0.3 * ACROSS, True),
+        ("point_on_plane", 0 * UNIT, 0.3 * UNIT, False),
+        ("parallel_axes", 0.8 * UNIT, np.array([1.0, 2.0, 3.0]), True),
+        ("parallel_axes", 0.1 * ACROSS, 0 * UNIT, False),
+        ("constant_angle", 0.8 * UNIT, np.array([1.0, 2.0, 3.0]), True),
+        ("constant_angle", 0.1 * ACROSS, 0 * UNIT, False),
         ("revolute", 0.8 * UNIT, 0 * UNIT, True),
         ("revolute", 0.8 * ACROSS, 0 * UNIT, False),
         ("revolute", 0 * UNIT, 0.3 * UNIT, False),
@@ -155,7 +223,13 @@ def test_the_equations_of_a_joint_are_independent(kind: str, all_phi: AllPhi) ->
     assert np.linalg.matrix_rank(np.transpose(columns), tol=1e-3) == ROWS[kind]
 
 
-BY_FRAMES: dict[str, type[Revolute | Translational | Cylindrical | Fixed]] = {
+BY_FRAMES: dict[str, Any] = {
+    "planar": Planar,
+    "point_on_line": PointOnLine,
+    "point_on_plane": PointOnPlane,
+    "parallel_axes": ParallelAxes,
+    "revolute_spherical": RevoluteSpherical,
+    "revolute_revolute": RevoluteRevolute,
     "revolute": Revolute,
     "translational": Translational,
     "cylindrical": Cylindrical,
@@ -168,8 +242,9 @@ def test_frames_and_points_place_the_same_joint(kind: str, largest_phi: LargestP
     x, z = np.cross(AXIS, (1, 0, 0)), AXIS
     local = [body.frame(A.T @ (np.array(POINT) - body.position), x=A.T @ x, z=A.T @ z) for body, A in PLACES]
     around = [body.frame(body.global_point(*POINT), x=x, z=z) for body, _ in PLACES]
-    plans = [plan_of(BY_FRAMES[kind]("joint", frame_i=i, frame_j=j)) for i, j in (local, around)]
-    assert max(largest_phi(plan) for plan in plans) < 1e-14
+    more = {"length": 0.5} if kind.startswith("revolute_") else {}
+    plans = [plan_of(BY_FRAMES[kind]("joint", frame_i=i, frame_j=j, **more)) for i, j in (local, around)]
+    assert more or max(largest_phi(plan) for plan in plans) < 1e-14
     for one, other in zip(plans[0].placed, plans[1].placed):
         np.testing.assert_allclose(np.ravel(one.values[:2][0]), np.ravel(other.values[:2][0]), atol=1e-14)
 
@@ -230,6 +305,29 @@ WRONG = [
         "both point and frames",
     ),
     (Revolute("pin", axis=AXIS, frame_i=ONE.frame(POINT), frame_j=TWO.frame(POINT)), "both axis and frames"),
+    (
+        Screw("pin", ONE, TWO, point=POINT, axis=AXIS, pitch=0),
+        "pitch must not be 0; give it in m, or use a revolute",
+    ),
+    (ParallelAxes("pin", ONE, TWO), "axis is missing"),
+    (
+        ConstantAngle("pin", ONE, TWO, axis_i=AXIS, axis_j=-AXIS),
+        "its axes are parallel; use a joint for parallel",
+    ),
+    (ConstantAngle("pin", ONE, TWO, axis_i=AXIS, axis_j=ACROSS, angle=0.0), "its axes are parallel"),
+    (
+        RevoluteSpherical("pin", ONE.point(0, 0, 0)),
+        "its ends are missing; give a point or a frame on each body",
+    ),
+    (
+        RevoluteSpherical("pin", ONE.point(0, 0, 0), TWO.point(0, 0, 0)),
+        "axis is missing; give points and axis",
+    ),
+    (
+        RevoluteRevolute("pin", ONE.point(0, 0, 0), ONE.point(0, 1, 0), axis_i=AXIS),
+        'connects "one" to itself',
+    ),
+    (Gear("pin", "a", "b", ratio=2), 'there is no joint "a"; '),
     (Fixed("pin", ONE, TWO), "point is missing; give point in global axes, or a frame on each body"),
     (
         Fixed("pin", frame_i=ONE.frame(POINT, z=(0, 0, 0)), frame_j=TWO.frame(POINT)),

@@ -143,8 +143,9 @@ def test_a_function_of_time_keeps_its_variable() -> None:
     assert law.names() == ("t",)
     assert law.derivative("t").value({"t": 0.0}) == 6.0
     assert form.validate_python(4.0, context=numbers).value() == 4
-    with pytest.raises(ValueError, match=r"expects N, but .* is in s"):
-        form.validate_python("t", context=numbers)
+    assert form.validate_python("10*sin(2*pi*t)", context=numbers).value({"t": 0.25}) == 10
+    with pytest.raises(ValueError, match=r"expects N, but .* is in"):
+        form.validate_python("1 m * t", context=numbers)
 
 
 def test_a_curve_may_be_a_formula() -> None:
@@ -163,7 +164,7 @@ def test_a_curve_may_be_a_formula() -> None:
     assert form.validate_python("k * 1 mm", context=numbers) == 2.0
     assert form.validate_python({"table": [["0 mm", 1], [1, "2 kN"]]}, context=numbers).build({})(1) == 2000
     with pytest.raises(ValueError, match="expects N, but"):
-        form.validate_python("x", context=numbers)
+        form.validate_python("1 kg * x", context=numbers)
 
 
 def test_every_number_of_every_part_says_what_it_measures() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sarrus import mechanisms
-from sarrus.model import Body, Model, Revolute, blueprint, describe, ground, load
+from sarrus.model import AngleDriver, Body, Model, Revolute, blueprint, describe, ground, load
 from sarrus.model.words import mass_and_center
 
 
@@ -73,3 +73,13 @@ def test_every_shipped_mechanism_can_be_drawn(name: str, tmp_path: Path) -> None
     assert {body.name for body in model.bodies} <= written
     if name == "slider_crank":
         assert {"pin", "ball", "cross, guide", "spring"} <= written
+
+
+def test_drivers_are_told() -> None:
+    wheel = Body("wheel", 1.0, (1, 1, 1))
+    pin = Revolute("pin", ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
+    lines = describe(
+        Model("driven", [wheel], [pin], drivers=[AngleDriver("motor", "pin", "2*t")])
+    ).splitlines()
+    assert lines[4:6] == ["1 driver, 1 equation:", "  1 angle: motor"]
+    assert lines[-1] == "degrees of freedom: 6 × 1 − 6 = 0, if no equation is redundant"

@@ -51,8 +51,13 @@ def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:
     return x / square, -y / square
 
 
-def _no_bend(f: Expression, at: Expression, x: Expression) -> tuple[Any, Any]:
-    raise TypeError("a curve cannot be differentiated three times: it is made of cubics")
+class _Bend:
+    """Partial derivatives of a curve's second derivative: none to its place, and that to x is refused."""
+
+    def __getitem__(self, place: int) -> int:
+        if place == 0:
+            return 0
+        raise TypeError("a curve cannot be differentiated three times: it is made of cubics")
 
 
 PARTIALS: dict[str, Any] = {
@@ -76,5 +81,5 @@ PARTIALS: dict[str, Any] = {
     "positive": lambda f, a: (0,),
     "curve": lambda f, at, x: (0, at.call("curve_slope", x)),
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
-    "curve_bend": _no_bend,
+    "curve_bend": lambda f, at, x: _Bend(),
 }

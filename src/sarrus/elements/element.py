@@ -57,13 +57,21 @@ class Element:
     rows: ClassVar[int] = 0
     fields: ClassVar[dict[str, str]]
     timed: ClassVar[bool] = False
+    rare: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Element]]] = {}
 
     def __init_subclass__(
-        cls, rows: int = 0, bodies: int = 0, abstract: bool = False, derivatives: str = "coded"
+        cls,
+        rows: int = 0,
+        bodies: int = 0,
+        abstract: bool = False,
+        derivatives: str = "coded",
+        rare: bool = False,
     ) -> None:
+        """`rare` elements are compiled for the systems that have them, not ahead with all others."""
         if abstract:
             return
+        cls.rare = rare
         if bodies:
             cls.bodies = bodies
         cls.rows = rows

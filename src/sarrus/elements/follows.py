@@ -43,14 +43,14 @@ class ConstraintFollows:
         return total((own, scaled(-2, self.Phi_q_xi_t(x, v)), scaled(-1, self.Phi_tt(x))))
 
     def gamma_q(self, x: Any, v: Any) -> Row:
-        """γ_q = -((Φ_q v)_q v)_q, and the derivative of the terms in t."""
-        if self.timed:
+        """γ_q = -((Φ_q v)_q v)_q, and the derivative of the terms in t, which vanishes where Φ_tq does."""
+        if self.timed and self.Phi_q_xi_t(x, v) is not None:
             return derived(type(self), "gamma_q")(self, x, v)
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
 
     def gamma_v(self, x: Any, v: Any) -> Row:
-        """γ_v = -2 (Φ_q v)_q, and the derivative of the terms in t."""
-        if self.timed:
+        """γ_v = -2 (Φ_q v)_q, and the derivative of the terms in t, which vanishes where Φ_tq does."""
+        if self.timed and self.Phi_q_xi_t(x, v) is not None:
             return derived(type(self), "gamma_v")(self, x, v)
         return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
 

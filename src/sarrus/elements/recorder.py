@@ -60,7 +60,9 @@ def distinct(bodies: Sequence[int]) -> list[int]:
 
 
 def variants(kind: type[Element]) -> tuple[Variant, ...]:
-    """The usual variants of an element type, in a fixed order; there are none for more than two bodies."""
+    """The usual variants of an element type, in a fixed order; none for rare types and more than two bodies."""
+    if kind.rare:
+        return ()
     slots: dict[int, tuple[tuple[int, ...], ...]] = {1: ((0,),), 2: ((0, 1), (-1, 0), (0, -1))}
     return tuple(Variant(kind, chosen) for chosen in slots.get(kind.bodies, ()))
 

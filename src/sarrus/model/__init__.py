@@ -1,10 +1,16 @@
-"""What a person says: bodies, points, frames, joints, forces, and the model file."""
+"""What a person says: bodies, points, frames, joints, drivers, forces, and the model file."""
 
 from .blueprint import Blueprint as Blueprint
 from .blueprint import Placed as Placed
 from .blueprint import blueprint as blueprint
 from .body import Body as Body
 from .curve import Curve as Curve
+from .drivers import AngleDriver as AngleDriver
+from .drivers import CoordinateDriver as CoordinateDriver
+from .drivers import DistanceDriver as DistanceDriver
+from .drivers import Driver as Driver
+from .drivers import PointDriver as PointDriver
+from .drivers import TravelDriver as TravelDriver
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
 from .expression import Expression as Expression
@@ -17,11 +23,22 @@ from .forces import PointForce as PointForce
 from .forces import Torque as Torque
 from .forces import Tyre as Tyre
 from .frame import Frame as Frame
+from .joints import ConstantAngle as ConstantAngle
+from .joints import Coupler as Coupler
 from .joints import Cylindrical as Cylindrical
 from .joints import Distance as Distance
 from .joints import Fixed as Fixed
+from .joints import Gear as Gear
 from .joints import Joint as Joint
+from .joints import ParallelAxes as ParallelAxes
+from .joints import Planar as Planar
+from .joints import PointOnLine as PointOnLine
+from .joints import PointOnPlane as PointOnPlane
+from .joints import RackAndPinion as RackAndPinion
 from .joints import Revolute as Revolute
+from .joints import RevoluteRevolute as RevoluteRevolute
+from .joints import RevoluteSpherical as RevoluteSpherical
+from .joints import Screw as Screw
 from .joints import Spherical as Spherical
 from .joints import Translational as Translational
 from .joints import Universal as Universal

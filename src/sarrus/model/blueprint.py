@@ -42,7 +42,9 @@ class Blueprint:
     q, v
         Initial coordinates and their rates, 7 per body: [r; p] and [ṙ; ṗ]. (7 nb,)
     placed
-        The elements: joints first, then inertia, gravity and forces.
+        The elements: joints first, then drivers, inertia, gravity and forces.
+    coordinates
+        The elements that measure the angles and travels of joints; they are no part of the equations.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Blueprint:
     q: Array
     v: Array
     placed: tuple[Placed, ...]
+    coordinates: tuple[Placed, ...] = ()
 
 
 def blueprint(model: Model) -> Blueprint:
@@ -60,11 +63,11 @@ def blueprint(model: Model) -> Blueprint:
     ModelError
         For the first thing that is wrong in the model: part, file and line, remedy.
     """
-    bodies, pieces = expand(model)
+    bodies, pieces, coordinates = expand(model)
     names = tuple(body.name for body in bodies)
     index = {name: number for number, name in enumerate((GROUND, *names))}
-    placed = tuple(_place(piece, index) for piece in pieces)
-    return Blueprint(model.name, names, _coordinates(bodies), _rates(bodies), placed)
+    placed, measures = (tuple(_place(piece, index) for piece in some) for some in (pieces, coordinates))
+    return Blueprint(model.name, names, _coordinates(bodies), _rates(bodies), placed, measures)
 
 
 def _place(piece: Piece, index: dict[str, int]) -> Placed:

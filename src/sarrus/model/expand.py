@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from .. import elements
 from .body import Body, MassProperties
+from .coordinate import Coordinate, Known
+from .drivers import Driver
 from .errors import ModelError
 from .findings import Findings
 from .forces import Force
 from .joints import Joint
 from .model import Model
 from .names import check_name
-from .pose import GROUND_POSE, Pose
+from .pose import GROUND_POSE, Pose, Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, vector
 from .show import quote, show
 from .solid import GROUND
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
-KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "forces": Force}
+KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}
 
 
 class BodyState(NamedTuple):
@@ -40,10 +42,11 @@ class Piece(NamedTuple):
 
 
 class Expanded(NamedTuple):
-    """The checked model: bodies in order, and pieces in the order joints, inertia, gravity, forces."""
+    """The checked model: bodies, pieces in the order joints, drivers, inertia, gravity, forces, and coordinates."""
 
     bodies: tuple[BodyState, ...]
     pieces: tuple[Piece, ...]
+    coordinates: tuple[Piece, ...]
 
 
 def expand(model: Model) -> Expanded:
@@ -52,12 +55,19 @@ def expand(model: Model) -> Expanded:
     Raises
     ------
     ModelError
-        For the first thing that is wrong, in the order names, bodies, joints, gravity, forces.
+        For the first thing that is wrong, in the order names, gravity, bodies, joints, drivers, forces.
     """
     _check_names(model)
     gravity = _gravity(model)
     bodies = _bodies(model)
-    return Expanded(bodies, tuple(_pieces(model, bodies, gravity)))
+    findings = Findings(model.origin)
+    poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
+    known: dict[str, tuple[Coordinate, ...]] = {}
+    constraints = (*_joints(model, poses, findings, known), *_drivers(model, poses, findings, known))
+    forces = _forces(model, poses, findings)
+    findings.raise_first()
+    coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
+    return Expanded(bodies, (*constraints, *_loads(bodies, gravity), *forces), tuple(coordinates))
 
 
 def _check_names(model: Model) -> None:
@@ -114,27 +124,41 @@ def _bodies(model: Model) -> tuple[BodyState, ...]:
     return tuple(states)
 
 
-def _pieces(model: Model, bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:
-    findings = Findings(model.origin)
-    poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
-    joints = _expanded("joints", model.joints, poses, findings)
-    forces = _expanded("forces", model.forces, poses, findings)
-    findings.raise_first()
-    yield from joints
+def _joints(
+    model: Model, poses: Poses, findings: Findings, known: dict[str, tuple[Coordinate, ...]]
+) -> list[Piece]:
+    """The pieces of the joints, those of couplings in their places; `known` is filled with all coordinates."""
+    pieces: dict[str, list[Piece]] = {}
+    for joint in model.joints:
+        with findings.about("joints", joint.name):
+            pieces[joint.name] = [Piece(joint.name, primitive) for primitive in joint.primitives(poses)]
+            known[joint.name] = tuple(joint.coordinates(poses))
+    for joint in model.joints if not findings.errors else ():
+        with findings.about("joints", joint.name):
+            pieces[joint.name] += [Piece(joint.name, primitive) for primitive in joint.relations(known)]
+    return [piece for own in pieces.values() for piece in own]
+
+
+def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> list[Piece]:
+    pieces: list[Piece] = []
+    for driver in model.drivers if not findings.errors else ():
+        with findings.about("drivers", driver.name):
+            pieces += [Piece(driver.name, primitive) for primitive in driver.primitives(poses, known)]
+    return pieces
+
+
+def _forces(model: Model, poses: Poses, findings: Findings) -> list[Piece]:
+    pieces: list[Piece] = []
+    for force in model.forces:
+        with findings.about("forces", force.name):
+            pieces += [Piece(force.name, primitive) for primitive in force.primitives(poses)]
+    return pieces
+
+
+def _loads(bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:
     yield from (_inertia(body) for body in bodies)
     if any(gravity):
         yield from (_weight(body, gravity) for body in bodies)
-    yield from forces
-
-
-def _expanded(
-    section: str, parts: Sequence[Joint | Force], poses: dict[str, Pose], findings: Findings
-) -> list[Piece]:
-    pieces: list[Piece] = []
-    for part in parts:
-        with findings.about(section, part.name):
-            pieces += [Piece(part.name, primitive) for primitive in part.primitives(poses)]
-    return pieces
 
 
 def _inertia(body: BodyState) -> Piece:

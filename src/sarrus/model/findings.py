@@ -12,6 +12,7 @@ from .show import quote
 KINDS = {
     "bodies": "body",
     "joints": "joint",
+    "drivers": "driver",
     "forces": "force",
     "points": "point",
     "parameters": "parameter",

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .body import Body
+from .drivers import Driver
 from .expression import Expression
 from .forces import Force
 from .formulas import Formulas
@@ -16,7 +17,7 @@ from .quantity import Vector
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Bodies, joints, forces and gravity, under a name.
+    """Bodies, joints, drivers, forces and gravity, under a name.
 
     Parameters
     ----------
@@ -28,6 +29,8 @@ class Model:
         They refer to bodies by name, so that a body can be exchanged for another of its name.
     gravity
         Acceleration in global axes [m/s²].
+    drivers
+        Prescribed motions; they refer to joints and bodies by name.
     origin
         The file that the model was read from.
     formulas
@@ -39,6 +42,7 @@ class Model:
     joints: Sequence[Joint] = ()
     forces: Sequence[Force] = ()
     gravity: Vector = (0.0, 0.0, 0.0)
+    drivers: Sequence[Driver] = ()
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
     formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
 
@@ -59,6 +63,6 @@ class Model:
                 return self.origin.where((section, name))
         return ""
 
-    def sections(self) -> dict[str, Sequence[Body | Joint | Force]]:
-        """Return the bodies, joints and forces under these names."""
-        return {"bodies": self.bodies, "joints": self.joints, "forces": self.forces}
+    def sections(self) -> dict[str, Sequence[Body | Joint | Driver | Force]]:
+        """Return the bodies, joints, drivers and forces under these names."""
+        return {"bodies": self.bodies, "joints": self.joints, "drivers": self.drivers, "forces": self.forces}

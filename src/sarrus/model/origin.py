@@ -7,7 +7,12 @@ from typing import Any, TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
 
-_PAIRS = {"body": "bodies", "point": "points", "frame": "frames"}  # body_i, body_j -> bodies: [i, j]
+_PAIRS = {
+    "body": "bodies",
+    "point": "points",
+    "frame": "frames",
+    "joint": "joints",
+}  # body_i, body_j -> bodies: [i, j]
 
 
 @dataclass(frozen=True)

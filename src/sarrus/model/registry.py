@@ -1,4 +1,4 @@
-"""Kinds of joints and forces register themselves when their class is made."""
+"""Kinds of joints, forces and drivers register themselves when their class is made."""
 
 from __future__ import annotations
 
@@ -17,5 +17,5 @@ def register(cls: type[Kind], kinds: dict[str, type[Kind]]) -> None:
 
 
 def kind_name(cls: type) -> str:
-    """Return ``point_force`` for PointForce, ``tsda`` for TSDA."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
+    """Return ``point_force`` for PointForce, ``tsda`` for TSDA, ``angle`` for AngleDriver."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__.removesuffix("Driver")).lower()

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from .blueprint import Blueprint, blueprint
+from .drivers import Driver
 from .forces import Force
 from .joints import Joint
 from .model import Model
@@ -19,7 +20,7 @@ WIDTH = 7  # coordinates of a body
 
 
 def describe(model: Model, *findings: str) -> str:
-    """Return what a model is, in words: bodies, joints, forces, degrees of freedom, mass, centre of mass.
+    """Return what a model is, in words: bodies, joints, drivers, forces, degrees of freedom, mass, centre of mass.
 
     Parameters
     ----------
@@ -38,6 +39,7 @@ def describe(model: Model, *findings: str) -> str:
         _title(model),
         _bodies(plan),
         *_parts("joint", model.joints, plan),
+        *(_parts("driver", model.drivers, plan) if model.drivers else ()),
         *_parts("force", model.forces, plan),
         _freedom(plan),
         *findings,
@@ -78,7 +80,7 @@ def _bodies(plan: Blueprint) -> str:
     return f"{told}; {mass:.6g} kg in all, centre of mass at {_triple(center)} m"
 
 
-def _parts(word: str, parts: Sequence[Joint | Force], plan: Blueprint) -> list[str]:
+def _parts(word: str, parts: Sequence[Joint | Driver | Force], plan: Blueprint) -> list[str]:
     """Return a line with the number of parts, and one for each type."""
     kinds: dict[str, list[str]] = {}
     for part in parts:

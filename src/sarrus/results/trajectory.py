@@ -10,6 +10,8 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import G
+from ..system import JointCoordinates
+from .joint_motion import JointMotion
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,7 @@ class Trajectory:
     njev : Newton matrices formed and factored
     nsteps, nrejected : steps accepted and rejected
     history : (nsteps, 4) end time, length, error estimate (1 is the tolerance) and Newton iterations of each step
+    joints : the system's angles and travels, which `joint` evaluates
     violation : (nt,) largest entry of |Φ|
     """
 
@@ -64,6 +67,7 @@ class Trajectory:
     nsteps: int = 0
     nrejected: int = 0
     history: Array = field(default_factory=lambda: np.zeros((0, 4)), repr=False)
+    joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.
@@ -80,6 +84,21 @@ class Trajectory:
         pd = self.v[:, at + 3 : at + 7]
         spin = np.array([2 * (G(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
         return BodyMotion(body, r, p, self.v[:, at : at + 3], spin)
+
+    def joint(self, name: str) -> JointMotion:
+        """The angles and travels of a joint with their rates; turns are counted from one time kept to the next.
+
+        Raises
+        ------
+        KeyError
+            If there is no joint of this name that has any.
+        """
+        if self.joints is None:
+            raise KeyError(f"this trajectory of {self.name} was made without joints")
+        values, rates = self.joints.along(self.t, self.q, self.v)
+        names = {own: self.joints.index(f"{name}.{own}") for own in self.joints.of_joint(name)}
+        of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
+        return JointMotion(name, *of)
 
     def at(self, times: Array) -> Trajectory:
         """Only the states at the times given (those among `t`)."""

@@ -2,6 +2,7 @@
 
 from .check import Finding, Report
 from .group import Group
+from .joints import JointCoordinate, JointCoordinates, SystemJoint
 from .system import System
 
-__all__ = ["Finding", "Group", "Report", "System"]
+__all__ = ["Finding", "Group", "JointCoordinate", "JointCoordinates", "Report", "System", "SystemJoint"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -94,6 +94,7 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
     return _drivers[names]
 
 
+@cache
 def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
     """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
     recording = record(variant, names)

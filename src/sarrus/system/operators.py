@@ -155,7 +155,7 @@ def _row_names(system: Any) -> list[str]:
     return names
 
 
-COMPONENTS = {"Vec3": (".x", ".y", ".z"), "Inertia": (".xx", ".yy", ".zz", ".xy", ".xz", ".yz")}
+COMPONENTS = {"Vec3": (".x", ".y", ".z"), "Inertia": (".xx", ".yy", ".zz", ".xy", ".xz", ".yz"), "Time": ()}
 
 
 def _number_names(system: Any) -> list[str]:

@@ -15,6 +15,7 @@ from .constraints import ConstraintOperators
 from .forces import ForceOperators
 from .group import Group
 from .inertia import InertiaOperators
+from .joints import JointCoordinates, SystemJoint
 from .memory import refresh
 from .pattern import Layout, Pattern
 from .population import WIDTH, populate
@@ -36,7 +37,8 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     q0, v0 : coordinates and velocities as the model gives them, perhaps not yet assembled (nq,)
     b : the numbers of all elements (nb,), named by `number_names`
-    rows : joint name -> its equations' rows in Φ
+    rows : joint or driver name -> its equations' rows in Φ
+    joint_coordinates : angles and travels of all joints, see `JointCoordinates`
 
     Raises
     ------
@@ -58,6 +60,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         self._groups: dict[tuple[str, ...], Group] = {}
         self._patterns: dict[str, Pattern] = {}
         self.rows = self._rows_of_joints()
+        self.joint_coordinates = JointCoordinates(plan.coordinates, len(plan.bodies))
 
     def _rows_of_joints(self) -> dict[str, Array]:
         rows: dict[str, list[int]] = {}
@@ -97,6 +100,16 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
             raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
         at = WIDTH * self.bodies.index(body)
         return slice(at, at + WIDTH)
+
+    def joint(self, name: str) -> SystemJoint:
+        """A joint with its angles and travels as functions of q.
+
+        Raises
+        ------
+        KeyError
+            If there is no joint of this name that has any.
+        """
+        return SystemJoint(self.joint_coordinates, name)
 
     def remember(self, q: Array, b: Array, t: float = 0.0) -> None:
         """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""

@@ -138,6 +138,7 @@ class Run:
         self.system, self.scheme, self.times = system, scheme, times
         self.b, self.rtol, self.atol = system.b.copy(), rtol, np.full(system.nq, atol)
         self.max_step = max_step
+        system.remember(start.q, self.b, float(times[0]))
         self.independence = Independence(system, start.q, float(times[0]))
         self.independence.check(start)
         self.matrix = NewtonMatrix(system, self.independence.kept)

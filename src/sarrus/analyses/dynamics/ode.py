@@ -45,7 +45,9 @@ class ODE:
         from scipy import integrate
 
         independence = Independence(system, start.q, t_eval[0])
-        motion, recorder = Motion(system, independence.kept), Recorder(system, t_eval, independence)
+        motion = Motion(system, independence.kept)
+        system.remember(start.q, motion.b, float(t_eval[0]))
+        recorder = Recorder(system, t_eval, independence, motion.b)
         y = np.concatenate([start.q, start.v])
         status, message, steps = "finished", "reached the end", 0
         tiny = 0
@@ -92,9 +94,9 @@ def _stuck(t: float) -> str:
 class Recorder:
     """Collects states at given times from a solver's interpolants, each projected onto the constraints."""
 
-    def __init__(self, system: System, times: Array, independence: Independence) -> None:
+    def __init__(self, system: System, times: Array, independence: Independence, b: Array) -> None:
         self.system, self.times, self._independence = system, times, independence
-        self.projection = Projection(system, independence.kept)
+        self.projection = Projection(system, b, independence.kept)
         self.last = float(times[0])
         self._rows: list[tuple[Any, ...]] = []
 

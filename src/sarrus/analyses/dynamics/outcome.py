@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ...system import System
 def trajectory_of(system: System, states: tuple[Array, ...], *, status: str, **told: Any) -> Trajectory:
     """The trajectory of the arrays t, q, v, a, lam."""
     t, q, v, a, lam = states
-    violation = np.array([abs(system.Phi(q_t, t_t)).max(initial=0.0) for t_t, q_t in zip(t, q, strict=True)])
+    violation = np.array(list(_violations(system, t, q)))
     return Trajectory(
         system.name,
         tuple(system.bodies),
@@ -22,8 +23,17 @@ def trajectory_of(system: System, states: tuple[Array, ...], *, status: str, **t
         *(t, q, v, a, lam, violation),
         success=status == "finished",
         status=status,
+        joints=system.joint_coordinates,
         **told,
     )
+
+
+def _violations(system: System, t: Array, q: Array) -> Iterator[float]:
+    """The largest entry of |Φ| at each time, with what elements remember of the times before."""
+    b = system.b.copy()
+    for time, state in zip(t, q, strict=True):
+        system.remember(state, b, float(time))
+        yield float(abs(system.Phi(state, time, b=b)).max(initial=0.0))
 
 
 def nothing(system: System, status: str, message: str) -> Trajectory:

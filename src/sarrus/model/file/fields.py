@@ -25,6 +25,7 @@ from ..measure import In
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
+from ..prescribed import Motion
 from ..quantity import Vector
 from ..solid import Solid
 from .entry import Entry, said
@@ -142,6 +143,14 @@ class InertiaEntry(Entry):
         return self.model_dump()
 
 
+def _named_joint(value: Any) -> Any:
+    """Return the name of a joint's coordinate in the whole model."""
+    return str(full_name(value, value)) if isinstance(value, str) else value
+
+
+JointName = Annotated[StrictStr, BeforeValidator(_named_joint)]
+
+
 def _number_or_table(value: Any) -> str:
     return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
@@ -209,6 +218,8 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
     typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
+    typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
+    typed(str).members: lambda to: JointName,
     typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(Expression).members: lambda to: function_in(to.unit, to.over),
     typed(Inertia).members: lambda to: InertiaForm,

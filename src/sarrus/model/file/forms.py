@@ -18,7 +18,7 @@ from ..registry import kind_name
 from .entry import Entry
 from .fields import Solids, form_of
 
-PLURAL = {"body": "bodies", "point": "points", "frame": "frames"}
+PLURAL = {"body": "bodies", "point": "points", "frame": "frames", "joint": "joints"}
 
 
 class Slot(NamedTuple):

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import Field, StrictStr, create_model
 
 from ..body import Body
+from ..drivers import Driver
 from ..forces import Force
 from ..joints import Joint
 from .entry import Entry
@@ -20,12 +21,12 @@ from .stated import list_in
 
 
 def layout() -> type[Entry]:
-    """Return the model of a file with all kinds of joints and forces that are registered now."""
-    return _layout(tuple(Joint.kinds.values()), tuple(Force.kinds.values()))
+    """Return the model of a file with all kinds of joints, drivers and forces that are registered now."""
+    return _layout(*(tuple(part.kinds.values()) for part in (Joint, Driver, Force)))
 
 
 @cache
-def _layout(joints: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
+def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
     definitions: dict[str, Any] = {
         "schema_": (StrictStr, Field(default="", alias="$schema", description="For editors.")),
         "name": (StrictStr, Field(description="Any text on one line.")),
@@ -45,6 +46,7 @@ def _layout(joints: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
         "points": (mapping_of(list_in("m", 3)), Field(default={}, description="Global points by name.")),
         "bodies": (mapping_of(entry_model(Body, tagged=False)), Field(description="By name.")),
         "joints": (mapping_of(_any_of(joints)), Field(default={}, description="By name.")),
+        "drivers": (mapping_of(_any_of(drivers)), Field(default={}, description="By name.")),
         "forces": (mapping_of(_any_of(forces)), Field(default={}, description="By name.")),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..body import Body
+from ..drivers import Driver
 from ..errors import ModelError
 from ..expand import expand
 from ..findings import Findings
@@ -101,10 +102,12 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     bodies = _build(entry.bodies, "bodies", {"": Body}, {}, findings)
     solids = {GROUND: ground, **{body.name: body for body in bodies}}
     joints = _build(entry.joints, "joints", Joint.kinds, solids, findings)
+    drivers = _build(entry.drivers, "drivers", Driver.kinds, solids, findings)
     forces = _build(entry.forces, "forces", Force.kinds, solids, findings)
     findings.raise_first()
     said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
-    return Model(entry.name, bodies, joints, forces, entry.gravity, origin=document.origin, formulas=said)
+    parts = bodies, joints, forces, entry.gravity, drivers
+    return Model(entry.name, *parts, origin=document.origin, formulas=said)
 
 
 def _build(

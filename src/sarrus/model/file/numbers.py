@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from ..body import Body
+from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, fits, unit_of
@@ -75,8 +76,18 @@ class Numbers:
         """Return the formula of a function of one variable, with numbers for all other names."""
         variable = variable_of(over)
         tree = self.tree(text, variable)
-        self._check_unit(tree, text, unit, {variable: powers_of(over)})
+        self._check_function(tree, text, unit, {variable: powers_of(over)})
         return tree.replaced({name: Number(value) for name, value in self.values.items()})
+
+    def _check_function(self, tree: Expression, text: str, unit: str, variable: dict[str, Powers]) -> None:
+        """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without."""
+        try:
+            self._check_unit(tree, text, unit, variable)
+        except ModelError as error:
+            try:
+                self._check_unit(tree, text, unit, {name: {} for name in variable})
+            except ModelError:
+                raise error from None
 
     def point(self, text: str) -> Any:
         """Return the entries of a named point as they are written."""
@@ -175,7 +186,11 @@ class Numbers:
     def _declared(self, home: Home) -> str | None:
         if home.section in ("parameters", "points"):
             return None if home.section == "parameters" else "m"
-        kinds: dict[str, dict[str, Any]] = {"joints": dict(Joint.kinds), "forces": dict(Force.kinds)}
+        kinds: dict[str, dict[str, Any]] = {
+            "joints": dict(Joint.kinds),
+            "drivers": dict(Driver.kinds),
+            "forces": dict(Force.kinds),
+        }
         name = str(home.entry.get("type")) if isinstance(home.entry, dict) else ""
         kind = Body if home.section == "bodies" else kinds.get(home.section, {}).get(name)
         measure = measures(kind).get(home.steps[0]) if kind and home.steps else None
@@ -201,7 +216,7 @@ class Numbers:
         points = [f"{name}.{axis}" for name in self._section("points") for axis in "xyz"]
         parts = [
             f"{name}.{key}"
-            for section in ("bodies", "joints", "forces")
+            for section in ("bodies", "joints", "drivers", "forces")
             for name, entry in self._section(section).items()
             if isinstance(entry, dict)
             for key, value in entry.items()

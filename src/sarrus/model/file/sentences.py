@@ -35,7 +35,7 @@ def first_error(error: ValidationError, document: Document) -> ModelError:
 def _path(finding: dict[str, Any], data: Any) -> Path:
     """Return the place in the file, without the tags that pydantic adds for unions."""
     steps = list(finding["loc"])
-    if len(steps) > 2 and steps[0] in ("joints", "forces"):
+    if len(steps) > 2 and steps[0] in ("joints", "drivers", "forces"):
         del steps[2]
     return tuple(step for step in steps if not (isinstance(step, str) and step.startswith("(")))
 

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import atan2
 from typing import Annotated
 
-import numpy as np
-
 from ... import elements
-from ..frame import LocalFrame
+from ..coordinate import angle
 from ..measure import Angle, In
-from ..names import find
 from ..placement import AboutAxis
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Array, Vec3, number
+from ..quantity import number
 from .force import Force
 
 
@@ -49,17 +45,7 @@ class RSDA(AboutAxis, Force):
         """Yield the RSDA with its initial angle."""
         i, j = self.frames(poses)
         k, c = number(self.k, "k"), number(self.c, "c")
-        angle, torque = number(self.angle, "angle", "give radians"), number(self.torque, "torque")
+        free, torque = number(self.angle, "angle", "give radians"), number(self.torque, "torque")
         axes = (i.f, i.g, i.h, j.f, j.h)
-        values = (*axes, k, c, angle, torque, initial_angle(i, j, poses))
+        values = (*axes, k, c, free, torque, angle(i, j, poses).start)
         yield Primitive(elements.RSDA, (i.body, j.body), values, "rsda")
-
-
-def initial_angle(i: LocalFrame, j: LocalFrame, poses: Poses) -> float:
-    """Return θ = atan2(g_i·f_j, f_i·f_j) in the initial pose. [rad]"""
-    f_j = _turned(j.f, j.body, poses)
-    return atan2(float(_turned(i.g, i.body, poses) @ f_j), float(_turned(i.f, i.body, poses) @ f_j))
-
-
-def _turned(local: Vec3, body: str, poses: Poses) -> Array:
-    return np.asarray(find(body, poses, "body").A @ np.array(local))

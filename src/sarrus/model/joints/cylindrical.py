@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..coordinate import Coordinate, angle, travel
 from ..placement import AboutAxis
 from ..pose import Poses
 from ..primitive import Primitive
@@ -26,3 +27,9 @@ class Cylindrical(AboutAxis, Joint):
         yield dot1("g_i.h_j", i, j, i.g, j.h)
         yield dot2("f_i.d", i, j, i.f)
         yield dot2("g_i.d", i, j, i.g)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle from f_i to f_j about h, and the travel of P_j along h_i."""
+        i, j = self.frames(poses)
+        yield angle(i, j, poses)
+        yield travel(i, j, poses)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ... import elements
+from ..coordinate import Coordinate, Known
 from ..frame import LocalFrame
 from ..point import LocalPoint
 from ..pose import Poses
@@ -28,13 +29,22 @@ class Joint(ABC):
 
     name: str
 
-    def __init_subclass__(cls, **options: Any) -> None:
+    def __init_subclass__(cls, abstract: bool = False, **options: Any) -> None:
         super().__init_subclass__(**options)
-        register(cls, Joint.kinds)
+        if not abstract:
+            register(cls, Joint.kinds)
 
     @abstractmethod
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the primitives for the given initial poses."""
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angles and travels of the joint that can be read, driven and coupled."""
+        yield from ()
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield the primitives that need the coordinates of other joints."""
+        yield from ()
 
 
 def spherical(i: LocalPoint | LocalFrame, j: LocalPoint | LocalFrame) -> Primitive:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..coordinate import Coordinate, angle
 from ..placement import AboutAxis
 from ..pose import Poses
 from ..primitive import Primitive
@@ -25,3 +26,7 @@ class Revolute(AboutAxis, Joint):
         yield spherical(i, j)
         yield dot1("f_i.h_j", i, j, i.f, j.h)
         yield dot1("g_i.h_j", i, j, i.g, j.h)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle from f_i to f_j about h."""
+        yield angle(*self.frames(poses), poses)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..coordinate import Coordinate, travel
 from ..placement import AboutAxis
 from ..pose import Poses
 from ..primitive import Primitive
@@ -32,3 +33,7 @@ class Translational(AboutAxis, Joint):
         yield dot1("f_i.g_j", i, j, i.f, j.g)
         yield dot2("g_i.d", i, j, i.g)
         yield dot2("f_i.d", i, j, i.f)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the travel of P_j along h_i."""
+        yield travel(*self.frames(poses), poses)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..coordinate import Coordinate, angle, turned
 from ..errors import ModelError
-from ..frame import PERPENDICULAR, Frame
+from ..frame import PERPENDICULAR, Frame, LocalFrame, frame_axes
 from ..measure import Direction, Place
 from ..placement import Axis, placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Array, direction
+from ..quantity import Array, direction, triple
 from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
@@ -41,9 +42,28 @@ class Universal(Joint):
         yield spherical(i, j)
         yield dot1("h_i.h_j", i, j, i.h, j.h)
 
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angles of the cross in body i about h_i, from f_i to h_j, and in body j about h_j.
+
+        Placed by global axes both start at 0; then f_i is h_j in the initial pose, and the other way round.
+        """
+        axes = Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)
+        i, j = placed_frames(self, axes, poses)
+        if self.frame_i is None:
+            i, j = _along(i, j, poses), _along(j, i, poses)
+        yield angle(i, j, poses, f_j=j.h, name="angle_i")
+        yield angle(j, i, poses, f_j=i.h, name="angle_j")
+
 
 def _check_cross(h_i: Array, h_j: Array) -> None:
     cosine = float(h_i @ h_j)
     if abs(cosine) > PERPENDICULAR:
         told = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
         raise ModelError(f"{told}; turn one of them", field="axis_i")
+
+
+def _along(i: LocalFrame, j: LocalFrame, poses: Poses) -> LocalFrame:
+    """The frame of body i turned about h_i until f_i is h_j."""
+    towards = poses[i.body].local_vector(turned(j.h, j.body, poses))
+    axes = frame_axes(towards, i.h, "axis_j")
+    return LocalFrame(i.body, i.s, triple(axes[:, 0]), triple(axes[:, 1]), i.h)

@@ -1,0 +1,40 @@
+"""Screw: travel along an axis is proportional to the angle about it; an equation beside those of a cylinder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..algebra import Array, single
+from .argument import Argument
+from .combination import Combination, Term
+from .dot2 import Dot2
+from .element import Pair, Primitive, Scalar, Vec3
+
+
+class Screw(Combination, Primitive, rows=1, derivatives="automatic", rare=True):
+    """Φ = h_iᵀ d - lead (θ - angle) - travel [m]; right-handed where the lead is positive.
+
+    The turns are counted by the travel: θ is taken nearest to the angle that belongs to it. All turns lie on one
+    thread, so that nothing has to be remembered. The paper has no formula for it; derivatives to the numbers are
+    made by differentiating what is recorded.
+    """
+
+    f_i: Vec3  # [-] fixed in body i; f_i, g_i, h_i right-handed
+    g_i: Vec3  # [-]
+    h_i: Vec3  # [-] the axis in body i
+    f_j: Vec3  # [-] fixed in body j
+    s_i: Vec3  # [m] P_i in body i
+    s_j: Vec3  # [m] P_j in body j
+    lead: Scalar  # [m/rad] travel for one radian
+    angle: Scalar  # [rad] where the travel is `travel`
+    travel: Scalar  # [m]
+
+    def terms(self) -> Iterator[Term]:
+        yield Term(1, Dot2(self.h_i, self.s_i, self.s_j))
+        yield Term(-self.lead, Argument(self.f_i, self.g_i, self.f_j))
+
+    def Phi(self, x: Pair) -> Array:
+        travel, theta = (term.function for term in self.terms())
+        moved = travel.Phi(x)[0] - self.travel
+        turned = theta.near(x, self.angle + moved / self.lead) - self.angle
+        return single(moved - self.lead * turned)[0]

@@ -1,0 +1,89 @@
+"""Coordinates of joints: angles and travels that can be read, driven and coupled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import atan2
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from .. import elements
+from ..elements import Element
+from .errors import ModelError
+from .frame import LocalFrame
+from .names import find
+from .point import LocalPoint
+from .pose import Poses
+from .primitive import Primitive
+from .quantity import Array, Vec3
+from .show import quote, suggest
+
+ANGLE, TRAVEL = elements.Angle, elements.Travel
+WORDS: dict[type[Element], str] = {ANGLE: "angle", TRAVEL: "travel"}
+
+
+class Coordinate(NamedTuple):
+    """An angle or travel of a joint: the element that measures it, its value in the initial pose, its name."""
+
+    measure: Primitive
+    start: float
+
+    @property
+    def name(self) -> str:
+        """Its name among the coordinates of the joint: ``angle``, ``travel``, ``angle_i``."""
+        return self.measure.label
+
+
+Known: TypeAlias = Mapping[str, tuple[Coordinate, ...]]  # by the joint's name
+
+
+def angle(
+    i: LocalFrame, j: LocalFrame, poses: Poses, *, f_j: Vec3 | None = None, name: str = "angle"
+) -> Coordinate:
+    """The angle from f_i to f_j (or another vector of body j) about h_i. [rad]"""
+    across = j.f if f_j is None else f_j
+    start = angle_between((i.body, i.f), (i.body, i.g), (j.body, across), poses)
+    return Coordinate(Primitive(ANGLE, (i.body, j.body), (i.f, i.g, across, 0.0, start), name), start)
+
+
+def travel(
+    i: LocalFrame, j: LocalFrame | LocalPoint, poses: Poses, *, axis: Vec3 | None = None, name: str = "travel"
+) -> Coordinate:
+    """How far P_j lies from P_i along h_i, or another vector of body i. [m]"""
+    along = i.h if axis is None else axis
+    apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
+    start = float(turned(along, i.body, poses) @ apart)
+    return Coordinate(Primitive(TRAVEL, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
+
+
+def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
+    """The angle of a in the plane of f and g in the initial pose, each given with its body. [rad]"""
+    f_, g_, a_ = (turned(vector, body, poses) for body, vector in (f, g, a))
+    return atan2(float(g_ @ a_), float(f_ @ a_))
+
+
+def turned(local: Vec3, body: str, poses: Poses) -> Array:
+    """A vector of a body in global axes, in the initial pose."""
+    return np.asarray(find(body, poses, "body").A @ np.array(local))
+
+
+def chosen(reference: str, kind: type[Element] | None, known: Known, field: str) -> Coordinate:
+    """Return the coordinate that ``pin`` or ``pin.angle`` names, of a kind if one is wanted.
+
+    Raises
+    ------
+    ModelError
+        If there is no such joint, or none or several of its coordinates are meant.
+    """
+    joint, _, name = str(reference).partition(".")
+    if joint not in known:
+        raise ModelError(f"there is no joint {quote(joint)}; {suggest(joint, known)}", field=field)
+    word = "coordinate" if kind is None else WORDS[kind]
+    fit = [c for c in known[joint] if kind in (None, c.measure.element)]
+    found = [c for c in fit if name in ("", c.name)]
+    if len(found) == 1:
+        return found[0]
+    names = ", ".join(f"{joint}.{c.name}" for c in fit) or "none"
+    which = f"no {word} {quote(name)}" if name else f"no {word}" if not fit else f"more than one {word}"
+    raise ModelError(f"joint {quote(joint)} has {which}; name one it has: {names}", field=field)

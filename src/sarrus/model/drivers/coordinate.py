@@ -1,0 +1,41 @@
+"""Coordinate driver: one of the seven coordinates of a body is a function of time. 1 equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from ... import elements
+from ..coordinate import Known
+from ..errors import ModelError
+from ..forces.force import refuse_ground
+from ..measure import In
+from ..names import find
+from ..pose import Poses
+from ..prescribed import Motion, motion_of
+from ..primitive import Primitive
+from ..solid import Solid
+from .driver import Driver
+
+NAMES = ("x", "y", "z", "e0", "e1", "e2", "e3")
+
+
+@dataclass(frozen=True, eq=False)
+class CoordinateDriver(Driver):
+    """A ``coordinate`` of a ``body``, x, y, z [m] of its origin or an Euler parameter, follows a ``motion``."""
+
+    body: Solid
+    coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
+    motion: Annotated[Motion, In("", over="s")]
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield coordinate - f(t)."""
+        refuse_ground(self.body.name, "body")
+        find(self.body.name, poses, "body")
+        if self.coordinate not in NAMES:
+            told = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}; choose one"
+            raise ModelError(told, field="coordinate")
+        form = [float(name == self.coordinate) for name in NAMES]
+        values = (tuple(form[:3]), form[3], tuple(form[4:]), *motion_of(self.motion, "motion"))
+        yield Primitive(elements.CoordinateDriver, (self.body.name,), values, self.coordinate)

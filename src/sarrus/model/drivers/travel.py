@@ -1,0 +1,32 @@
+"""Travel driver: the travel of a joint is a function of time. 1 equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from ... import elements
+from ..coordinate import TRAVEL, Known, chosen
+from ..measure import In
+from ..pose import Poses
+from ..prescribed import Motion, motion_of
+from ..primitive import Primitive
+from .driver import Driver
+
+
+@dataclass(frozen=True, eq=False)
+class TravelDriver(Driver):
+    """The travel [m] of a ``joint`` follows a ``motion``, a number or a function of time.
+
+    The joint is given by name, ``slide``, or where it has several travels ``table.travel_x``.
+    """
+
+    joint: str
+    motion: Annotated[Motion, In("m", over="s")]
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield h_i·d - f(t)."""
+        bodies, values = chosen(self.joint, TRAVEL, known, "joint").measure[1:3]
+        law = motion_of(self.motion, "motion")
+        yield Primitive(elements.TravelDriver, bodies, (*values[:3], *law), "travel")

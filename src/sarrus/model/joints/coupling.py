@@ -1,0 +1,50 @@
+"""What couplings share: a relation between the coordinates of two joints that are named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ... import elements
+from ...elements import Element
+from ..coordinate import ANGLE, Coordinate
+from ..errors import ModelError
+from ..pose import Poses
+from ..primitive import Primitive
+from ..quantity import number
+from .joint import Joint
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling(Joint, abstract=True):
+    """A part among the joints that couples others; it has no primitives without them."""
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield nothing."""
+        yield from ()
+
+
+def ratio_of(value: object, field: str = "ratio") -> float:
+    """Return a ratio that is not 0."""
+    ratio = number(value, field)
+    if not ratio:
+        raise ModelError(f"{field} must not be 0; give the second coordinate over the first", field=field)
+    return ratio
+
+
+def coupled(first: Coordinate, second: Coordinate, ratio: float, offset: float | None) -> Primitive:
+    """Second = ratio · first + offset; without an offset, as it is in the initial pose."""
+    shift = second.start - ratio * first.start if offset is None else number(offset, "offset")
+    kinds = first.measure.element is ANGLE, second.measure.element is ANGLE
+    if kinds == (True, True):
+        return _relation(elements.AngleAngle, first, second, (ratio, shift, first.start))
+    if kinds == (False, True):
+        return _relation(elements.TravelAngle, first, second, (1 / ratio, -shift / ratio))
+    if kinds == (True, False):
+        return _relation(elements.TravelAngle, second, first, (ratio, shift))
+    return _relation(elements.TravelTravel, first, second, (ratio, shift))
+
+
+def _relation(element: type[Element], a: Coordinate, b: Coordinate, values: tuple[float, ...]) -> Primitive:
+    bodies = (*a.measure.bodies, *b.measure.bodies)
+    return Primitive(element, bodies, (*a.measure.values[:3], *b.measure.values[:3], *values), "coupling")

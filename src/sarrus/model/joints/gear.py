@@ -1,0 +1,30 @@
+"""Gears: the angles of two joints are proportional. 1 equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..coordinate import ANGLE, Known, chosen
+from ..measure import Angle, Ratio
+from ..primitive import Primitive
+from .coupling import Coupling, coupled, ratio_of
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Coupling):
+    """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], full turns counted.
+
+    The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
+    that of the initial pose. Spur gears of the same sense of axes have a negative ratio.
+    """
+
+    joint_i: str
+    joint_j: str
+    ratio: Ratio
+    offset: Angle | None = None
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield θ_j - ratio θ_i - offset."""
+        i, j = chosen(self.joint_i, ANGLE, known, "joint_i"), chosen(self.joint_j, ANGLE, known, "joint_j")
+        yield coupled(i, j, ratio_of(self.ratio), self.offset)

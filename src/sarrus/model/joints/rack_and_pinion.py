@@ -1,0 +1,32 @@
+"""Rack and pinion: the travel of one joint is proportional to the angle of another. 1 equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..coordinate import ANGLE, TRAVEL, Known, chosen
+from ..measure import Length
+from ..primitive import Primitive
+from .coupling import Coupling, coupled, ratio_of
+
+
+@dataclass(frozen=True, eq=False)
+class RackAndPinion(Coupling):
+    """Travel of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], full turns counted.
+
+    The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
+    is the sense of travel. Left out, the offset is that of the initial pose.
+    """
+
+    rack: str
+    pinion: str
+    radius: Length
+    offset: Length | None = None
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield travel - radius θ - offset."""
+        pinion = chosen(self.pinion, ANGLE, known, "pinion")
+        yield coupled(
+            pinion, chosen(self.rack, TRAVEL, known, "rack"), ratio_of(self.radius, "radius"), self.offset
+        )

@@ -1,0 +1,36 @@
+"""Screw joint: two bodies turn about a common axis and travel along it in proportion. 5 equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import pi
+
+from ... import elements
+from ..errors import ModelError
+from ..measure import Length
+from ..pose import Poses
+from ..primitive import Primitive
+from ..quantity import number
+from .cylindrical import Cylindrical
+
+
+@dataclass(frozen=True, eq=False)
+class Screw(Cylindrical):
+    """A screw in its nut: a common axis h, and ``pitch`` [m] of travel for a turn, right-handed if positive.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    ``frame_j`` with h along the axis; the frames coincide where angle and travel are 0.
+    """
+
+    pitch: Length = field(kw_only=True)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the primitives of a cylindrical joint, and the screw."""
+        pitch = number(self.pitch, "pitch", "give the travel in m for a turn")
+        if not pitch:
+            raise ModelError("pitch must not be 0; give it in m, or use a revolute joint", field="pitch")
+        yield from super().primitives(poses)
+        i, j = self.frames(poses)
+        values = (i.f, i.g, i.h, j.f, i.s, j.s, pitch / (2 * pi), 0.0, 0.0)
+        yield Primitive(elements.Screw, (i.body, j.body), values, "screw")

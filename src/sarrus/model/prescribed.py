@@ -1,0 +1,75 @@
+"""A prescribed motion f(t): a number, a formula in t, a table or a Python function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+from .curve import Curve, Formula, curve_of
+from .errors import ModelError
+from .expression import Expression, parse_expression
+from .quantity import number
+from .show import quote
+
+Motion: TypeAlias = (
+    float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
+)
+VARIABLE = "t"
+
+
+class Law(NamedTuple):
+    """A factor and the function of time that it scales."""
+
+    scale: float
+    curve: Curve | Formula
+
+
+@dataclass(frozen=True, eq=False)
+class _InTime:
+    """A formula's tree as a function of t; a class, so that models can be pickled."""
+
+    tree: Expression
+
+    def __call__(self, t: Any) -> Any:
+        return self.tree.value({VARIABLE: t})
+
+
+def motion_of(value: Motion, field: str) -> Law:
+    """Return the law of what a user gives for a motion.
+
+    Raises
+    ------
+    ModelError
+        If it is no number, formula in t, table or function, or cannot be differentiated.
+    """
+    given: Any = _parsed(value, field) if isinstance(value, str) else value
+    if isinstance(given, Expression):
+        return _formula(given, field)
+    if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
+        return _checked(curve_of(given, field), field)
+    return Law(
+        number(given, field, "give a number, a formula in t, a table or a function"), Curve.constant(1.0)
+    )
+
+
+def _parsed(text: str, field: str) -> Expression:
+    try:
+        return parse_expression(text, variables=(VARIABLE,))
+    except ModelError as error:
+        raise ModelError(f"{field} {error.sentence}", field=field) from None
+
+
+def _formula(tree: Expression, field: str) -> Law:
+    others = [name for name in tree.names() if name != VARIABLE]
+    if others:
+        raise ModelError(f"{field} depends on {quote(others[0])}; only t may stand in it", field=field)
+    if not tree.names():
+        return Law(number(float(tree.value()), field), Curve.constant(1.0))
+    return _checked(Formula(_InTime(tree)), field)
+
+
+def _checked(curve: Curve | Formula, field: str) -> Law:
+    if isinstance(curve, Formula):
+        curve.numbers(field)  # refused here, where the driver's name is known
+    return Law(1.0, curve)

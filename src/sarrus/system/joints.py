@@ -1,0 +1,155 @@
+"""Coordinates of joints as functions of the system's coordinates: values, rates, and exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ..algebra import Array
+from ..model import Placed
+from .constraints import ConstraintOperators
+from .pattern import Layout
+from .population import WIDTH, populate
+
+TURN = 2 * np.pi
+
+
+class JointCoordinates(ConstraintOperators):
+    """All angles [rad] and travels [m] of all joints as one vector c(q), with the operators of a constraint.
+
+    ``Phi(q)`` is c(q), ``Phi_q(q)`` its derivative (a row for each coordinate), ``Phi_q_xi(q, v)`` its rate, and so
+    on to third derivatives. They are no part of the equations of motion.
+
+    Attributes
+    ----------
+    names : ``pin.angle``, ``slide.travel``, in the order of the rows (nc,)
+    angles : which of them are angles (nc,)
+    """
+
+    def __init__(self, placed: Sequence[Placed], body_count: int) -> None:
+        self.bodies = ()
+        self.names = tuple(f"{one.owner}.{one.label}" for one in placed)
+        self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)
+        self.populations, self.b = populate(placed, 0)
+        self.nq, self.m = WIDTH * body_count, len(placed)
+        self._layout = Layout(
+            self.populations, body_count, self.m, max((p.end for p in self.populations), default=0)
+        )
+        self._groups, self._patterns = {}, {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the compiled groups, which are made again at first use."""
+        return {**self.__dict__, "_groups": {}}
+
+    def index(self, name: str) -> int:
+        """The row of a coordinate: ``pin.angle``.
+
+        Raises
+        ------
+        KeyError
+            If there is no such coordinate.
+        """
+        if name not in self.names:
+            raise KeyError(f"no joint coordinate {name!r}; there are {', '.join(self.names) or 'none'}")
+        return self.names.index(name)
+
+    def of_joint(self, joint: str) -> list[str]:
+        """Names of a joint's coordinates, without the joint's own.
+
+        Raises
+        ------
+        KeyError
+            If there is no such joint, or it has no coordinates.
+        """
+        found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
+        if not found:
+            known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"
+            raise KeyError(f"no joint {joint!r} with an angle or travel; joints that have some: {known}")
+        return found
+
+    def near(self, values: Array, near: Array) -> Array:
+        """Values with the whole turns that bring the angles nearest to others."""
+        return values + np.where(self.angles, TURN * np.round((near - values) / TURN), 0.0)
+
+    def along(self, t: Array, q: Array, v: Array) -> tuple[Array, Array]:
+        """Values and rates (nt, nc) over a motion; turns are counted from one time to the next, with help of rates."""
+        values = np.array([self.Phi(state) for state in q]).reshape(len(t), self.m)
+        rates = np.array([self.Phi_q_xi(*state) for state in zip(q, v, strict=True)]).reshape(len(t), self.m)
+        for n in range(1, len(t)):
+            moved = 0.5 * (t[n] - t[n - 1]) * (rates[n - 1] + rates[n])
+            values[n] = self.near(values[n], values[n - 1] + moved)
+        return values, rates
+
+
+class JointCoordinate:
+    """One angle or travel of a joint as a function of the system's coordinates.
+
+    Attributes
+    ----------
+    name : ``pin.angle``
+    """
+
+    def __init__(self, every: JointCoordinates, name: str) -> None:
+        self.name = name
+        self._every, self._row = every, every.index(name)
+
+    def value(self, q: ArrayLike, near: float | None = None) -> float:
+        """The travel [m], or the angle [rad] with turns counted: nearest to `near`, by default to its initial value."""
+        values = self._every.Phi(q)
+        if near is not None:
+            values = self._every.near(values, np.full(self._every.m, near))
+        return float(values[self._row])
+
+    def rate(self, q: ArrayLike, v: ArrayLike) -> float:
+        """Its rate of change at velocities v. [rad/s] or [m/s]"""
+        return float(self._every.Phi_q_xi(q, v)[self._row])
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> float:
+        """Its second time derivative. [rad/s²] or [m/s²]"""
+        return float((self._every.Phi_q_xi(q, a) - self._every.gamma(q, v))[self._row])
+
+    def gradient(self, q: ArrayLike) -> csr_array:
+        """Its exact derivative to q, as a row (1, nq)."""
+        return self._every.Phi_q(q)[[self._row]]
+
+    def gradient_xi_q(self, q: ArrayLike, xi: ArrayLike) -> csr_array:
+        """The derivative to q of the gradient along a fixed direction ξ, as a row (1, nq)."""
+        return self._every.Phi_q_xi_q(q, xi)[[self._row]]
+
+
+class SystemJoint:
+    """A joint of a system: its coordinates by name.
+
+    ``joint["angle"]`` is a `JointCoordinate`; `angle` and `travel` evaluate those that most joints have.
+
+    Attributes
+    ----------
+    name : of the joint
+    names : of its coordinates
+    """
+
+    def __init__(self, every: JointCoordinates, name: str) -> None:
+        self.name, self.names = name, tuple(every.of_joint(name))
+        self._every = every
+
+    def __getitem__(self, name: str) -> JointCoordinate:
+        """The coordinate of a name.
+
+        Raises
+        ------
+        KeyError
+            If the joint has no such coordinate.
+        """
+        return JointCoordinate(self._every, f"{self.name}.{name}")
+
+    def angle(self, q: ArrayLike, near: float | None = None) -> float:
+        """Its angle, see `JointCoordinate.value`. [rad]"""
+        return self["angle"].value(q, near)
+
+    def travel(self, q: ArrayLike) -> float:
+        """Its travel. [m]"""
+        return self["travel"].value(q)

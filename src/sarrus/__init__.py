@@ -14,6 +14,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .analyses import ODE as ODE
     from .analyses import assemble as assemble
+    from .analyses import equilibrium as equilibrium
+    from .analyses import inverse_dynamics as inverse_dynamics
+    from .analyses import kinematics as kinematics
+    from .analyses import linearize as linearize
+    from .analyses import modes as modes
     from .analyses import simulate as simulate
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
@@ -58,6 +63,9 @@ if TYPE_CHECKING:
     from .model import load as load
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
+    from .results import Equilibrium as Equilibrium
+    from .results import Modes as Modes
+    from .results import Reaction as Reaction
     from .results import Trajectory as Trajectory
     from .system import System as System
 
@@ -72,8 +80,8 @@ _HOMES = {
         "describe ground load parse_expression"
     ),
     "system": "System",
-    "analyses": "ODE assemble simulate",
-    "results": "Assembly Trajectory",
+    "analyses": "ODE assemble equilibrium inverse_dynamics kinematics linearize modes simulate",
+    "results": "Assembly Equilibrium Modes Reaction Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

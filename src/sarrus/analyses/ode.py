@@ -103,4 +103,5 @@ class Recorder:
             nfev=evaluations,
             nsteps=steps,
             joints=self.system.joint_coordinates,
+            system=self.system,
         )

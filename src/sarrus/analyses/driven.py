@@ -54,7 +54,7 @@ class Driven:
         return y
 
     def weakest(self) -> tuple[float, Array, Array]:
-        """The smallest singular value, and its unit vectors: the equations (m,) and the coordinates (nq,)."""
+        """The smallest singular value of A; multipliers lam (m,) for which Φ_qᵀ lam nearly vanishes; its direction (nq,)."""
         x = np.cos(np.arange(self._n) + 1.0)
         x, y, size = x / np.linalg.norm(x), x, 1.0
         for _ in range(ROUNDS):
@@ -64,7 +64,7 @@ class Driven:
             size = 1 / float(np.linalg.norm(x))
             x = x * size
         left = np.zeros(self._m)
-        left[self.rows] = y
+        left[self.rows] = y / self._length
         return size, left, x
 
     def _checked(self, x: Array) -> Array:

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..results import Trajectory
 from ..system import System
+from .branching import branching_time
 from .inverse import multipliers
-from .lockup import fold_time, involved, last_before, locate_crossing
+from .lockup import fold_time, involved, last_before
 from .nullspace import NullSpace
 from .onto import largest, onto
 from .path import Instant, Path
@@ -118,8 +119,8 @@ class _Run:
             found = self.path.step(now, t)
             if found is not None and found.sign * now.sign >= 0:
                 now, h = self._accept(found), 2 * h
-            elif found is not None:
-                now = self._cross(now, t)
+            elif found is not None and (crossed := self._cross(now, found)):
+                now, h = crossed, 2 * h
             elif h > SHORTEST * interval:
                 h *= 0.5
             else:
@@ -135,13 +136,13 @@ class _Run:
         self.steps += 1
         return now
 
-    def _cross(self, now: Instant, after: float) -> Instant:
-        """Note a change of sign, and go on from just before it as if nothing had happened."""
-        crossing = locate_crossing(self.path, now, after)
-        if crossing.t is None:
-            return crossing.before
-        self.singular.append(crossing.t)
-        return crossing.before._replace(sign=0.0)
+    def _cross(self, now: Instant, found: Instant) -> Instant | None:
+        """Note where the motion could have branched; nothing, if the step was a leap to another branch."""
+        time = branching_time(self.path, now, found)
+        if time is None:
+            return None
+        self.singular.append(time)
+        return self._accept(found)
 
     def _bridge(self, now: Instant, target: float, interval: float) -> Instant | None:
         """Over a time of the grid on which the configuration is singular."""

@@ -58,7 +58,7 @@ def linearize(
 
     With the exact K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
 
-        M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = γ_q δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
+        M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
 
     About a steady motion they are taken as seen by an observer who moves with it; see `sarrus.analyses.steady`.
 
@@ -99,7 +99,8 @@ def _reduced(system: System, at: Around, space: NullSpace, X: Array) -> Linear:
     D = -(system.Q_v(q, v, t, b=b) + system.S_v(q, v, b=b))
     gamma_v = system.gamma_v(q, v, t, b=b)
     P = space.change(0.5 * (gamma_v @ Z))
-    across = space.change(np.hstack([system.gamma_q(q, v, t, b=b) @ Z + gamma_v @ P, gamma_v @ Z]))
+    turn = system.gamma_q(q, v, t, b=b) - system.Phi_q_xi_q(q, a, t, b=b)
+    across = space.change(np.hstack([turn @ Z + gamma_v @ P, gamma_v @ Z]))
     left = Z.T @ (M @ Z)
     right = Z.T @ (np.hstack([K @ Z + D @ P, D @ Z]) + M @ across)
     acceleration = across - Z @ np.linalg.solve(left, right)

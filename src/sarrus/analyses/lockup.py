@@ -1,8 +1,6 @@
-"""Where a driven motion ends or could branch: the configuration with a singular Jacobian, and the equations in it."""
+"""Where a driven motion ends: the configuration in which it turns back, and the equations that jam there."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import block_array, csr_array
@@ -15,7 +13,6 @@ from .path import Instant, Path
 from .saddle import SingularSystem
 
 FINE = 1e-10  # length of the last interval of a bisection, relative to the first
-BEYOND = 1e-4  # where the sign is looked at again after a bisection, relative to the first interval
 NAMED = 0.1  # equations are named down to this part of the largest share
 FOLD_STEPS = 10
 FOLD_SETTLED = 1e-10
@@ -31,28 +28,6 @@ def last_before(path: Path, before: Instant, h: float) -> Instant:
         else:
             h *= 0.5
     return before
-
-
-class Crossing(NamedTuple):
-    """The state before a change of sign; the time of the change, or nothing if there was none, only a wrong step."""
-
-    before: Instant
-    t: float | None
-
-
-def locate_crossing(path: Path, before: Instant, after: float) -> Crossing:
-    """Bisect for the time at which the determinant of the Jacobian changes its sign."""
-    end, shortest = after, FINE * (after - before.t)
-    while end - before.t > shortest:
-        middle = path.step(before, 0.5 * (before.t + end))
-        if middle is not None and middle.sign == before.sign:
-            before = middle
-        else:
-            end = 0.5 * (before.t + end)
-    beyond = path.step(before, before.t + BEYOND * (after - before.t))
-    if beyond is not None and beyond.sign == before.sign:
-        return Crossing(beyond, None)
-    return Crossing(before, 0.5 * (before.t + end))
 
 
 def fold_time(path: Path, near: Instant) -> float | None:

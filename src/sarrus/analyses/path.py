@@ -17,6 +17,7 @@ ITERATIONS = 12
 CONTRACTION = 0.5  # each Newton step must be so much shorter than the one before
 SETTLED = 1e-11  # a last Newton step, relative to the size of q, whose square is below round-off
 JUMP = 0.1  # farthest that Newton may go from the predicted place: Euler parameters, and parts of the model's size
+SINGULAR = 1e-9  # smallest singular value of a configuration that counts as singular
 BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a singular configuration
 
 
@@ -71,7 +72,7 @@ class Path:
         """The state at a later (or earlier) time, or nothing if the step is too long."""
         predicted = before.predicted(t)
         found = self.instant(t, predicted)
-        if found is None or largest((found.q - predicted) / self._scale) > JUMP:
+        if found is None or found.sign == 0 or largest((found.q - predicted) / self._scale) > JUMP:
             return None
         return found
 
@@ -108,7 +109,7 @@ class Path:
         factors = self.driven(t, q)
         v = factors.solve(-self.system.Phi_t(q, t, b=self.b))
         a = factors.solve(self.system.gamma(q, v, t, b=self.b))
-        return Instant(t, q, v, a, factors.sign)
+        return Instant(t, q, v, a, factors.sign if factors.weakest()[0] > SINGULAR else 0.0)
 
 
 def coordinate_scale(system: System, q: Array) -> Array:

@@ -18,8 +18,9 @@ FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing a
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 BALANCED = 1e-8  # of the largest force: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian that is round-off
-FIRST_RADIUS = 0.1  # largest change of a coordinate in one step, in parts of the model's size
-LARGEST_RADIUS = 0.5
+FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
+LARGEST_RADIUS = 0.2
+POOR, GOOD = 0.2, 0.8  # work done over work expected: below, the step is taken back; above, the next may be longer
 
 
 def equilibrium(
@@ -89,9 +90,10 @@ class _Search:
         for _ in range(40):
             size = largest(step / self.scale)
             found = self._moved(now, step)
-            if found is not None and (size <= ROUND_OFF or _work(now, found) > 0.1 * _expected(now, step)):
-                grown = 2 * size if size > 0.9 * self.radius else self.radius
-                self.radius = min(max(self.radius, grown), LARGEST_RADIUS)
+            quality = _work(now, found) / max(_expected(now, step), 1e-300) if found is not None else 0.0
+            if found is not None and (size <= ROUND_OFF or quality > POOR):
+                grown = 2 * size if quality > GOOD else size
+                self.radius = min(max(grown, FINISHED), LARGEST_RADIUS)
                 return found
             self.radius = 0.3 * size
             step = slide_step(now, self.scale, self.radius)

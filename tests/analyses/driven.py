@@ -52,7 +52,7 @@ def planar_body(name: str, r: tuple[float, float], *, inertia: float = 0.1, mass
 
 @cache
 def parallelogram(rate: float = 1.0) -> sr.System:
-    """Sides 1 and 2, hinged by four revolutes (three of their equations are redundant); the crank's angle is 1 + rate t."""
+    """Sides 1 and 2, hinged by four revolutes, three equations too many; the crank's angle is 1 + rate t."""
     crank = planar_body("crank", (np.cos(1.0), np.sin(1.0)))
     coupler = planar_body("coupler", (np.cos(1.0) + 1.0, np.sin(1.0)))
     rocker = planar_body("rocker", (np.cos(1.0) + 2.0, np.sin(1.0)))

@@ -51,9 +51,7 @@ def test_power_of_the_driver_is_the_change_of_energy() -> None:
     slider = run["slider"]
     power = motor.torque[:, 0] * (3.0 + 0.5 * t) - slider.velocity[:, 0] ** 2  # c = 1 N s/m
     energy = [
-        system.kinetic_energy(q, v)
-        + 9.81 * (q[2] + q[9] + q[16])
-        + 5 * (np.linalg.norm(q[14:17]) - 5) ** 2
+        system.kinetic_energy(q, v) + 9.81 * (q[2] + q[9] + q[16]) + 5 * (np.linalg.norm(q[14:17]) - 5) ** 2
         for q, v in zip(run.q, run.v, strict=True)
     ]
     assert weights @ power[1:-1] == pytest.approx(energy[-1] - energy[0], rel=1e-10)
@@ -83,11 +81,15 @@ def spin_change(run: sr.Trajectory, body: str) -> np.ndarray:
 def test_a_joint_on_the_ground_as_second_body() -> None:
     pair = []
     for bodies in ("bob first", "ground first"):
-        bob = sr.Body("bob", mass=2.0, inertia=(1, 2, 3), position=(0.4, -0.2, 0.1), angular_velocity=(0, 0, 2))
+        bob = sr.Body(
+            "bob", mass=2.0, inertia=(1, 2, 3), position=(0.4, -0.2, 0.1), angular_velocity=(0, 0, 2)
+        )
         two = (bob, sr.ground) if bodies == "bob first" else (sr.ground, bob)
         pin = sr.Revolute("pin", *two, point=(0, 0, 0), axis=(0, 0, 1))
         system = sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, -9.81, 0)))
-        pair.append(sr.simulate(system, sr.assemble(system, v=system.v0), until=0.2, t_eval=[0.2]).reaction("pin"))
+        pair.append(
+            sr.simulate(system, sr.assemble(system, v=system.v0), until=0.2, t_eval=[0.2]).reaction("pin")
+        )
     assert np.allclose(pair[0].force, -pair[1].force, atol=1e-9)
     assert np.allclose(pair[0].torque, -pair[1].torque, atol=1e-9)
     assert np.linalg.norm(pair[0].torque) > 0.1
@@ -99,7 +101,9 @@ def test_reactions_of_a_distance_and_a_vehicle_at_rest() -> None:
     tie = system.reaction("tierod_front_right", found.q, found.lam)
     rack, knuckle = system.marker("tierod_front_right")[:2]
     assert (rack, knuckle) == ("steering_rack", "knuckle_front_right")
-    arms = [system.reaction(name, found.q, found.lam) for name in ("sph_UCA_front_right", "sph_LCA_front_right")]
+    arms = [
+        system.reaction(name, found.q, found.lam) for name in ("sph_UCA_front_right", "sph_LCA_front_right")
+    ]
     vertical = tie.force[2] + sum(arm.force[2] for arm in arms)
     assert vertical == pytest.approx(90.555 * 9.81 - 6533.331218, abs=1e-5)
     assert np.allclose([arm.torque for arm in arms], 0.0, atol=1e-8)

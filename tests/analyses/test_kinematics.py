@@ -1,4 +1,4 @@
-"""Kinematic analysis against closed forms: positions, velocities, accelerations; where a motion ends or could branch."""
+"""Kinematic analysis against closed forms: the motion in all its derivatives; where it ends or could branch."""
 
 import numpy as np
 import pytest
@@ -87,7 +87,8 @@ def test_free_motions_are_refused_in_words() -> None:
 
 def test_contradicting_drivers_are_told() -> None:
     run = sr.kinematics(
-        pendulum(lambda bob: TurnDriver("one", bob), lambda bob: TurnDriver("two", bob, angle=0.4)), [0.0, 1.0]
+        pendulum(lambda bob: TurnDriver("one", bob), lambda bob: TurnDriver("two", bob, angle=0.4)),
+        [0.0, 1.0],
     )
     assert run.status == "not assembled"
     assert "one: angle" in run.message or "two: angle" in run.message

@@ -112,7 +112,12 @@ def test_simulated_decay() -> None:
     assert abs(want[-1]).max() < 0.7 * little
 
 
-MT, IT, IZ, H = 2.0, 0.3, 0.05, 0.25  # top: mass, inertia about its tip across and along its axis, height of its centre
+MT, IT, IZ, H = (
+    2.0,
+    0.3,
+    0.05,
+    0.25,
+)  # top: mass, inertia about its tip across and along its axis, height of its centre
 
 
 def top(tilt: float = 0.0) -> sr.System:

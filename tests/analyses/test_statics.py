@@ -8,7 +8,16 @@ from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
 
-FREQUENCIES = [0.81384, 1.23916, 1.83293, 2.07777, 9.00204, 9.11632, 9.17198, 9.37482]  # [Hz], the reference's digits
+FREQUENCIES = [
+    0.81384,
+    1.23916,
+    1.83293,
+    2.07777,
+    9.00204,
+    9.11632,
+    9.17198,
+    9.37482,
+]  # [Hz], the reference's digits
 
 
 @pytest.mark.parametrize("angle", [0.4, 2.0, 3.0, np.pi, -3.1])
@@ -38,7 +47,9 @@ def test_slider_crank_with_its_spring() -> None:
     th = np.arctan2(-(y - 1), z - 1)
     x = np.sqrt(19 + 4 * np.sin(th) - 4 * np.cos(th))
     slope = 2 * (np.cos(th) + np.sin(th)) / x
-    weight = 9.81 * (-np.sin(th) - np.sin(th))  # of the crank at half height, of the rod at half the pin's height
+    weight = 9.81 * (
+        -np.sin(th) - np.sin(th)
+    )  # of the crank at half height, of the rod at half the pin's height
     assert weight + 10 * (x - 5) * slope == pytest.approx(0, abs=1e-9)
     assert found.q[14] == pytest.approx(x, abs=1e-10)
 

@@ -88,3 +88,34 @@ def test_help(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
         main([verb, "--help"])
     assert left.value.code == 0
     assert verb in capsys.readouterr().out
+
+
+def test_statics(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", SLIDER_CRANK]) == 0
+    told = capsys.readouterr().out
+    assert "it is stable, the smallest frequency is 0.407188 Hz" in told
+    assert "guide" in told
+
+
+def test_statics_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", SLIDER_CRANK, "--nearest"]) == 0
+    assert "unstable along 1 motion" in capsys.readouterr().out
+
+
+def test_modes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "modes.svg"
+    assert main(["modes", str(mechanisms.path("hmmwv")), "--figure", str(figure)]) == 0
+    told = capsys.readouterr().out
+    assert "this equilibrium is marginal, with 3 free motions" in told
+    assert "steering_rack" in told
+    assert figure.exists()
+
+
+def test_kinematics_without_drivers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kinematics", SLIDER_CRANK]) == 1
+    assert "keeps 1 degree of freedom" in capsys.readouterr().out
+
+
+def test_kinematics_of_unknown_joint(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kinematics", SLIDER_CRANK, "--reaction", "pim"]) == 2
+    assert "no joint or driver 'pim'" in capsys.readouterr().err

@@ -54,7 +54,7 @@ class Driven:
         return y
 
     def weakest(self) -> tuple[float, Array, Array]:
-        """The smallest singular value of A; multipliers lam (m,) for which Φ_qᵀ lam nearly vanishes; its direction (nq,)."""
+        """The smallest singular value of A, multipliers (m,) for which Φ_qᵀ lam nearly vanishes, a direction (nq,)."""
         x = np.cos(np.arange(self._n) + 1.0)
         x, y, size = x / np.linalg.norm(x), x, 1.0
         for _ in range(ROUNDS):

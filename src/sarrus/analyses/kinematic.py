@@ -124,9 +124,9 @@ class _Run:
             elif h > SHORTEST * interval:
                 h *= 0.5
             else:
-                bridged = self._bridge(now, target, interval)
+                bridged = self._bridge(now, target)
                 if bridged is None:
-                    self._lock(now, h)
+                    self._lock(now, h, target)
                     return None
                 now, h = bridged, interval
         return self._keep(now)
@@ -144,20 +144,18 @@ class _Run:
         self.singular.append(time)
         return self._accept(found)
 
-    def _bridge(self, now: Instant, target: float, interval: float) -> Instant | None:
+    def _bridge(self, now: Instant, target: float) -> Instant | None:
         """Over a time of the grid on which the configuration is singular."""
-        if target - now.t > 10 * SHORTEST * interval:
-            return None
         found = self.path.bridge(now, target)
         if found is not None:
             self.singular.append(target)
             self._accept(found)
         return found
 
-    def _lock(self, now: Instant, h: float) -> None:
+    def _lock(self, now: Instant, h: float, target: float) -> None:
         near = last_before(self.path, now, h)
         fold = fold_time(self.path, near)
-        t = fold if fold is not None and abs(fold - near.t) < h else near.t
+        t = fold if fold is not None and near.t - h <= fold <= target else near.t
         self._fail(
             "lock-up",
             f"{self.system.name} locks at t = {t:.9g} s: its drivers ask for more than it can reach; these equations "
@@ -194,6 +192,7 @@ class _Run:
             message=self.message,
             nfev=self.path.iterations,
             nsteps=self.steps,
+            joints=self.system.joint_coordinates,
             singular=tuple(self.singular),
             system=self.system,
         )

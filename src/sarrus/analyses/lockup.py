@@ -12,7 +12,8 @@ from .onto import largest
 from .path import Instant, Path
 from .saddle import SingularSystem
 
-FINE = 1e-10  # length of the last interval of a bisection, relative to the first
+FINE = 1e-5  # length of the last step, relative to the first
+ROUND_OFF = 1e-14  # of a time: a step so short is none
 NAMED = 0.1  # equations are named down to this part of the largest share
 FOLD_STEPS = 10
 FOLD_SETTLED = 1e-10
@@ -20,7 +21,7 @@ FOLD_SETTLED = 1e-10
 
 def last_before(path: Path, before: Instant, h: float) -> Instant:
     """The last state that can be reached: steps are halved until nothing is gained, `h` long at first."""
-    shortest = FINE * h
+    shortest = max(FINE * h, ROUND_OFF * abs(before.t))
     while h > shortest:
         found = path.step(before, before.t + h)
         if found is not None and found.sign == before.sign:

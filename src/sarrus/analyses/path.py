@@ -17,7 +17,7 @@ ITERATIONS = 12
 CONTRACTION = 0.5  # each Newton step must be so much shorter than the one before
 SETTLED = 1e-11  # a last Newton step, relative to the size of q, whose square is below round-off
 JUMP = 0.1  # farthest that Newton may go from the predicted place: Euler parameters, and parts of the model's size
-SINGULAR = 1e-9  # smallest singular value of a configuration that counts as singular
+SINGULAR = 1e-5  # smallest singular value, below which Newton's method finds only half of the digits
 BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a singular configuration
 
 
@@ -82,7 +82,8 @@ class Path:
         for _ in range(ITERATIONS):
             solver = NullSpace(system.Phi_q(q, t, b=self.b), BRIDGED)
             q = q + solver.change(-system.Phi(q, t, b=self.b))
-        if largest(system.Phi(q, t, b=self.b)) > ACCEPTED or largest((q - before.q) / self._scale) > JUMP:
+        missed = largest(system.Phi(q, t, b=self.b)) > ACCEPTED
+        if missed or solver.rank == system.nq or largest((q - before.q) / self._scale) > JUMP:
             return None
         v = before.v + h * before.a
         v = v - solver.change(system.Phi_q_xi(q, v, t, b=self.b) + system.Phi_t(q, t, b=self.b))

@@ -20,7 +20,10 @@ BALANCED = 1e-8  # of the largest force: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian that is round-off
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
 LARGEST_RADIUS = 0.2
-POOR, GOOD = 0.2, 0.8  # work done over work expected: below, the step is taken back; above, the next may be longer
+POOR, GOOD = (
+    0.2,
+    0.8,
+)  # work done over work expected: below, the step is taken back; above, the next may be longer
 
 
 def equilibrium(

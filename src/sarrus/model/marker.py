@@ -65,5 +65,6 @@ def _from_elements(model: Model, name: str) -> Marker:
     values: dict[str, Any] = dict(zip(fields, first.values, strict=False))
     names = (GROUND, *plan.bodies)
     body_i, body_j = (0, first.bodies[0]) if len(first.bodies) == 1 else first.bodies[:2]
+    values["s_j"] = values.get("s_j", values.get("s", np.zeros(3)))
     s_i, s_j = (np.array(values.get(key, np.zeros(3)), dtype=float) for key in ("s_i", "s_j"))
     return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3))

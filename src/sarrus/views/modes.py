@@ -68,7 +68,7 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
         if np.any(chosen):
             ax.scatter(decay[chosen], frequency[chosen], color=colour, label=label or None, s=26, zorder=3)
     if np.any(free | grows):
-        ax.legend(frameon=False)
+        ax.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
     ax.axvline(0.0, color=GREY, linewidth=0.8)
     ax.set_xlabel("decay (left) or growth (right), Re s [1/s]")
     ax.set_ylabel("damped frequency [Hz]")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from tests.analyses.drivers import PushDriver, TurnDriver
 
 import sarrus as sr
 from sarrus import mechanisms
@@ -13,25 +13,21 @@ from sarrus import mechanisms
 X0 = 4.172214269048909  # the slider's start
 
 
-def driven_slider_crank(driver: object) -> sr.System:
+def driven_slider_crank(driver: sr.AngleDriver | sr.TravelDriver) -> sr.System:
     model = sr.load(mechanisms.path("slider_crank"))
-    return sr.System(
-        sr.Model(model.name, model.bodies, [*model.joints, driver], model.forces, gravity=model.gravity)
-    )
+    return sr.System(replace(model, drivers=[driver]))
 
 
 @cache
 def turned(rate: float, growth: float) -> sr.System:
     """The crank is at 0.5 + rate t + ½ growth t²."""
-    crank = sr.load(mechanisms.path("slider_crank")).bodies[0]
-    return driven_slider_crank(TurnDriver("motor", crank, h=(1.0, 0.0, 0.0), rate=rate, growth=growth))
+    return driven_slider_crank(sr.AngleDriver("motor", "pin", f"{rate}*t + {growth / 2}*t**2"))
 
 
 @cache
 def pushed(rate: float) -> sr.System:
     """The slider is at X0 + rate t."""
-    slider = sr.load(mechanisms.path("slider_crank")).bodies[2]
-    return driven_slider_crank(PushDriver("push", slider, place=X0, rate=rate))
+    return driven_slider_crank(sr.TravelDriver("push", "guide", f"{rate}*t"))
 
 
 class SliderOfCrank:
@@ -60,23 +56,18 @@ def parallelogram(rate: float = 1.0) -> sr.System:
     pins["C"] = (pins["B"][0] + 2, pins["B"][1], 0)
     pairs = {"A": (sr.ground, crank), "B": (crank, coupler), "C": (coupler, rocker), "D": (sr.ground, rocker)}
     joints = [sr.Revolute(name, *pairs[name], point=pins[name], axis=z) for name in "ABCD"]
-    motor = TurnDriver("motor", crank, rate=rate)
-    return sr.System(sr.Model("parallelogram", [crank, coupler, rocker], [*joints, motor]))
+    motor = sr.AngleDriver("motor", "A", f"{rate}*t")
+    return sr.System(sr.Model("parallelogram", [crank, coupler, rocker], joints, drivers=[motor]))
 
 
 G, L, MASS, J = 9.81, 0.7, 1.3, 0.05
 
 
-def pendulum(*drivers: object, angle: float = 0.0, forces: tuple[object, ...] = ()) -> sr.System:
-    """Pin at the origin about z, centre of mass L below at angle 0; gravity along -y."""
+def pendulum(*motions: str, angle: float = 0.0) -> sr.System:
+    """Pin at the origin about z, centre of mass L below at angle 0; gravity along -y. Motions are those of drivers."""
     place = (L * np.sin(angle), -L * np.cos(angle), 0.0)
-    bob = sr.Body(
-        "bob",
-        mass=MASS,
-        inertia=(J, J, J),
-        position=place,
-        orientation=sr.AxisAngle((0, 0, 1), angle),
-    )
+    turn = sr.AxisAngle((0, 0, 1), angle)
+    bob = sr.Body("bob", mass=MASS, inertia=(J, J, J), position=place, orientation=turn)
     pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, 0, 1))
-    made = [driver(bob) for driver in drivers]  # type: ignore[operator]
-    return sr.System(sr.Model("pendulum", [bob], [pin, *made], list(forces), gravity=(0, -G, 0)))  # type: ignore[list-item]
+    drivers = [sr.AngleDriver(f"motor_{n}", "pin", motion) for n, motion in enumerate(motions)]
+    return sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, -G, 0), drivers=drivers))

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.analyses.driven import MASS, G, J, L, parallelogram, pendulum, turned
-from tests.analyses.drivers import TurnDriver
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
@@ -15,7 +14,7 @@ RATE, GROWTH = 1.5, -0.8
 
 @pytest.fixture(scope="module")
 def swung() -> sr.Trajectory:
-    system = pendulum(lambda bob: TurnDriver("motor", bob, angle=0.3, rate=RATE, growth=GROWTH))
+    system = pendulum(f"0.3 + {RATE}*t + {GROWTH / 2}*t**2")
     return sr.kinematics(system, np.linspace(0.0, 2.0, 21))
 
 
@@ -24,7 +23,7 @@ def angle(t: np.ndarray) -> np.ndarray:
 
 
 def test_torque_of_the_driver(swung: sr.Trajectory) -> None:
-    motor = swung.reaction("motor")
+    motor = swung.reaction("motor_0")
     want = (J + MASS * L**2) * GROWTH + MASS * G * L * np.sin(angle(swung.t))
     assert np.allclose(motor.torque[:, 2], want, atol=1e-11)
     assert np.allclose(motor.force, 0.0, atol=1e-11)

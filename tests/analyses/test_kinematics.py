@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from tests.analyses.driven import X0, SliderOfCrank, parallelogram, pendulum, pushed, turned
-from tests.analyses.drivers import TurnDriver
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -23,10 +22,6 @@ def test_slider_crank_follows_the_closed_form() -> None:
     assert run.violation.max() < 1e-12
     assert run.singular == ()
     assert run.nfev < 3 * len(t)  # the predictor leaves Newton's method two or three steps
-
-
-def test_driver_derivatives() -> None:
-    assert turned(3.0, 0.5).check_derivatives()
 
 
 def test_coarse_grids_are_filled_in() -> None:
@@ -86,16 +81,13 @@ def test_free_motions_are_refused_in_words() -> None:
 
 
 def test_contradicting_drivers_are_told() -> None:
-    run = sr.kinematics(
-        pendulum(lambda bob: TurnDriver("one", bob), lambda bob: TurnDriver("two", bob, angle=0.4)),
-        [0.0, 1.0],
-    )
+    run = sr.kinematics(pendulum("2*t", "2*t + 0.4"), [0.0, 1.0])
     assert run.status == "not assembled"
-    assert "one: angle" in run.message or "two: angle" in run.message
+    assert "motor_0: angle" in run.message
 
 
 def test_the_driver_sets_the_first_position() -> None:
-    run = sr.kinematics(pendulum(lambda bob: TurnDriver("motor", bob, angle=0.4, rate=2.0)), [0.0, 0.5])
+    run = sr.kinematics(pendulum("0.4 + 2*t"), [0.0, 0.5])
     assert np.allclose(run["bob"].position[:, 0], 0.7 * np.sin([0.4, 1.4]), atol=ROUND_OFF)
 
 
@@ -119,3 +111,11 @@ def test_sparse_factors_agree_with_dense(monkeypatch: pytest.MonkeyPatch) -> Non
     least = np.linalg.svd(J.toarray() / length[:, None], compute_uv=False).min()
     assert dense.weakest()[0] == pytest.approx(least, rel=0.05)
     assert sparse.weakest()[0] == pytest.approx(least, rel=0.05)
+
+
+def test_many_turns() -> None:
+    """Seven turns forward: the driver counts them, and so does the joint's angle."""
+    t = np.linspace(0.0, 1.0, 51)
+    run = sr.kinematics(pendulum("44*t"), t)
+    assert run.success, run.message
+    assert np.allclose(run.joint("pin").angle, 44 * t, atol=1e-11)

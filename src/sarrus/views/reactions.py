@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..results import Reaction
-from .plots import BLUE, GREY, ORANGE, _figure, _tidy
+from .plots import BLUE, GREY, ORANGE, _tidy, figure_of
 
 
 def plot_reaction(found: Reaction, axes: Any = None) -> Any:
@@ -25,7 +25,7 @@ def plot_reaction(found: Reaction, axes: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    axes = _figure(7.5, 4.6).subplots(2, 1, sharex=True) if axes is None else axes
+    axes = figure_of(7.5, 4.6).subplots(2, 1, sharex=True) if axes is None else axes
     curves = {"force [N]": found.joint_force, "torque [N m]": found.joint_torque}
     for ax, (label, values) in zip(axes, curves.items(), strict=True):
         for curve, name, colour in zip(values.T, "fgh", (BLUE, ORANGE, GREY), strict=True):

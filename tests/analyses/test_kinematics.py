@@ -46,7 +46,7 @@ def test_lock_up_is_located() -> None:
     assert len(run.q) == len(run.lam) == 16
 
 
-def test_the_fold_is_found_in_both_directions_of_time() -> None:
+def test_the_inner_end_of_the_stroke() -> None:
     end = (X0 - np.sqrt(25 - (2 + np.sqrt(2)) ** 2)) / 0.3
     run = sr.kinematics(pushed(-0.3), np.linspace(0.0, 8.0, 17))
     assert f"locks at t = {end:.9g} s" in run.message

@@ -119,3 +119,17 @@ def test_kinematics_without_drivers(capsys: pytest.CaptureFixture[str]) -> None:
 def test_kinematics_of_unknown_joint(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["kinematics", SLIDER_CRANK, "--reaction", "pim"]) == 2
     assert "no joint or driver 'pim'" in capsys.readouterr().err
+
+
+def test_kinematics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    driven, figure, table = tmp_path / "driven.yaml", tmp_path / "motor.svg", tmp_path / "run.csv"
+    text = Path(SLIDER_CRANK).read_text()
+    driven.write_text(text + "\ndrivers:\n  motor: {type: angle, joint: pin, motion: 3*t}\n")
+    wanted = ["--steps", "20", "--reaction", "motor", "--figure", str(figure), "--csv", str(table)]
+    assert main(["kinematics", str(driven), *wanted]) == 0
+    told = capsys.readouterr().out
+    assert "reached the end" in told
+    assert "motor" in told
+    assert "force up to" in told
+    assert figure.exists()
+    assert len(table.read_text().splitlines()) == 22

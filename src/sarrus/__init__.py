@@ -19,7 +19,12 @@ if TYPE_CHECKING:
     from .analyses import JointSpace as JointSpace
     from .analyses import NoDerivative as NoDerivative
     from .analyses import assemble as assemble
+    from .analyses import equilibrium as equilibrium
+    from .analyses import inverse_dynamics as inverse_dynamics
+    from .analyses import kinematics as kinematics
+    from .analyses import linearize as linearize
     from .analyses import mobility as mobility
+    from .analyses import modes as modes
     from .analyses import simulate as simulate
     from .analyses import singularities as singularities
     from .io import Robot as Robot
@@ -69,7 +74,10 @@ if TYPE_CHECKING:
     from .model import load as load
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
+    from .results import Equilibrium as Equilibrium
     from .results import Mobility as Mobility
+    from .results import Modes as Modes
+    from .results import Reaction as Reaction
     from .results import Singularity as Singularity
     from .results import Trajectory as Trajectory
     from .system import System as System
@@ -86,10 +94,11 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE assemble mobility simulate singularities"
+        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE assemble equilibrium inverse_dynamics "
+        "kinematics linearize mobility modes simulate singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Mobility Singularity Trajectory",
+    "results": "Assembly Equilibrium Mobility Modes Reaction Singularity Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

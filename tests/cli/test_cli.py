@@ -90,3 +90,48 @@ def test_help(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
         main([verb, "--help"])
     assert left.value.code == 0
     assert verb in capsys.readouterr().out
+
+
+def test_statics(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", SLIDER_CRANK]) == 0
+    told = capsys.readouterr().out
+    assert "it is stable, the smallest frequency is 0.407188 Hz" in told
+    assert "guide" in told
+
+
+def test_statics_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", SLIDER_CRANK, "--nearest"]) == 0
+    assert "unstable along 1 motion" in capsys.readouterr().out
+
+
+def test_modes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "modes.svg"
+    assert main(["modes", str(mechanisms.path("hmmwv")), "--figure", str(figure)]) == 0
+    told = capsys.readouterr().out
+    assert "this equilibrium is marginal, with 3 free motions" in told
+    assert "steering_rack" in told
+    assert figure.exists()
+
+
+def test_kinematics_without_drivers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kinematics", SLIDER_CRANK]) == 1
+    assert "keeps 1 degree of freedom" in capsys.readouterr().out
+
+
+def test_kinematics_of_unknown_joint(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kinematics", SLIDER_CRANK, "--reaction", "pim"]) == 2
+    assert "no joint or driver 'pim'" in capsys.readouterr().err
+
+
+def test_kinematics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    driven, figure, table = tmp_path / "driven.yaml", tmp_path / "motor.svg", tmp_path / "run.csv"
+    text = Path(SLIDER_CRANK).read_text()
+    driven.write_text(text + "\ndrivers:\n  motor: {type: angle, joint: pin, motion: 3*t}\n")
+    wanted = ["--steps", "20", "--reaction", "motor", "--figure", str(figure), "--csv", str(table)]
+    assert main(["kinematics", str(driven), *wanted]) == 0
+    told = capsys.readouterr().out
+    assert "reached the end" in told
+    assert "motor" in told
+    assert "force up to" in told
+    assert figure.exists()
+    assert len(table.read_text().splitlines()) == 22

@@ -4,8 +4,13 @@ from .assembly import assemble
 from .assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .degrees_of_freedom import mobility
 from .dynamics import HHT, ODE, GeneralizedAlpha, simulate
+from .inverse import inverse_dynamics
 from .joint_space import JointSpace
+from .kinematic import kinematics
+from .linearization import linearize
 from .singular_positions import singularities
+from .statics import equilibrium
+from .vibration import modes
 
 __all__ = [
     "HHT",
@@ -15,7 +20,12 @@ __all__ = [
     "JointSpace",
     "NoDerivative",
     "assemble",
+    "equilibrium",
+    "inverse_dynamics",
+    "kinematics",
+    "linearize",
     "mobility",
+    "modes",
     "simulate",
     "singularities",
 ]

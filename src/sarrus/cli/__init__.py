@@ -10,6 +10,9 @@ from importlib import import_module
 VERBS = {
     "demo": "assemble, check, simulate and plot the shipped slider-crank",
     "run": "assemble and simulate a model file",
+    "kinematics": "follow the drivers of a model file, with the forces that this takes",
+    "statics": "find where a model file comes to rest, and what its joints bear",
+    "modes": "print the vibration modes of a model file about its rest",
     "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",

@@ -1,8 +1,11 @@
 """Results are values: plain arrays with names."""
 
 from .assembly import Asked, Assembly
+from .equilibrium import Equilibrium
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
+from .modes import Modes
+from .reaction import Reaction
 from .singularity import Singularity
 from .trajectory import BodyMotion, Trajectory
 
@@ -10,8 +13,11 @@ __all__ = [
     "Asked",
     "Assembly",
     "BodyMotion",
+    "Equilibrium",
     "JointMotion",
     "Mobility",
+    "Modes",
+    "Reaction",
     "Repetition",
     "Singularity",
     "Trajectory",

@@ -12,6 +12,7 @@ from ..algebra import Array
 from ..euler import G
 from ..system import JointCoordinates
 from .joint_motion import JointMotion
+from .reaction import Reaction, reaction
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class Trajectory:
     history : (nsteps, 4) end time, length, error estimate (1 is the tolerance) and Newton iterations of each step
     joints : the system's angles and travels, which `joint` evaluates
     violation : (nt,) largest entry of |Φ|
+    singular : times at which a driven motion passed a singular configuration [s]
+    system : the system that moved, for its reactions
     """
 
     name: str
@@ -68,6 +71,8 @@ class Trajectory:
     nrejected: int = 0
     history: Array = field(default_factory=lambda: np.zeros((0, 4)), repr=False)
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
+    singular: tuple[float, ...] = ()
+    system: Any = field(default=None, repr=False, compare=False)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.
@@ -123,6 +128,20 @@ class Trajectory:
                 f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0"
             )
         return self.q[:, short.get(name, full.get(name, 0))]
+
+    def reaction(self, joint: str) -> Reaction:
+        """What a joint or driver does to its second body over time.
+
+        Raises
+        ------
+        KeyError
+            If there is no such joint or driver.
+        ValueError
+            If the trajectory does not know its system.
+        """
+        if self.system is None:
+            raise ValueError(f"{self.name}: this trajectory does not know its system, so it has no reactions")
+        return reaction(self, joint)
 
     def to_csv(self, path: str | Path) -> None:
         """Write t, q and v as a table with named columns."""

@@ -97,7 +97,10 @@ def _lay_out(populations: list[Population]) -> Array:
 
 
 def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
-    """The numbers of a population; curves go to the store behind all numbers, and their place is the number."""
+    """The numbers of a population; curves go to the store behind all numbers, and their place is the number.
+
+    A field that holds the time has no number.
+    """
     kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
     for values in population.values:
         for kind, value in zip(kinds, values, strict=True):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..elements import Normalization
 from ..elements.operators import Axis
 from ..model import Model, blueprint
+from ..model.marker import Marker, marker
 from .check import Report, check_derivatives
 from .constraints import ConstraintOperators
 from .forces import ForceOperators
@@ -19,6 +21,7 @@ from .joints import JointCoordinates, SystemJoint
 from .memory import refresh
 from .pattern import Layout, Pattern
 from .population import WIDTH, populate
+from .reactions import Wrench, wrench
 
 
 class System(ConstraintOperators, InertiaOperators, ForceOperators):
@@ -57,6 +60,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         self.m = sum(p.count * p.kind.rows for p in self.populations)
         self.nb = max((p.end for p in self.populations), default=0)
         self._layout = Layout(self.populations, len(plan.bodies), self.m, self.nb)
+        self._markers: dict[str, Marker] = {}
         self._groups: dict[tuple[str, ...], Group] = {}
         self._patterns: dict[str, Pattern] = {}
         self.rows = self._rows_of_joints()
@@ -110,6 +114,38 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
             If there is no joint of this name that has any.
         """
         return SystemJoint(self.joint_coordinates, name)
+
+    def marker(self, joint: str) -> Marker:
+        """Bodies, points and axes of a joint or driver; a driver of a joint has those of the joint.
+
+        Raises
+        ------
+        KeyError
+            If there is none of this name.
+        """
+        if joint not in self.rows:
+            raise KeyError(f"no joint {joint!r} in {self.name}; its joints are {', '.join(self.rows)}")
+        if joint not in self._markers:
+            self._markers[joint] = marker(self.model, joint)
+        return self._markers[joint]
+
+    def reaction(self, joint: str, q: ArrayLike, lam: ArrayLike, t: float = 0.0) -> Wrench:
+        """Force and torque of a joint or driver on its body j, at its point there, in global axes [N], [N m].
+
+        The force is -Φ_{r_j}ᵀ lam, the torque about body j's origin, in its axes, -½ G_j Φ_{p_j}ᵀ lam.
+
+        Parameters
+        ----------
+        joint : name of a joint or driver
+        q, lam : (nq,), (m,)
+        t : time [s]
+
+        Raises
+        ------
+        KeyError
+            If there is no joint of this name.
+        """
+        return wrench(self, self.marker(joint), self.rows[joint], np.asarray(q), np.asarray(lam), t)
 
     def remember(self, q: Array, b: Array, t: float = 0.0) -> None:
         """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""

@@ -1,7 +1,18 @@
 """Plots, with Matplotlib (the extra `plot`), which is imported when the first one is drawn."""
 
 from .mechanism import mechanism_figure
+from .modes import modes_table, plot_modes
 from .plots import check_figure, motion_figure, plot
+from .reactions import plot_reaction
 from .tables import paper_tables
 
-__all__ = ["check_figure", "mechanism_figure", "motion_figure", "paper_tables", "plot"]
+__all__ = [
+    "check_figure",
+    "mechanism_figure",
+    "modes_table",
+    "motion_figure",
+    "paper_tables",
+    "plot",
+    "plot_modes",
+    "plot_reaction",
+]

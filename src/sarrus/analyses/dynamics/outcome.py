@@ -24,6 +24,7 @@ def trajectory_of(system: System, states: tuple[Array, ...], *, status: str, **t
         success=status == "finished",
         status=status,
         joints=system.joint_coordinates,
+        system=system,
         **told,
     )
 

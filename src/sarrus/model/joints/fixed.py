@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..frame import Frame
 from ..measure import Place
-from ..placement import placed_frames
+from ..placement import Frames, placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
 from ..solid import Solid
@@ -24,9 +24,13 @@ class Fixed(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 
+    def frames(self, poses: Poses) -> Frames:
+        """Return both frames in body axes."""
+        return placed_frames(self, None, poses)
+
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d1(f_i, g_j)."""
-        i, j = placed_frames(self, None, poses)
+        i, j = self.frames(poses)
         yield spherical(i, j)
         yield dot1("f_i.h_j", i, j, i.f, j.h)
         yield dot1("g_i.h_j", i, j, i.g, j.h)

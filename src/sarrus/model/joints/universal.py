@@ -9,7 +9,7 @@ from ..coordinate import Coordinate, angle, turned
 from ..errors import ModelError
 from ..frame import PERPENDICULAR, Frame, LocalFrame, frame_axes
 from ..measure import Direction, Place
-from ..placement import Axis, placed_frames
+from ..placement import Axis, Frames, placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import Array, direction, triple
@@ -33,10 +33,13 @@ class Universal(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 
+    def frames(self, poses: Poses) -> Frames:
+        """Return both frames in body axes, with h along the cross axes."""
+        return placed_frames(self, (Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)), poses)
+
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield Φˢ(P_i, P_j), Φ^d1(h_i, h_j)."""
-        axes = Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)
-        i, j = placed_frames(self, axes, poses)
+        i, j = self.frames(poses)
         if self.frame_i is None:
             _check_cross(direction(self.axis_i, "axis_i"), direction(self.axis_j, "axis_j"))
         yield spherical(i, j)

@@ -1,0 +1,94 @@
+"""Inverse dynamics: the multipliers, and so the forces of drivers and joints, that a given motion needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from ..results import Trajectory
+from ..system import System
+from .nullspace import NullSpace
+from .onto import largest
+
+BALANCED = 1e-7  # of the largest force: what may be missing in a motion that satisfies the equations
+
+
+class Multipliers(NamedTuple):
+    """lam (m,), and the generalized force that no constraint can give, Q + S - M a - Φ_qᵀ lam (nq,)."""
+
+    lam: Array
+    missing: Array
+
+
+def multipliers(
+    system: System, q: ArrayLike, v: ArrayLike, a: ArrayLike, t: float = 0.0, *, b: Array | None = None
+) -> Multipliers:
+    """Solve M a + Φ_qᵀ lam = Q + S for lam, Eq. (1). Where equations are redundant, the shortest lam.
+
+    Parameters
+    ----------
+    system : System
+    q, v, a : (nq,) the motion
+    t : time [s]
+    b : (nb,) other numbers than the model's
+
+    Returns
+    -------
+    Multipliers
+    """
+    J = system.Phi_q(q, t, b=b)
+    needed = system.Q(q, v, t, b=b) + system.S(q, v, b=b) - system.M_a(q, a, b=b)
+    lam = NullSpace(J).multipliers(needed)
+    return Multipliers(lam, needed - J.T @ lam)
+
+
+def inverse_dynamics(system: System, run: Trajectory) -> Trajectory:
+    """The same motion with the multipliers that it needs.
+
+    Parameters
+    ----------
+    system : System
+        Its drivers and joints bear the motion; it may have others than the system that `run` was made with.
+    run : Trajectory
+        Its t, q, v and a are taken as they are.
+
+    Returns
+    -------
+    Trajectory
+        With ``success`` false and the body in the message, if some force is missing that no joint or driver gives.
+
+    Raises
+    ------
+    ValueError
+        If the motion is that of other bodies.
+    """
+    if run.bodies != tuple(system.bodies):
+        raise ValueError(f"{run.name} has other bodies than {system.name}")
+    b, found = system.b.copy(), []
+    for t, q, v, a in zip(run.t, run.q, run.v, run.a, strict=True):
+        system.remember(q, b, t)
+        found.append(multipliers(system, q, v, a, t, b=b))
+    lam = np.array([each.lam for each in found]).reshape(-1, system.m)
+    trouble = _trouble(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
+    message = trouble or "every force is borne by joints and drivers"
+    status = "not balanced" if trouble else "finished"
+    return replace(run, lam=lam, system=system, success=not trouble, status=status, message=message)
+
+
+def _trouble(system: System, run: Trajectory, missing: Array) -> str:
+    """A sentence about the largest force that is missing (nt, nq), or nothing."""
+    states = list(zip(run.t, run.q, run.v, run.a, strict=True))
+    scale = max(
+        (largest(system.M_a(q, a)) + largest(system.Q(q, v, t)) for t, q, v, a in states), default=0.0
+    )
+    if largest(missing.reshape(-1)) <= BALANCED * max(scale, 1e-300):
+        return ""
+    at, n = np.unravel_index(np.argmax(abs(missing)), missing.shape)
+    return (
+        f"{system.name} does not move so by itself: at t = {run.t[at]:.6g} s a force of {missing[at, n]:.3g} "
+        f"along {system.coordinate_names[n]} is missing; add a driver or a force"
+    )

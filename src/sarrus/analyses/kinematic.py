@@ -1,0 +1,198 @@
+"""Kinematic analysis: the motion of a system whose drivers leave it no freedom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from ..results import Trajectory
+from ..system import System
+from .branching import branching_time
+from .driven_path import Instant, Path
+from .inverse import multipliers
+from .lockup import fold_time, involved, last_before
+from .nullspace import NullSpace
+from .onto import largest, onto
+
+SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
+
+
+def kinematics(
+    system: System,
+    times: ArrayLike,
+    q: ArrayLike | None = None,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Positions, velocities and accelerations of a fully driven system, and the forces that its drivers need.
+
+    Φ(q, t) = 0, Φ_q v = -Φ_t and Φ_q a = γ, Eqs. (2) to (4), each with the exact Jacobian. From one time to the next q
+    is predicted by v and a, and corrected by Newton's method; steps are halved where it fails. Consistent redundant
+    equations are allowed. `lam` comes from inverse dynamics.
+
+    Parameters
+    ----------
+    system : System
+    times : (nt,) rising times to keep [s]
+    q : (nq,) where to start looking for the position at the first of them; by default the model's
+    progress : called with the time reached
+
+    Returns
+    -------
+    Trajectory
+        With ``success`` false where the motion ends before the last time: ``status`` is then "lock-up", "not fully
+        driven" or "not assembled", and ``message`` tells when and which equations are in it. Times at which the motion
+        passes a singular configuration, where it could branch, are in ``singular``.
+
+    Raises
+    ------
+    ValueError
+        For times that do not rise.
+    """
+    grid = np.atleast_1d(np.asarray(times, dtype=float))
+    if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
+        raise ValueError("times must be rising numbers, at least one")
+    run = _Run(system, grid, np.array(system.q0 if q is None else q, dtype=float))
+    run.go(progress)
+    return run.trajectory()
+
+
+class _Run:
+    """One analysis under way."""
+
+    def __init__(self, system: System, grid: Array, q: Array) -> None:
+        self.system, self.grid, self.guess = system, grid, q
+        self.path = Path(system, q)
+        self.kept: list[tuple[Instant, Array, float]] = []
+        self.singular: list[float] = []
+        self.status, self.message, self.steps = "finished", "reached the end", 0
+
+    def go(self, progress: Callable[[float], None] | None) -> None:
+        """All times, or as many as can be reached."""
+        now = self._start(float(self.grid[0]))
+        for target in self.grid[1:]:
+            if now is None:
+                return
+            now = self._advance(now, float(target))
+            if progress and now is not None:
+                progress(now.t)
+
+    def _start(self, t: float) -> Instant | None:
+        q, reached = onto(self.system, self.guess, t, b=self.path.b)
+        now = self.path.instant(t, q) if reached and self._determined(t, q) else None
+        if now is not None:
+            return self._keep(now)
+        if not reached:
+            self._fail("not assembled", self._open(t, q))
+        else:
+            self._fail("not fully driven", self._free(t, q))
+        return None
+
+    def _determined(self, t: float, q: Array) -> bool:
+        return self.path.choose_rows(t, q) == self.system.nq
+
+    def _open(self, t: float, q: Array) -> str:
+        residual = self.system.Phi(q, t)
+        worst = np.argsort(-abs(residual))[:3]
+        rows = ", ".join(f"{self.system.row_names[n]} by {residual[n]:.3g}" for n in worst)
+        return (
+            f"{self.system.name} could not be assembled at t = {t:.6g} s; still open: {rows}; "
+            "start from coordinates nearer to the assembled ones"
+        )
+
+    def _free(self, t: float, q: Array) -> str:
+        Z = NullSpace(self.system.Phi_q(q, t)).Z
+        most = self.system.coordinate_names[int(np.argmax((Z * Z).sum(axis=1)))]
+        count = f"{Z.shape[1]} degree{'s' if Z.shape[1] > 1 else ''} of freedom"
+        return (
+            f"{self.system.name} keeps {count} at t = {t:.6g} s, {most} among them; add a driver for each, "
+            "or start away from a singular configuration"
+        )
+
+    def _advance(self, now: Instant, target: float) -> Instant | None:
+        interval = h = target - now.t
+        while now.t < target:
+            t = target if h >= 0.999 * (target - now.t) else now.t + h
+            found = self.path.step(now, t)
+            if found is not None and found.sign * now.sign >= 0:
+                now, h = self._accept(found), 2 * h
+            elif found is not None and (crossed := self._cross(now, found)):
+                now, h = crossed, 2 * h
+            elif h > SHORTEST * interval:
+                h *= 0.5
+            else:
+                bridged = self._bridge(now, target)
+                if bridged is None:
+                    self._lock(now, h, target)
+                    return None
+                now, h = bridged, interval
+        return self._keep(now)
+
+    def _accept(self, now: Instant) -> Instant:
+        self.system.remember(now.q, self.path.b, now.t)
+        self.steps += 1
+        return now
+
+    def _cross(self, now: Instant, found: Instant) -> Instant | None:
+        """Note where the motion could have branched; nothing, if the step was a leap to another branch."""
+        time = branching_time(self.path, now, found)
+        if time is None:
+            return None
+        self.singular.append(time)
+        return self._accept(found)
+
+    def _bridge(self, now: Instant, target: float) -> Instant | None:
+        """Over a time of the grid on which the configuration is singular."""
+        found = self.path.bridge(now, target)
+        if found is not None:
+            self.singular.append(target)
+            self._accept(found)
+        return found
+
+    def _lock(self, now: Instant, h: float, target: float) -> None:
+        near = last_before(self.path, now, h)
+        fold = fold_time(self.path, near)
+        t = fold if fold is not None and near.t - h <= fold <= target else near.t
+        self._fail(
+            "lock-up",
+            f"{self.system.name} locks at t = {t:.9g} s: its drivers ask for more than it can reach; these equations "
+            f"become dependent: {involved(self.path, near)}",
+        )
+
+    def _fail(self, status: str, message: str) -> None:
+        self.status, self.message = status, message
+
+    def _keep(self, now: Instant) -> Instant:
+        lam = multipliers(self.system, now.q, now.v, now.a, now.t, b=self.path.b).lam
+        self.kept.append((now, lam, largest(self.system.Phi(now.q, now.t, b=self.path.b))))
+        return now
+
+    def trajectory(self) -> Trajectory:
+        """All that was reached."""
+        nq, m = self.system.nq, self.system.m
+        shapes = ((), (nq,), (nq,), (nq,), (m,), ())
+        rows = [(*now[:4], lam, violation) for now, lam, violation in self.kept]
+        columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
+        t, q, v, a, lam, violation = (
+            np.array(c, dtype=float).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True)
+        )
+        if self.singular and self.status == "finished":
+            told = ", ".join(f"{t:.9g}" for t in self.singular)
+            self.message += f"; it could have branched at t = {told} s, where the constraints are dependent"
+        return Trajectory(
+            self.system.name,
+            tuple(self.system.bodies),
+            tuple(self.system.coordinate_names),
+            *(t, q, v, a, lam, violation),
+            success=self.status == "finished",
+            status=self.status,
+            message=self.message,
+            nfev=self.path.iterations,
+            nsteps=self.steps,
+            joints=self.system.joint_coordinates,
+            singular=tuple(self.singular),
+            system=self.system,
+        )

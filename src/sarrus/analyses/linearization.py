@@ -1,0 +1,110 @@
+"""Linearization about an equilibrium or a steady motion, with exact matrices in independent coordinates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from ..system import System
+from .nullspace import NullSpace
+from .onto import largest
+from .steady import generator
+
+
+class Linear(NamedTuple):
+    """The first-order equations ẋ = A x of small changes, x = [y; w].
+
+    Attributes
+    ----------
+    A : (2 d, 2 d)
+    M, D, K : (d, d) mass, damping and stiffness along the free directions: M ẇ + D w + K y = 0 about a position at rest
+    Z : (nq, d) the coordinates change by Z y
+    P : (nq, d) the velocities by Z w + P y
+    unsteady : largest entry of a - X v, zero in a steady motion
+    """
+
+    A: Array
+    M: Array
+    D: Array
+    K: Array
+    Z: Array
+    P: Array
+    unsteady: float
+
+
+class Around(NamedTuple):
+    """A state, and the acceleration and multipliers there."""
+
+    t: float
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    b: Array
+
+
+def linearize(
+    system: System,
+    q: ArrayLike,
+    v: ArrayLike | None = None,
+    *,
+    t: float = 0.0,
+    turning: ArrayLike = (0.0, 0.0, 0.0),
+) -> Linear:
+    """Linearize the equations of motion along the constraints.
+
+    With the exact K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
+
+        M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
+
+    About a steady motion they are taken as seen by an observer who moves with it; see `sarrus.analyses.steady`.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints
+    t : time [s]
+    turning : (3,) angular velocity of the observer in global axes [rad/s], e.g. the precession of a top
+
+    Returns
+    -------
+    Linear
+    """
+    at, space = _around(system, np.asarray(q, dtype=float), v, t)
+    X = generator(at.q, at.v, np.asarray(turning, dtype=float))
+    return _reduced(system, at, space, X)
+
+
+def _around(system: System, q: Array, v: ArrayLike | None, t: float) -> tuple[Around, NullSpace]:
+    """Accelerations along and across the free directions, then the shortest multipliers."""
+    speed = np.zeros(system.nq) if v is None else np.asarray(v, dtype=float)
+    b = system.b.copy()
+    system.remember(q, b, t)
+    space, M = NullSpace(system.Phi_q(q, t, b=b)), system.M(q, b=b)
+    force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
+    across = space.change(system.gamma(q, speed, t, b=b))
+    along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
+    a = across + space.Z @ along
+    return Around(t, q, speed, a, space.multipliers(force - M @ a), b), space
+
+
+def _reduced(system: System, at: Around, space: NullSpace, X: Array) -> Linear:
+    t, q, v, a, lam, b = at
+    Z, M = space.Z, system.M(q, b=b)
+    K = system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b)
+    K = K - system.Q_q(q, v, t, b=b) - system.S_q(q, v, b=b)
+    D = -(system.Q_v(q, v, t, b=b) + system.S_v(q, v, b=b))
+    gamma_v = system.gamma_v(q, v, t, b=b)
+    P = space.change(0.5 * (gamma_v @ Z))
+    turn = system.gamma_q(q, v, t, b=b) - system.Phi_q_xi_q(q, a, t, b=b)
+    across = space.change(np.hstack([turn @ Z + gamma_v @ P, gamma_v @ Z]))
+    left = Z.T @ (M @ Z)
+    right = Z.T @ (np.hstack([K @ Z + D @ P, D @ Z]) + M @ across)
+    acceleration = across - Z @ np.linalg.solve(left, right)
+    d = Z.shape[1]
+    speed = np.hstack([P, Z])
+    A = np.vstack([Z.T @ (speed - X @ np.hstack([Z, 0 * Z])), Z.T @ (acceleration - X @ speed)])
+    return Linear(A, left, right[:, d:], right[:, :d], Z, P, largest(a - X @ v))

@@ -1,0 +1,41 @@
+"""What the search for a static equilibrium gives back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..algebra import Array
+
+Stability = Literal["stable", "neutral", "unstable", "unknown"]
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A position in which all forces balance, or the best that was found.
+
+    Attributes
+    ----------
+    name : of the system
+    q : (nq,)
+    lam : (m,) multipliers of the joints and normalizations; for reactions, `System.reaction`
+    success : whether the forces balance
+    message : one sentence: how it went, and how stable it is
+    stability : by the smallest of `squares`; "neutral" if some motion meets no resistance, "unknown" without success
+    squares : (d,) eigenvalues of the constrained Hessian Zᵀ((Φ_qᵀ lam)_q - Q_q)Z in the metric of the mass matrix,
+        rising: squares of the undamped angular frequencies [rad²/s²], negative where the equilibrium is unstable
+    motions : (nq, d) the directions that belong to them
+    residual : largest entry of the force that is not balanced [N], [N m]
+    iterations : steps taken
+    """
+
+    name: str
+    q: Array = field(repr=False)
+    lam: Array = field(repr=False)
+    success: bool
+    message: str
+    stability: Stability
+    squares: Array = field(repr=False)
+    motions: Array = field(repr=False)
+    residual: float
+    iterations: int

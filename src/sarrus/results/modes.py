@@ -1,0 +1,93 @@
+"""Vibration modes about an equilibrium or a steady motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..algebra import Array
+from ..euler import E
+
+
+class BodyShape(NamedTuple):
+    """How a body takes part in a mode: complex amplitudes in global axes, of its origin [m] and its rotation [rad]."""
+
+    translation: Array
+    rotation: Array
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Solutions shape·exp(s t) of the linearized equations of motion; of a complex pair, the one with Im s > 0.
+
+    Attributes
+    ----------
+    name : of the system
+    bodies : names
+    q : (nq,) the position about which was linearized
+    eigenvalues : s, one per mode (k,) complex [1/s], by rising |Im s|, then falling Re s; exactly 0 for a free motion
+    shapes : (nq, k) complex changes of the coordinates, the largest coordinate is 1
+    matrix : (2 d, 2 d) of the first-order equations ẋ = matrix·x in independent coordinates
+    M, D, K : (d, d) mass, damping and stiffness matrix there; about a motion, with all gyroscopic terms
+    Z : (nq, d) change of the coordinates per independent one
+    steady : how far the acceleration is from that of a steady motion [m/s²], [1/s²]
+    message : one sentence about stability
+    """
+
+    name: str
+    bodies: tuple[str, ...]
+    q: Array = field(repr=False)
+    eigenvalues: Array = field(repr=False)
+    shapes: Array = field(repr=False)
+    matrix: Array = field(repr=False)
+    M: Array = field(repr=False)
+    D: Array = field(repr=False)
+    K: Array = field(repr=False)
+    Z: Array = field(repr=False)
+    steady: float
+    success: bool
+    message: str
+    stability: Literal["stable", "marginal", "unstable"]
+
+    @property
+    def frequencies(self) -> Array:
+        """Damped frequencies |Im s| / 2π (k,) [Hz]."""
+        return np.asarray(abs(self.eigenvalues.imag) / (2 * np.pi))
+
+    @property
+    def natural_frequencies(self) -> Array:
+        """|s| / 2π (k,) [Hz]."""
+        return np.asarray(abs(self.eigenvalues) / (2 * np.pi))
+
+    @property
+    def damping_ratios(self) -> Array:
+        """-Re s / |s| (k,) [-]: 1 for a decay without vibration, 0 for a free motion."""
+        size = abs(self.eigenvalues)
+        return np.asarray(-self.eigenvalues.real / np.where(size > 0, size, 1.0))
+
+    def shape(self, mode: int, body: str) -> BodyShape:
+        """How one body moves in one mode, counted from 0.
+
+        Raises
+        ------
+        KeyError
+            If there is no such body.
+        """
+        if body not in self.bodies:
+            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
+        at = 7 * self.bodies.index(body)
+        part = self.shapes[at : at + 7, mode]
+        return BodyShape(part[:3], 2 * E(self.q[at + 3 : at + 7]) @ part[3:])
+
+    def __str__(self) -> str:
+        from importlib import import_module
+
+        return str(import_module("sarrus.views").modes_table(self))
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the eigenvalues in the complex plane; see `sarrus.views.plot_modes`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_modes(self, ax)

@@ -1,0 +1,58 @@
+"""The reaction of a joint or driver over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """What a joint or driver does to its second body, over the times of a trajectory.
+
+    Attributes
+    ----------
+    joint : its name
+    t : (nt,) [s]
+    point : the joint's point on body j, in global axes (nt, 3) [m]
+    force : on body j, in global axes (nt, 3) [N]
+    torque : on body j about the point, in global axes (nt, 3) [N m]
+    axes : the joint's axes f, g, h, fixed in body i, as columns (nt, 3, 3)
+    """
+
+    joint: str
+    t: Array = field(repr=False)
+    point: Array = field(repr=False)
+    force: Array = field(repr=False)
+    torque: Array = field(repr=False)
+    axes: Array = field(repr=False)
+
+    @property
+    def joint_force(self) -> Array:
+        """The force along the joint's axes f, g, h (nt, 3) [N]."""
+        return np.asarray(np.einsum("tab,ta->tb", self.axes, self.force))
+
+    @property
+    def joint_torque(self) -> Array:
+        """The torque about the joint's axes f, g, h (nt, 3) [N m]."""
+        return np.asarray(np.einsum("tab,ta->tb", self.axes, self.torque))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw force and torque in joint axes over time; see `sarrus.views.plot_reaction`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_reaction(self, axes)
+
+
+def reaction(run: Any, joint: str) -> Reaction:
+    """Collect `System.reaction` over the states of a trajectory."""
+    found = [run.system.reaction(joint, q, lam, t) for t, q, lam in zip(run.t, run.q, run.lam, strict=True)]
+    shapes = ((3,), (3,), (3,), (3, 3))
+    columns = zip(*found, strict=True) if found else ([] for _ in shapes)
+    return Reaction(
+        joint, run.t, *(np.array(list(c)).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True))
+    )

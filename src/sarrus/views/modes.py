@@ -1,0 +1,76 @@
+"""Vibration modes as a table and in the complex plane."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..results import Modes
+from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
+
+SHOWN = 3  # bodies named per mode
+NOTICED = 0.05  # of the largest share
+
+
+def modes_table(found: Modes) -> str:
+    """One line per mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
+
+    Parameters
+    ----------
+    found : Modes
+
+    Returns
+    -------
+    str
+    """
+    lines = [f"{'mode':>4}{'eigenvalue [1/s]':>28}{'frequency [Hz]':>16}{'damping':>9}  moves most"]
+    values = zip(found.eigenvalues, found.frequencies, found.damping_ratios, strict=True)
+    for n, (s, frequency, ratio) in enumerate(values):
+        damping = "free" if s == 0 else f"{ratio:.4f}"
+        lines.append(f"{n:>4}{_number(s):>28}{frequency:>16.6g}{damping:>9}  {', '.join(_moving(found, n))}")
+    return "\n".join([*lines, found.message])
+
+
+def _number(s: complex) -> str:
+    return f"{s.real + 0.0:+.6g}" + (f" ± {s.imag:.6g} i" if s.imag else "")
+
+
+def _moving(found: Modes, mode: int) -> list[str]:
+    """Bodies by how far they move and turn."""
+    shapes = [found.shape(mode, body) for body in found.bodies]
+    share = np.array([np.linalg.norm(s.translation) + np.linalg.norm(s.rotation) for s in shapes])
+    order = np.argsort(-share, kind="stable")[:SHOWN]
+    return [found.bodies[n] for n in order if share[n] > NOTICED * share.max(initial=0.0)]
+
+
+def plot_modes(found: Modes, ax: Any = None) -> Any:
+    """Draw the eigenvalues in the upper half of the complex plane; those of growing motions stand out.
+
+    Parameters
+    ----------
+    found : Modes
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    ax = _window_axes() if ax is None else ax
+    decay, frequency = found.eigenvalues.real, found.frequencies
+    free, grows = found.eigenvalues == 0, decay > 1e-9 * abs(found.eigenvalues).max(initial=0.0)
+    for chosen, colour, label in ((grows, ORANGE, "grows"), (free, GREY, "free"), (~grows & ~free, BLUE, "")):
+        if np.any(chosen):
+            ax.scatter(decay[chosen], frequency[chosen], color=colour, label=label or None, s=26, zorder=3)
+    if np.any(free | grows):
+        ax.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
+    ax.axvline(0.0, color=GREY, linewidth=0.8)
+    ax.set_xlabel("decay (left) or growth (right), Re s [1/s]")
+    ax.set_ylabel("damped frequency [Hz]")
+    ax.set_title(f"{found.name}: eigenvalues of the vibration modes", loc="left", fontsize=10)
+    return _tidy(ax)

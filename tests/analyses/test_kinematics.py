@@ -1,0 +1,121 @@
+"""Kinematic analysis against closed forms: the motion in all its derivatives; where it ends or could branch."""
+
+import numpy as np
+import pytest
+from tests.analyses.driven import X0, SliderOfCrank, parallelogram, pendulum, pushed, turned
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.driven import Driven
+
+ROUND_OFF = 1e-11
+
+
+def test_slider_crank_follows_the_closed_form() -> None:
+    t = np.linspace(0.0, 4.0, 81)
+    run, want = sr.kinematics(turned(3.0, 0.5), t), SliderOfCrank(t, 3.0, 0.5)
+    assert run.success, run.message
+    assert np.array_equal(run.t, t)
+    assert np.allclose(run["slider"].position[:, 0], want.x, atol=ROUND_OFF)
+    assert np.allclose(run["slider"].velocity[:, 0], want.v, atol=ROUND_OFF)
+    assert np.allclose(run.a[:, 14], want.a, atol=10 * ROUND_OFF)
+    assert run.violation.max() < 1e-12
+    assert run.singular == ()
+    assert run.nfev < 3 * len(t)  # the predictor leaves Newton's method two or three steps
+
+
+def test_coarse_grids_are_filled_in() -> None:
+    """Steps of half a turn: too long for the predictor, so that they are halved."""
+    t = np.array([0.0, 1.0, 2.0, 3.0])
+    run, want = sr.kinematics(turned(3.0, 0.5), t), SliderOfCrank(t, 3.0, 0.5)
+    assert run.success
+    assert run.nsteps > 3
+    assert np.allclose(run["slider"].position[:, 0], want.x, atol=ROUND_OFF)
+
+
+def test_lock_up_is_located() -> None:
+    """The pin comes no nearer to the slider's axis than 2 - √2, so the slider no farther than √(25 - (2 - √2)²)."""
+    run = sr.kinematics(pushed(0.5), np.linspace(0.0, 4.0, 41))
+    end = (np.sqrt(25 - (2 - np.sqrt(2)) ** 2) - X0) / 0.5
+    assert not run.success
+    assert run.status == "lock-up"
+    assert f"locks at t = {end:.9g} s" in run.message
+    assert "push (travel)" in run.message
+    assert "guide" not in run.message  # it bears no share of the jam
+    assert run.t[-1] == 1.5
+    assert len(run.q) == len(run.lam) == 16
+
+
+def test_the_inner_end_of_the_stroke() -> None:
+    end = (X0 - np.sqrt(25 - (2 + np.sqrt(2)) ** 2)) / 0.3
+    run = sr.kinematics(pushed(-0.3), np.linspace(0.0, 8.0, 17))
+    assert f"locks at t = {end:.9g} s" in run.message
+
+
+@pytest.mark.parametrize("count", [38, 41])
+def test_a_flat_parallelogram_is_passed_and_told(count: int) -> None:
+    """The crank is flat after π - 1 and 2π - 1 seconds."""
+    t = np.linspace(0.0, 6.0, count)
+    run = sr.kinematics(parallelogram(), t)
+    assert run.success, run.message
+    assert run.singular == pytest.approx((np.pi - 1, 2 * np.pi - 1), abs=1e-7)
+    assert np.allclose(run["rocker"].position, run["crank"].position + [2, 0, 0], atol=1e-9)
+    assert np.allclose(run["crank"].position[:, 0], np.cos(1 + t), atol=ROUND_OFF)
+    assert "could have branched at t = 2.1415" in run.message
+
+
+def test_a_time_exactly_on_the_singular_configuration() -> None:
+    t = np.array([0.0, 1.0, 2.0, np.pi - 1, 2.5, 3.0])
+    run = sr.kinematics(parallelogram(), t)
+    assert run.success, run.message
+    assert run.singular == pytest.approx((np.pi - 1,), abs=1e-7)
+    assert np.allclose(run["rocker"].position, run["crank"].position + [2, 0, 0], atol=1e-6)
+    assert np.allclose(run["rocker"].position[-1], run["crank"].position[-1] + [2, 0, 0], atol=1e-12)
+
+
+def test_free_motions_are_refused_in_words() -> None:
+    run = sr.kinematics(slider_crank(), [0.0, 1.0])
+    assert run.status == "not fully driven"
+    assert "keeps 1 degree of freedom" in run.message
+    assert len(run.t) == 0
+
+
+def test_contradicting_drivers_are_told() -> None:
+    run = sr.kinematics(pendulum("2*t", "2*t + 0.4"), [0.0, 1.0])
+    assert run.status == "not assembled"
+    assert "motor_0: angle" in run.message
+
+
+def test_the_driver_sets_the_first_position() -> None:
+    run = sr.kinematics(pendulum("0.4 + 2*t"), [0.0, 0.5])
+    assert np.allclose(run["bob"].position[:, 0], 0.7 * np.sin([0.4, 1.4]), atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize("times", [[], [0.0, 0.0], [1.0, 0.5], [0.0, np.nan]])
+def test_wrong_times(times: list[float]) -> None:
+    with pytest.raises(ValueError, match="times must be rising"):
+        sr.kinematics(slider_crank(), times)
+
+
+def test_sparse_factors_agree_with_dense(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = turned(3.0, 0.5)
+    J, rows = system.Phi_q(system.q0), np.arange(system.m)
+    dense = Driven(J, rows)
+    monkeypatch.setattr("sarrus.analyses.driven.DENSE_BELOW", 0)
+    sparse = Driven(J, rows)
+    g = np.cos(np.arange(system.m))
+    length = np.sqrt((J.toarray() ** 2).sum(axis=1))
+    assert dense.sign == sparse.sign == np.sign(np.linalg.det(J.toarray()))
+    assert np.allclose(dense.solve(g), sparse.solve(g), atol=1e-12)
+    assert np.allclose(dense.transposed(g), sparse.transposed(g), atol=1e-12)
+    least = np.linalg.svd(J.toarray() / length[:, None], compute_uv=False).min()
+    assert dense.weakest()[0] == pytest.approx(least, rel=0.05)
+    assert sparse.weakest()[0] == pytest.approx(least, rel=0.05)
+
+
+def test_many_turns() -> None:
+    """Seven turns forward: the driver counts them, and so does the joint's angle."""
+    t = np.linspace(0.0, 1.0, 51)
+    run = sr.kinematics(pendulum("44*t"), t)
+    assert run.success, run.message
+    assert np.allclose(run.joint("pin").angle, 44 * t, atol=1e-11)

@@ -1,0 +1,121 @@
+"""Static equilibria: closed forms, the vehicle's reference, stability."""
+
+import numpy as np
+import pytest
+from tests.analyses.driven import MASS, G, J, L, pendulum
+from tests.system.mechanisms import hmmwv, slider_crank
+
+import sarrus as sr
+
+FREQUENCIES = [
+    0.81384,
+    1.23916,
+    1.83293,
+    2.07777,
+    9.00204,
+    9.11632,
+    9.17198,
+    9.37482,
+]  # [Hz], the reference's digits
+
+
+@pytest.mark.parametrize("angle", [0.4, 2.0, 3.0, np.pi, -3.1])
+def test_a_pendulum_comes_to_hang(angle: float) -> None:
+    found = sr.equilibrium(pendulum(angle=angle))
+    assert found.success, found.message
+    assert found.stability == "stable"
+    assert np.allclose(found.q[:2], [0, -L], atol=1e-10)
+    assert found.squares == pytest.approx([MASS * G * L / (J + MASS * L**2)], rel=1e-9)
+
+
+def test_the_nearest_equilibrium_may_be_unstable() -> None:
+    found = sr.equilibrium(pendulum(angle=3.0), stable=False)
+    assert found.success
+    assert found.stability == "unstable"
+    assert "unstable along 1 motion" in found.message
+    assert np.allclose(found.q[:2], [0, L], atol=1e-10)
+    assert found.squares == pytest.approx([-MASS * G * L / (J + MASS * L**2)], rel=1e-9)
+
+
+def test_slider_crank_with_its_spring() -> None:
+    """Along the crank's angle, weight and spring balance: 2.5 g z_B' and k (x - 5) x', for z_B = 1 + 2 cos θ."""
+    found = sr.equilibrium(slider_crank())
+    assert found.success, found.message
+    assert found.stability == "stable"
+    y, z = found.q[1], found.q[2]  # the crank's centre, half way to the pin
+    th = np.arctan2(-(y - 1), z - 1)
+    x = np.sqrt(19 + 4 * np.sin(th) - 4 * np.cos(th))
+    slope = 2 * (np.cos(th) + np.sin(th)) / x
+    weight = 9.81 * (
+        -np.sin(th) - np.sin(th)
+    )  # of the crank at half height, of the rod at half the pin's height
+    assert weight + 10 * (x - 5) * slope == pytest.approx(0, abs=1e-9)
+    assert found.q[14] == pytest.approx(x, abs=1e-10)
+
+
+@pytest.mark.parametrize(("stable", "off"), [(True, 0.03), (False, 0.005)])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_vehicle_settles_on_its_wheels(seed: int, stable: bool, off: float) -> None:
+    system = hmmwv()
+    disturbed = system.q0 + off * np.random.default_rng(seed).normal(size=system.nq)
+    found = sr.equilibrium(system, disturbed, stable=stable)
+    assert found.success, found.message
+    assert found.stability == "neutral"
+    assert "3 motions meet no resistance" in found.message
+    assert found.residual < 1e-7
+    assert np.allclose(found.q[2::7], system.q0[2::7], atol=1e-9)  # heights
+    assert np.allclose(np.sqrt(found.squares[3:]) / (2 * np.pi), FREQUENCIES, atol=1e-5)
+
+
+def test_newton_converges_quadratically() -> None:
+    """With one wrong derivative the last steps would fall by a constant factor instead."""
+    system = hmmwv()
+    disturbed = system.q0 + 0.003 * np.random.default_rng(5).normal(size=system.nq)
+    assert sr.equilibrium(system, disturbed).iterations <= 6
+
+
+def test_far_away() -> None:
+    """Dropped from half a metre, rolled and pitched: the wheels find the ground again."""
+    system = hmmwv()
+    lifted = system.q0.copy()
+    lifted[2::7] += 0.5
+    found = sr.equilibrium(system, lifted)
+    assert found.success, found.message
+    assert np.allclose(found.q[2::7], system.q0[2::7], atol=1e-8)
+
+
+def test_a_held_driver_bears_the_weight() -> None:
+    system = pendulum("2*t")
+    found = sr.equilibrium(system, t=0.35)
+    assert found.success
+    assert "cannot move at all" in found.message
+    torque = system.reaction("motor_0", found.q, found.lam, 0.35).torque
+    assert torque == pytest.approx([0, 0, MASS * G * L * np.sin(0.7)], abs=1e-11)
+
+
+def test_a_body_that_falls_has_none() -> None:
+    stone = sr.Body("stone", mass=1.0, inertia=(1, 1, 1))
+    system = sr.System(sr.Model("stone", [stone], gravity=(0, 0, -G)))
+    for stable in (True, False):
+        found = sr.equilibrium(system, stable=stable, iterations=30)
+        assert not found.success
+        assert found.stability == "unknown"
+        assert "no equilibrium found" in found.message
+
+
+def test_a_body_without_forces_is_neutral() -> None:
+    stone = sr.Body("stone", mass=1.0, inertia=(1, 1, 1))
+    found = sr.equilibrium(sr.System(sr.Model("stone", [stone])))
+    assert found.success
+    assert found.stability == "neutral"
+    assert "6 motions meet no resistance" in found.message
+
+
+def test_a_linkage_that_does_not_close() -> None:
+    rod = sr.Body("rod", mass=1.0, inertia=(1, 1, 1))
+    rope = sr.Distance("rope", sr.ground.point(0, 0, 0), rod.point(1, 0, 0), length=1.0)
+    post = sr.Spherical("post", sr.ground, rod, point=(3, 0, 0))
+    far = sr.Distance("far", sr.ground.point(0, 0, 0), rod.point(3, 0, 0), length=9.0)
+    found = sr.equilibrium(sr.System(sr.Model("contradiction", bodies=[rod], joints=[post, rope, far])))
+    assert not found.success
+    assert "could not be assembled" in found.message

@@ -1,0 +1,31 @@
+"""Tables and figures of modes and reactions hold what they should."""
+
+import numpy as np
+import pytest
+from tests.analyses.driven import pendulum, turned
+
+import sarrus as sr
+
+
+def test_table_of_modes() -> None:
+    system = pendulum(angle=np.pi)
+    text = str(sr.modes(system, system.q0))
+    assert "bob" in text
+    assert "pendulum: this equilibrium is unstable" in text
+    assert len(text.splitlines()) == 4
+
+
+def test_figure_of_modes() -> None:
+    system = pendulum(angle=np.pi)
+    ax = sr.modes(system, system.q0).plot()
+    shown = np.concatenate([points.get_offsets() for points in ax.collections])
+    assert sorted(shown[:, 0]) == pytest.approx([-shown[:, 0].max(), shown[:, 0].max()])
+    assert ax.get_legend_handles_labels()[1] == ["grows"]
+
+
+def test_figure_of_a_reaction() -> None:
+    run = sr.kinematics(turned(3.0, 0.5), np.linspace(0.0, 1.0, 11))
+    figure = run.reaction("motor").plot()
+    force, torque = figure.axes
+    assert np.array_equal(torque.lines[2].get_ydata(), run.reaction("motor").joint_torque[:, 2])
+    assert "motor" in force.get_title(loc="left")

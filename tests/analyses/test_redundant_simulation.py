@@ -22,7 +22,7 @@ BRICARD = {
 
 def test_bricard_follows_the_reference() -> None:
     times = [0.0, *BRICARD]
-    run = sr.simulate(linkages.bricard(), until=10.0, t_eval=times, rtol=1e-10, atol=1e-12)
+    run = sr.simulate(linkages.bricard(), until=10.0, t_eval=times, rtol=1e-10, atol=1e-12, method=sr.ODE())
     assert run.success, run.message
     rod = run["rod_2"]
     ends = [r + rotate(p, np.array([0, -0.5, 0])) for r, p in zip(rod.position, rod.euler, strict=True)]
@@ -33,7 +33,7 @@ def test_bricard_follows_the_reference() -> None:
 @pytest.mark.parametrize("make", [linkages.door, linkages.sarrus, linkages.bennett], ids=lambda m: m.__name__)
 def test_overconstrained_linkages_move(make: object) -> None:
     system = make()  # type: ignore[operator]
-    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 21), rtol=1e-9, atol=1e-11)
+    run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 21), rtol=1e-9, atol=1e-11, method=sr.ODE())
     assert run.success, run.message
     assert abs(run.q - run.q[0]).max() > 0.1
     assert run.violation.max() < 1e-12
@@ -79,7 +79,9 @@ def test_accelerations_do_not_depend_on_the_choice() -> None:
 def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
     system = linkages.bricard()
     independence, motion = Independence(system, system.q0), linkages.bricard()
-    run = sr.simulate(motion, until=2.5, t_eval=np.linspace(0, 2.5, 26))
+    run = sr.simulate(
+        motion, until=2.5, t_eval=np.linspace(0, 2.5, 26), rtol=1e-8, atol=1e-10, method=sr.ODE()
+    )
     for q in run.q:
         independence.renew(0.0, q)
         kept = system.Phi_q(q)[independence.kept].toarray()
@@ -88,7 +90,7 @@ def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
 
 def test_contradictory_joints_are_refused() -> None:
     system = linkages.contradictory_door()
-    run = sr.simulate(system, until=1.0)
+    run = sr.simulate(system, until=1.0, rtol=1e-8, atol=1e-10, method=sr.ODE())
     assert not run.success
     assert run.status == "inconsistent"
     assert "hinge_2 by 0.05 m" in run.message
@@ -101,7 +103,7 @@ def test_a_velocity_that_leads_nowhere_is_refused() -> None:
     system = chain("stretched", points, np.tile(Z, (3, 1)))
     moving = sr.assemble(system, rates={"hinge_1": 1.0})
     assert moving.success, moving.message
-    run = sr.simulate(system, moving, until=1.0)
+    run = sr.simulate(system, moving, until=1.0, rtol=1e-8, atol=1e-10, method=sr.ODE())
     assert not run.success
     assert run.status == "inconsistent"
     assert "contradict each other as soon as it moves" in run.message
@@ -110,11 +112,11 @@ def test_a_velocity_that_leads_nowhere_is_refused() -> None:
 def test_a_crooked_door_is_stuck() -> None:
     system = linkages.crooked_door()
     assert sr.mobility(system).degrees_of_freedom == 0
-    run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5])
+    run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5], rtol=1e-8, atol=1e-10, method=sr.ODE())
     assert run.success
     assert np.allclose(run.q[-1], system.q0, atol=1e-9)
 
 
 def test_running_into_a_branch_ends_with_a_sentence() -> None:
-    run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11)
+    run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11, method=sr.ODE())
     assert run.success or "singular position" in run.message

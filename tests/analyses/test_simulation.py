@@ -87,8 +87,8 @@ def test_a_start_that_could_not_be_assembled_is_a_status() -> None:
     far = sr.Distance("far", sr.ground.point(0, 0, 0), rod.point(3, 0, 0), length=9.0)
     run = sr.simulate(sr.System(sr.Model("torn", bodies=[rod], joints=[post, far])), until=1.0)
     assert not run.success
-    assert run.status == "inconsistent start"
-    assert "far: " in run.message
+    assert run.status == "inconsistent"
+    assert "far by" in run.message
     assert len(run.t) == 0
 
 
@@ -96,7 +96,7 @@ def test_a_box_welded_twice_stays() -> None:
     box = sr.Body("box", mass=1.0, inertia=(1, 1, 1))
     welds = [sr.Fixed(name, sr.ground, box, point=(0, 0, 0)) for name in ("first", "second")]
     system = sr.System(sr.Model("welded twice", bodies=[box], joints=welds, gravity=(0, 0, -9.81)))
-    run = sr.simulate(system, until=1.0, t_eval=[0.0, 1.0])
+    run = sr.simulate(system, until=1.0, t_eval=[0.0, 1.0], method=sr.ODE())
     assert run.success, run.message
     assert np.allclose(run.q[-1], system.q0, atol=1e-12)
     first, second = (run.lam[-1][system.rows[name]] for name in ("first", "second"))

@@ -60,7 +60,7 @@ def simulate(
     grid = np.unique(np.concatenate([[0.0], times, [until]]))
     begin = start if start is not None else assemble(system)
     if not begin.success:
-        return nothing(system, "inconsistent start", begin.message)
+        return nothing(system, "inconsistent", begin.message)
     run = (method or HHT()).run(
         system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step
     )

@@ -24,7 +24,7 @@ def test_kernel(check):
 
 
 @pytest.mark.parametrize("seed", range(1, 5))
-@pytest.mark.parametrize("kind", (*BUILT_IN, *OWN), ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("kind", [*BUILT_IN, *OWN], ids=lambda kind: kind.__name__)
 def test_derivatives_at_more_states(kind, seed):
     """The same in whole numbers, exact too, or by a complex step."""
     for operator in kind.family:

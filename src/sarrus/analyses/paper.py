@@ -155,7 +155,7 @@ class Difference:
 
 
 def _driver(group: Group) -> tuple[Any, Any, str]:
-    """What computes a group for all elements, its index tables, and a name for what it does beyond the built-in ones."""
+    """What computes a group for all elements, its index tables, and a name for what it does besides the built-in."""
     bundle, indices = group.bundle()
     if len(indices) == 1:
         return group.compiled, group.index, ""

@@ -21,7 +21,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-ALLOWED = re.compile(r"llvm\.|sarrus\.|(atan2|floor|sqrt|memset)$")
+ALLOWED = re.compile(r"llvm\.|sarrus\.|(sin|cos|tan|asin|acos|atan|atan2|exp|log|tanh|floor|sqrt|memset)$")
 DEFINED = re.compile(r"define [^@]*@\"?([^\"(]+)\"?\(")
 CALLED = re.compile(r"\bcall\b[^@\n]*@\"?([^\"(]+)\"?\(")
 

@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 
 import sarrus.mechanisms
-from sarrus.elements import OPERATORS
-from sarrus.elements.recorder import Variant, structure
+from sarrus.elements import OPERATORS, Operator
+from sarrus.elements.operators import Axis
+from sarrus.elements.recorder import structure, variants
 from sarrus.model import load
 from sarrus.system import System
+from sarrus.system.memory import firsts
 
 HERE = Path(__file__).resolve().parent
 _built = Path(tempfile.gettempdir()) / "sarrus-benchmarks"
@@ -64,8 +66,9 @@ class Case:
 
     @property
     def arrays(self) -> list[np.ndarray]:
-        """The operands that are arrays, in the group's order."""
-        return [self.operands[name] for name in self.group.operands if name != "t"]
+        """The operands that are arrays, as the competitors take them: ξ and v apart, which Sarrus's group merges."""
+        wanted = {name for operator in self.group.names for name in ("q", *OPERATORS[operator].operands)}
+        return [self.operands[name] for name in ("q", "xi", "v", "a", "lam") if name in wanted]
 
     def run(self) -> list[np.ndarray]:
         """The group by Sarrus."""
@@ -143,13 +146,24 @@ def _tables(case: Case, n: int, population: Any) -> list[np.ndarray]:
     """Numbers, bodies, rows and the place tables of a population, -1 where a block is ground's or always zero."""
     tables = []
     for name, pattern in zip(case.group.names, case.group.patterns, strict=True):
-        every = structure(Variant(population.kind), OPERATORS[name])
+        operator, slots = OPERATORS[name], population.variant.slots
+        every = structure(variants(population.kind)[0], operator)
         table = np.full((population.count, len(every), 2), -1)
-        for k, place in enumerate(structure(population.variant, OPERATORS[name]) if population.count else ()):
-            table[:, every.index(place)] = pattern.places[n][:, k]
+        for k, place in enumerate(structure(population.variant, operator) if population.count else ()):
+            table[:, every.index(_among_all(place, operator, slots))] = pattern.places[n][:, k]
         tables.append(table)
     numbers = case.system.b[population.at : population.end]
-    return [numbers, population.bodies, population.rows, *tables]
+    bodies = np.array([firsts(population, k) for k in range(population.count)], dtype=np.int64)
+    return [numbers, bodies.reshape(-1, population.kind.bodies), population.rows, *tables]
+
+
+def _among_all(place: tuple[int, ...], operator: Operator, slots: tuple[int, ...]) -> tuple[int, ...]:
+    """A block's place counted over all bodies of an element, of its place counted over the moving ones."""
+    axes = (*operator.axes, Axis.ROWS)[:2]
+    return tuple(
+        2 * slots.index(n // 2) + n % 2 if axis is Axis.COORDINATES else n
+        for n, axis in zip(place, axes, strict=True)
+    )
 
 
 class _Elements(ctypes.Structure):

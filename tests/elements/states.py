@@ -13,7 +13,9 @@ import mpmath
 import numpy as np
 from tests.paper.paper import unit
 
+from sarrus import functions
 from sarrus._jit.expression import Graph
+from sarrus._jit.program import program
 from sarrus.elements import OPERATORS
 from sarrus.elements.evaluation import dense, element_from, grid
 from sarrus.elements.operators import Axis
@@ -66,6 +68,17 @@ CURVES = (
     6,
     7,
 )
+
+
+def _law(x):
+    return (
+        functions.exp(functions.sin(x))
+        + x * x / (2 + functions.cos(x))
+        - functions.sqrt(3 + functions.tanh(x))
+    )
+
+
+FORMULA = program(_law)  # stored behind the curves, for fields of the name "formula"
 
 
 @dataclass(frozen=True)
@@ -169,8 +182,10 @@ def state(kind, arithmetic, seed=0):
         operands["t"] = operands["t"] * 11 / 10  # on no knot of a curve, whose pieces need not meet
     numbers = _convert(random, kind.size(), arithmetic)
     curves = np.flatnonzero(fields(kind) == "Curve")
-    numbers[curves] = len(CURVES) // 3 * np.arange(len(curves))
-    return State(kind, arithmetic, operands, numbers, CURVES)
+    names = [name for name, field in kind.fields.items() if field == "Curve"]
+    for n, (place, name) in enumerate(zip(curves, names, strict=True)):
+        numbers[place] = len(CURVES) if name == "formula" else len(CURVES) // 3 * n
+    return State(kind, arithmetic, operands, numbers, (*CURVES, *FORMULA))
 
 
 def on_sphere(of):
@@ -193,7 +208,7 @@ def converted(exact, arithmetic):
 def name_entry(kind, operator, place):
     """The entry of an operator's result at a place, in words."""
     labels = {Axis.ROWS: [f"row {n}" for n in range(kind.rows)]}
-    suffixes = {1: ("",), 2: ("_i", "_j"), 4: ("_i", "_j", "_k", "_l")}[kind.bodies]
+    suffixes = {1: ("",), 2: ("_i", "_j")}.get(kind.bodies, [f"_{n + 1}" for n in range(kind.bodies)])
     parts = [block + suffix for suffix in suffixes for block in "rrrpppp"]
     labels[Axis.COORDINATES] = parts
     labels[Axis.NUMBERS] = [n for n, w in zip(kind.fields, kind.widths(), strict=True) for _ in range(w)]

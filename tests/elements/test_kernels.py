@@ -7,9 +7,10 @@ others (a root, an angle) are held against differences in 70 digits.
 import pytest
 from tests.elements import definitions
 from tests.elements.checks import all_checks, derivative_of_an_operator, euler_functions
-from tests.elements.states import COMPLEX, WHOLE, is_polynomial
+from tests.elements.own import OWN
+from tests.elements.states import COMPLEX, DIGITS, WHOLE, is_polynomial, state
 
-from sarrus.elements import BUILT_IN, Force, InertiaElement, Primitive
+from sarrus.elements import BUILT_IN, OPERATORS, Element, Force, InertiaElement, Primitive
 from sarrus.elements.operators import DERIVATIVES
 
 
@@ -23,7 +24,7 @@ def test_kernel(check):
 
 
 @pytest.mark.parametrize("seed", range(1, 5))
-@pytest.mark.parametrize("kind", BUILT_IN, ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("kind", [*BUILT_IN, *OWN], ids=lambda kind: kind.__name__)
 def test_derivatives_at_more_states(kind, seed):
     """The same in whole numbers, exact too, or by a complex step."""
     for operator in kind.family:
@@ -52,3 +53,16 @@ def test_which_elements_are_polynomial():
     roots, angles = {"TSDA", "NonlinearTSDA"}, {"RSDA", "Angle", "AngleAngle", "TravelAngle", "Screw"}
     curves = {"AngleDriver", "TravelDriver", "DistanceDriver", "CoordinateDriver"}
     assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == roots | angles | curves
+
+
+@pytest.mark.parametrize("kind", [kind for kind in OWN if kind.timed], ids=lambda kind: kind.__name__)
+def test_terms_in_time_are_not_zero(kind):
+    """So that the checks above compare more than zeros."""
+    here = state(kind, DIGITS)
+    for name in ("Phi_t", "Phi_tt", "Phi_q_xi_t", "Phi_t_b", "gamma_q", "gamma_v", "gamma_b"):
+        assert name in OPERATORS
+        assert abs(here(name)).max() > 0, name
+
+
+def test_elements_of_the_tests_are_not_registered():
+    assert set(Element.registry.values()).isdisjoint(OWN)

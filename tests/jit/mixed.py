@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from tests.elements.own import OWN, Coupler, Driven, Strained, Tangle
 
 from sarrus import model
 from sarrus.elements import BUILT_IN, Normalization
@@ -10,7 +11,8 @@ from sarrus.elements import Primitive as Constraint
 from sarrus.elements.element import WIDTHS, InertiaElement
 from sarrus.elements.evaluation import dense, element_from
 from sarrus.elements.operators import Axis
-from sarrus.model.curve import Curve
+from sarrus.functions import exp, sin, sqrt
+from sarrus.model.curve import Curve, Formula
 from sarrus.model.primitive import Primitive
 from sarrus.system import System
 
@@ -31,7 +33,7 @@ def part_of(base):
     return Given
 
 
-def mixed_system(joint, force, seed=0, names=("a", "b", "c"), kinds=BUILT_IN):
+def mixed_system(joint, force, seed=0, names=("a", "b", "c"), kinds=(*BUILT_IN, *OWN)):
     """A system with every element on random bodies, each also with the ground as its first and second body."""
     random = np.random.default_rng(seed)
     joints, forces = [], []
@@ -39,7 +41,7 @@ def mixed_system(joint, force, seed=0, names=("a", "b", "c"), kinds=BUILT_IN):
         if kind is not Normalization and not issubclass(kind, InertiaElement):
             pieces = joints if issubclass(kind, Constraint) else forces
             pieces += [
-                Primitive(kind, on, values(kind, random), str(n))
+                Primitive(kind, on, values(kind, random), f"{kind.__name__} {n}")
                 for n, on in enumerate(places(kind, names, random))
             ]
     bodies = [
@@ -50,7 +52,17 @@ def mixed_system(joint, force, seed=0, names=("a", "b", "c"), kinds=BUILT_IN):
     return System(model.Model("mixed", bodies, *parts, gravity=(1.0, 2.0, -9.0)))
 
 
+PLACES = {  # three and four bodies, some of them the ground, some met twice
+    Driven: (("a", "b"), ("ground", "b")),
+    Coupler: (("a", "b", "a"), ("b", "ground", "c")),
+    Tangle: (("a", "b", "c", "a"), ("b", "b", "a", "ground")),
+    Strained: (("b", "a"), ("c", "ground")),
+}
+
+
 def places(kind, names, random):
+    if kind in PLACES:
+        return PLACES[kind]
     if kind.bodies == 1:
         return [(str(n),) for n in random.choice(names, 2)]
     first, second = (str(n) for n in random.choice(names, 2, replace=False))
@@ -61,10 +73,12 @@ def places(kind, names, random):
 
 def values(kind, random):
     made = []
-    for field in kind.fields.values():
+    for name, field in kind.fields.items():
         if field == "Time":
             continue
-        if field == "Curve":
+        if name == "formula":
+            made.append(Formula(lambda x: exp(sin(x)) + x * x / sqrt(2 + x * x)))
+        elif field == "Curve":
             made.append(Curve((-2.0, 0.0, 2.0), tuple(tuple(c) for c in random.normal(size=(2, 4)))))
         else:
             made.append(

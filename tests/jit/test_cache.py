@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import sarrus
+from sarrus._jit.cache import SOURCES, fingerprint
 
 PACKAGE = Path(sarrus.__file__).parent
 PROGRAM = """
@@ -72,6 +73,35 @@ def test_an_edit_of_any_source_is_seen(copy: Path, tmp_path: Path) -> None:
     assert abs(after - before) > 0.1
     source.write_text(text, encoding="utf-8")
     assert finish(start(copy, SARRUS_CACHE_DIR=place))[:2] == (before, 1)
+
+
+@pytest.mark.parametrize("pattern", SOURCES)
+def test_a_file_of_every_pattern_counts(pattern: str, copy: Path) -> None:
+    """An edit changes the fingerprint, in folders within folders too; taken back, it is the old one."""
+    package = copy / "sarrus"
+    before = fingerprint(package)
+    for source in sorted(package.glob(pattern))[:: 1 if "*" not in pattern else 5]:
+        text = source.read_bytes()
+        source.write_bytes(text + b"\n")
+        assert fingerprint(package) != before, source
+        source.write_bytes(text)
+    assert fingerprint(package) == before
+
+
+@pytest.mark.parametrize("folder", [pattern.split("/")[0] for pattern in SOURCES if "**" in pattern])
+def test_a_new_file_counts(folder: str, copy: Path) -> None:
+    package = copy / "sarrus"
+    before = fingerprint(package)
+    (package / folder / "within").mkdir()
+    (package / folder / "within" / "new.py").write_text("")
+    assert fingerprint(package) != before
+
+
+def test_what_kernels_do_not_depend_on_does_not_count(copy: Path) -> None:
+    package = copy / "sarrus"
+    before = fingerprint(package)
+    (package / "model" / "new.py").write_text("")
+    assert fingerprint(package) == before
 
 
 def test_an_install_that_cannot_be_written_uses_the_users_cache(copy: Path, tmp_path: Path) -> None:

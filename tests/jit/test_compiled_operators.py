@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from tests.elements.own import OWN
 from tests.jit.mixed import by_hand, mixed_system, part_of, random_state
 
 from sarrus.elements import BUILT_IN, GROUPS, OPERATORS
 from sarrus.elements.operators import ALIASES
 from sarrus.model import Force, Joint
 
-VANISHING = ("Phi_q_xi_t", "S_q_xi_q")  # in all elements time is added to what depends on q
+VANISHING = ("S_q_xi_q",)  # S is linear in p
 MACHINE = 1e-13  # relative to the largest entry: sums in another order, products and sums contracted
 
 
@@ -27,13 +28,26 @@ def dense(value):
 
 
 def test_every_element_takes_part(system):
-    assert {p.kind for p in system.populations if p.count} == set(BUILT_IN)
+    assert {p.kind for p in system.populations if p.count} == {*BUILT_IN, *OWN}
     grounds = {
         (p.kind, p.variant.slots.index(-1))
         for p in system.populations
         if p.count and p.kind.bodies == 2 and -1 in p.variant.slots
     }
-    assert grounds == {(kind, n) for kind in BUILT_IN if kind.bodies == 2 for n in (0, 1)}
+    pairs = {kind for kind in BUILT_IN if kind.bodies == 2}
+    assert {(kind, n) for kind, n in grounds if kind in BUILT_IN} == {(k, n) for k in pairs for n in (0, 1)}
+
+
+def test_numbers_lie_where_they_are_named(system):
+    """Two timed elements and curves: a field that holds no number shifts none."""
+    assert len(system.number_names) == len(set(system.number_names)) == system.nb
+    timed = [p for p in system.populations if p.count and p.kind.timed and p.kind in OWN]
+    assert len({p.kind for p in timed}) == 2
+    for p in timed:
+        fields = [field for field, kind in p.kind.fields.items() if kind != "Time"]
+        for k in range(p.count):
+            place = system.number_names.index(f"{p.owners[k]}[{p.labels[k]}].k")
+            assert system.b[place] == p.values[k][fields.index("k")]
 
 
 @pytest.mark.parametrize("name", OPERATORS)

@@ -2,16 +2,19 @@
 
 import cmath
 import math
+from functools import cache
 
 import mpmath
 import numpy as np
 import pytest
 from numba import njit
 
+from sarrus import functions
 from sarrus._jit.compiled_functions import COMPILED
-from sarrus._jit.curves import curve_slope, curve_value
+from sarrus._jit.curves import CODES, STEPS, curve_bend, curve_slope, curve_value
 from sarrus._jit.expression import Graph
 from sarrus._jit.functions import atan2, nearest, sqrt
+from sarrus._jit.program import program
 
 STEP = 1e-200
 CURVE = np.array(
@@ -93,3 +96,73 @@ def test_recorded_calls_are_nodes():
         assert graph.nodes[recorded.id].op == op
     assert graph.nodes[atan2(y, x).id].args == (y.id, x.id)
     assert graph.nodes[graph.nodes[atan2(1, x).id].args[0]].value == 1
+
+
+# ------------------------------------------------------------------------------------------ stored formulas
+
+UNARY = {
+    name: getattr(functions, name)
+    for name in ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log")
+}
+FORMULAS = {
+    **{name: lambda x, f=f: 2 * f(x / 4) * x for name, f in UNARY.items()},
+    "tanh": lambda x: functions.tanh(x) / x,
+    "positive": lambda x: x * x * functions.positive(x - 1) - functions.positive(-x),
+    "ramp": lambda x: functions.ramp(x - 1) ** 3 + functions.ramp(1 - x),
+    "absolute": lambda x: functions.absolute(x - 1) * x,
+    "minimum": lambda x: functions.minimum(x * x, 3) + functions.maximum(x, 1),
+    "arithmetic": lambda x: -(x - 2) * (x + 3) / (1 + x * x) + 7,
+    "constant": lambda x: 5,
+}
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+@pytest.mark.parametrize("x", [0.5, 1.25, 1.875])
+def test_a_stored_formula_and_its_derivatives(name, x):
+    """In 70 digits against numerical derivatives, and compiled against that."""
+    formula = FORMULAS[name]
+    stored = np.array([9.0, 9.0, *program(formula)])
+    kinds = {"curve": curve_value, "curve_slope": curve_slope, "curve_bend": curve_bend}
+    with mpmath.workdps(70):
+        for order, (kind, plain) in enumerate(kinds.items()):
+            expected = mpmath.diff(lambda y: mpmath.mpf(1) * formula(y), mpmath.mpf(x), order)
+            assert abs(plain(stored, 2, mpmath.mpf(x)) - expected) < 1e-25 * (1 + abs(expected))
+            assert plain(stored, 2, x) == pytest.approx(float(expected), rel=1e-13, abs=1e-13)
+            assert compiled_curve(kind)(stored, 2.0, x) == pytest.approx(
+                float(expected), rel=1e-13, abs=1e-13
+            )
+
+
+@cache
+def compiled_curve(kind):
+    return njit(COMPILED[kind])
+
+
+def test_the_slope_of_a_formula_by_a_complex_step():
+    stored = program(FORMULAS["exp"])
+    for x in (0.5, 1.25):
+        assert curve_value(stored, 0, complex(x, STEP)).imag / STEP == pytest.approx(
+            curve_slope(stored, 0, x)
+        )
+        assert curve_slope(stored, 0, complex(x, STEP)).imag / STEP == pytest.approx(curve_bend(stored, 0, x))
+
+
+def test_every_operation_of_a_formula_is_tried():
+    used = set()
+    for formula in FORMULAS.values():
+        used |= {int(code) for code in program(formula)[1::3]}
+    assert used == set(CODES.values())
+
+
+def test_formulas_that_cannot_be_stored_are_refused():
+    with pytest.raises(TypeError, match="cannot use nearest"):
+        program(functions.nearest)
+    with pytest.raises(TypeError, match="must not branch"):
+        program(lambda x: x if x > 0 else -x)
+    with pytest.raises(ValueError, match=f"more than {STEPS}"):
+        program(lambda x: sum(functions.sin(n * x) for n in range(1, STEPS)))
+
+
+def test_all_public_functions_are_tried():
+    """Those that a formula of one variable cannot use are tried above, or by the elements of the tests."""
+    assert set(functions.__all__) == {*FORMULAS, "maximum", "atan2", "nearest"} - {"arithmetic", "constant"}

@@ -21,6 +21,7 @@ from tests.elements.checks import all_checks
 
 import sarrus
 from sarrus.elements import BUILT_IN
+from sarrus.elements.derived import recipe_of
 
 PACKAGE = Path(sarrus.__file__).parent
 NO_FORMULAS = {
@@ -126,10 +127,12 @@ def applied(mutant: Mutant) -> Iterator[None]:
     function = _function(mutant)
     right = function.__code__
     function.__code__ = mutant.code()
+    recipe_of.cache_clear()  # or what was differentiated before would be used
     try:
         yield
     finally:
         function.__code__ = right
+        recipe_of.cache_clear()
 
 
 def _function(mutant: Mutant) -> FunctionType:

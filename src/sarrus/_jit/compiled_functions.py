@@ -11,7 +11,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
-from . import curves
+from . import curves, functions
 from .curves import STEPS, curve_bend, curve_slope, curve_value
 
 ELEMENTARY = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "tanh")
@@ -32,7 +32,7 @@ def _compiled_room() -> Any:
     return lambda: _stack(0)  # type: ignore[call-arg]
 
 
-@overload(curves._real, strict=False)
+@overload(functions.real, strict=False)
 def _compiled_real(x: Any) -> Any:
     return lambda x: x
 
@@ -55,9 +55,9 @@ def _choice(function: Callable[[float], float]) -> Callable[[Any], Callable[[flo
 
 
 def _register() -> None:
-    """Let compiled code call the functions of `curves`."""
+    """Let compiled code call the functions of `curves`, and those that they call."""
     for name in ELEMENTARY:
-        overload(getattr(curves, f"_{name}"), strict=False)(_choice(_math(name)))
+        overload(getattr(functions, name), strict=False)(_choice(_math(name)))
     for name in ("_piece", "_cubic", "_chain", "_elementary_step", "_binary_step", "_formula", "_evaluate"):
         register_jitable(getattr(curves, name))
     for function in (curve_value, curve_slope, curve_bend):

@@ -7,14 +7,16 @@ derivatives are carried along, so a formula's slope is exact. Both run compiled 
 
 from __future__ import annotations
 
-import cmath
-import math
 from typing import Any
+
+from .functions import acos, asin, atan, cos, exp, log, real, sin, sqrt, tan, tanh
 
 STEPS = 200  # most steps of a formula
 OPERATIONS = ("constant", "input", "add", "sub", "mul", "div", "neg", "sqrt", "sin", "cos", "tan", "asin", "acos",
               "atan", "exp", "log", "tanh", "positive")  # fmt: skip
 CODES = {name: code for code, name in enumerate(OPERATIONS)}
+(CONSTANT, INPUT, ADD, SUB, MUL, DIV, NEG, SQRT, SIN, COS, TAN, ASIN, ACOS, ATAN, EXP, LOG, TANH,
+ POSITIVE) = range(len(OPERATIONS))  # fmt: skip
 
 
 def _room() -> Any:
@@ -22,33 +24,12 @@ def _room() -> Any:
     return [0.0] * (3 * STEPS)
 
 
-def _elementary(name: str) -> Any:
-    """An elementary function of a real, complex or extended-precision number."""
-
-    def function(x: Any) -> Any:
-        if isinstance(x, complex):
-            return getattr(cmath, name)(x)
-        return getattr(x.context if hasattr(x, "context") else math, name)(x)
-
-    return function
-
-
-_sqrt, _sin, _cos, _exp = _elementary("sqrt"), _elementary("sin"), _elementary("cos"), _elementary("exp")
-_log, _tanh, _tan = _elementary("log"), _elementary("tanh"), _elementary("tan")
-_asin, _acos, _atan = _elementary("asin"), _elementary("acos"), _elementary("atan")
-
-
-def _real(x: Any) -> float:
-    """What decides a branch: the real part."""
-    return float(x.real)
-
-
 def _piece(numbers: Any, at: Any, x: Any) -> Any:
     """Index of the cubic piece in which x lies."""
-    low, high = 0, int(_real(numbers[at])) - 1
+    low, high = 0, int(real(numbers[at])) - 1
     while low < high:
         middle = (low + high) // 2
-        if _real(x) >= _real(numbers[at + 2 + middle]):
+        if real(x) >= real(numbers[at + 2 + middle]):
             low = middle + 1
         else:
             high = middle
@@ -58,7 +39,7 @@ def _piece(numbers: Any, at: Any, x: Any) -> Any:
 def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A cubic piece's value (order 0) or derivative (1, 2) at x."""
     k = _piece(numbers, at, x)
-    c = at + 2 + int(_real(numbers[at])) + 4 * k
+    c = at + 2 + int(real(numbers[at])) + 4 * k
     u = x - numbers[at + 1 + k]
     if order == 0:
         return ((numbers[c] * u + numbers[c + 1]) * u + numbers[c + 2]) * u + numbers[c + 3]
@@ -74,46 +55,46 @@ def _chain(f: Any, f1: Any, f2: Any, u1: Any, u2: Any) -> Any:
 
 def _elementary_step(code: Any, u: Any, u1: Any, u2: Any) -> Any:
     """One step of a formula with one argument."""
-    if code == 7:
-        root = _sqrt(u)
+    if code == SQRT:
+        root = sqrt(u)
         return _chain(root, 0.5 / root, -0.25 / (root * u), u1, u2)
-    if code == 8:
-        return _chain(_sin(u), _cos(u), -_sin(u), u1, u2)
-    if code == 9:
-        return _chain(_cos(u), -_sin(u), -_cos(u), u1, u2)
-    if code == 10:
-        value = _tan(u)
+    if code == SIN:
+        return _chain(sin(u), cos(u), -sin(u), u1, u2)
+    if code == COS:
+        return _chain(cos(u), -sin(u), -cos(u), u1, u2)
+    if code == TAN:
+        value = tan(u)
         slope = 1.0 + value * value
         return _chain(value, slope, 2.0 * value * slope, u1, u2)
-    if code == 11 or code == 12:
-        root = _sqrt(1.0 - u * u)
-        sign = 1.0 if code == 11 else -1.0
-        value = _asin(u) if code == 11 else _acos(u)
+    if code in (ASIN, ACOS):
+        root = sqrt(1.0 - u * u)
+        sign = 1.0 if code == ASIN else -1.0
+        value = asin(u) if code == ASIN else acos(u)
         return _chain(value, sign / root, sign * u / (root * root * root), u1, u2)
-    if code == 13:
+    if code == ATAN:
         slope = 1.0 / (1.0 + u * u)
-        return _chain(_atan(u), slope, -2.0 * u * slope * slope, u1, u2)
-    if code == 14:
-        return _chain(_exp(u), _exp(u), _exp(u), u1, u2)
-    if code == 15:
-        return _chain(_log(u), 1.0 / u, -1.0 / (u * u), u1, u2)
-    if code == 16:
-        value = _tanh(u)
+        return _chain(atan(u), slope, -2.0 * u * slope * slope, u1, u2)
+    if code == EXP:
+        return _chain(exp(u), exp(u), exp(u), u1, u2)
+    if code == LOG:
+        return _chain(log(u), 1.0 / u, -1.0 / (u * u), u1, u2)
+    if code == TANH:
+        value = tanh(u)
         slope = 1.0 - value * value
         return _chain(value, slope, -2.0 * value * slope, u1, u2)
-    if code == 17:
-        step = 1.0 if _real(u) > 0.0 else 0.0
+    if code == POSITIVE:
+        step = 1.0 if real(u) > 0.0 else 0.0
         return step + 0.0 * u, 0.0 * u, 0.0 * u
     return -u, -u1, -u2
 
 
 def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) -> Any:
     """One step of a formula with two arguments."""
-    if code == 2:
+    if code == ADD:
         return u + w, u1 + w1, u2 + w2
-    if code == 3:
+    if code == SUB:
         return u - w, u1 - w1, u2 - w2
-    if code == 4:
+    if code == MUL:
         return u * w, u1 * w + u * w1, u2 * w + 2.0 * u1 * w1 + u * w2
     ratio = u / w
     slope = (u1 - ratio * w1) / w
@@ -122,17 +103,17 @@ def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) 
 
 def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A formula's value (order 0) or derivative (1, 2) at x."""
-    count, work = -int(_real(numbers[at])), _room()
+    count, work = -int(real(numbers[at])), _room()
     for k in range(count):
         step = at + 1 + 3 * k
-        code, first = int(_real(numbers[step])), numbers[step + 1]
-        if code == 0:
+        code, first = int(real(numbers[step])), numbers[step + 1]
+        if code == CONSTANT:
             value, slope, bend = first + 0.0 * x, 0.0 * x, 0.0 * x
-        elif code == 1:
+        elif code == INPUT:
             value, slope, bend = x, 1.0 + 0.0 * x, 0.0 * x
         else:
-            i, j = 3 * int(_real(first)), 3 * int(_real(numbers[step + 2]))
-            if code >= 6:
+            i, j = 3 * int(real(first)), 3 * int(real(numbers[step + 2]))
+            if code >= NEG:
                 value, slope, bend = _elementary_step(code, work[i], work[i + 1], work[i + 2])
             else:
                 value, slope, bend = _binary_step(
@@ -143,7 +124,7 @@ def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
 
 
 def _evaluate(numbers: Any, at: Any, x: Any, order: Any) -> Any:
-    if _real(numbers[at]) > 0.0:
+    if real(numbers[at]) > 0.0:
         return _cubic(numbers, at, x, order)
     return _formula(numbers, at, x, order)
 

@@ -11,12 +11,17 @@ from .expression import Expression, Graph
 from .replay import needed
 
 
-def jacobian(graph: Graph, wanted: Sequence[Expression], by: Sequence[Expression]) -> np.ndarray[Any, Any]:
-    """Derivatives of expressions to inputs, recorded in the same graph: an object array (wanted, by)."""
+def jacobian(
+    graph: Graph, wanted: Sequence[Expression], by: Sequence[Expression | None]
+) -> np.ndarray[Any, Any]:
+    """Derivatives of expressions to inputs, recorded in the same graph: an object array (wanted, by).
+
+    A column of zeros stands for None.
+    """
     order = needed(graph, wanted)
     result = np.zeros((len(wanted), len(by)), dtype=object)
     for column, variable in enumerate(by):
-        slopes = _sweep(graph, order, variable)
+        slopes = _sweep(graph, order, variable) if variable is not None else {}
         for row, expression in enumerate(wanted):
             result[row, column] = slopes.get(expression.id, 0)
     return result

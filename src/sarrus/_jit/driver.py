@@ -17,6 +17,8 @@ from numba.core import config as numba_config
 from .cache import KernelCache
 from .emit import Recording, loop
 
+LONGEST = 60  # characters of a name: files that Numba keeps have it twice in theirs, of at most 255
+
 
 @dataclass(frozen=True)
 class Signature:
@@ -83,7 +85,8 @@ def _vectorizer(on: bool) -> Iterator[None]:
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     """Compile the one function written in `lines`, or find it in the cache under `name` and what it says."""
-    name = f"{name}_{hashlib.sha256(repr(lines).encode()).hexdigest()[:8]}"
+    digest = hashlib.sha256(repr((name, *lines)).encode()).hexdigest()[:16]
+    name = f"{name[:LONGEST]}_{digest}"
     scope: dict[str, Any] = {}
     exec(compile("\n".join(lines), f"<{name}>", "exec"), {"__name__": __name__, **namespace}, scope)
     (function,) = scope.values()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -126,52 +127,71 @@ def _function(module: Any, recording: Recording) -> Any:
     return function
 
 
+class Arguments:
+    """The arguments of a loop, by what they are; `k` is the element whose turn it is."""
+
+    def __init__(self, function: Any, recording: Recording) -> None:
+        self.recording = recording
+        self.count, self.bodies, self.rows, self.numbers, self.all_numbers, *rest = function.args
+        sizes = (len(recording.outputs), len(recording.scalars), len(recording.arrays))
+        cuts = [0, *np.cumsum(sizes), len(rest)]
+        parts = [rest[start:end] for start, end in pairwise(cuts)]
+        self.places, self.results = parts[0], parts[3]
+        self.scalars = dict(zip(recording.scalars, parts[1], strict=True))
+        self.arrays = dict(zip(recording.arrays, parts[2], strict=True))
+
+
+class Inputs:
+    """Emits the loads of one element's inputs; where each vector begins is computed once."""
+
+    def __init__(self, builder: Any, arguments: Arguments, k: Any) -> None:
+        self.builder, self.arguments, self.k = builder, arguments, k
+        self.bases: dict[tuple[Any, ...], Any] = {}
+
+    def __call__(self, name: tuple[Any, ...]) -> Any:
+        """The value of an input: ``("t",)``, ``("numbers", n)``, ``("lam", n)`` or ``("q", body, n)``."""
+        if name[0] in self.arguments.scalars:
+            return self.arguments.scalars[name[0]]
+        key, offset = name[:-1], name[-1]
+        if key not in self.bases:
+            self.bases[key] = self._base(*key)
+        return self.builder.load(self.builder.gep(self.bases[key], [INT(offset)]))
+
+    def pointer(self, base: Any, stride: int) -> Any:
+        """This element's entry of a table."""
+        return self.builder.gep(base, [self.builder.mul(self.k, INT(stride))])
+
+    def _base(self, kind: str, slot: int = 0) -> Any:
+        """Where the element's numbers, its multipliers, or the part of an operand that is a body's begin."""
+        given, recording = self.arguments, self.arguments.recording
+        if kind == "numbers":
+            return self.pointer(given.numbers, recording.numbers)
+        if kind == "lam":
+            return self.builder.gep(given.arrays["lam"], [self.builder.load(self.pointer(given.rows, 1))])
+        body = self.builder.gep(self.pointer(given.bodies, recording.bodies), [INT(slot)])
+        return self.builder.gep(given.arrays[kind], [self.builder.load(body)])
+
+
 def _emit_loop(module: Any, context: Any, recording: Recording) -> Any:
+    """The function that computes a recording for every element of a population."""
     function = _function(module, recording)
-    outputs = len(recording.outputs)
-    count, bodies, rows, numbers, all_numbers, *rest = function.args
-    places, rest = rest[:outputs], rest[outputs:]
-    scalars = dict(zip(recording.scalars, rest, strict=False))
-    rest = rest[len(recording.scalars) :]
-    arrays = dict(zip(recording.arrays, rest, strict=False))
-    results = rest[len(recording.arrays) :]
+    arguments = Arguments(function, recording)
     builder = ir.IRBuilder(function.append_basic_block("entry"))
-    with cgutils.for_range(builder, count) as loop:
-        k = loop.index
-
-        def pointer(base: Any, stride: int) -> Any:
-            return builder.gep(base, [builder.mul(k, INT(stride))])
-
-        def body(name: str, slot: int) -> Any:
-            at = builder.load(builder.gep(pointer(bodies, recording.bodies), [INT(slot)]))
-            return builder.gep(arrays[name], [at])
-
-        bases: dict[Any, Any] = {}
-
-        def load(name: tuple[Any, ...]) -> Any:
-            kind, *where = name
-            if kind in scalars:
-                return scalars[kind]
-            if kind == "numbers":
-                key, offset = kind, where[0]
-                base = bases.get(key) or pointer(numbers, recording.numbers)
-            elif kind == "lam":
-                key, offset = kind, where[0]
-                base = bases.get(key) or builder.gep(arrays["lam"], [builder.load(pointer(rows, 1))])
-            else:
-                key, offset = (kind, where[0]), where[1]
-                base = bases.get(key) or body(kind, where[0])
-            bases[key] = base
-            return builder.load(builder.gep(base, [INT(offset)]))
-
-        emitter = Emitter(recording, context, builder, load)
-        emitter.numbers = all_numbers
-        for output, place, result in zip(recording.outputs, places, results, strict=True):
-            at = pointer(place, 2 * len(output.blocks))
-            for n, block in enumerate(output.blocks):
-                _put(builder, emitter, at, n, result, block, output.adds)
+    with cgutils.for_range(builder, arguments.count) as loop:
+        _emit_element(builder, context, recording, arguments, loop.index)
     builder.ret_void()
     return function
+
+
+def _emit_element(builder: Any, context: Any, recording: Recording, arguments: Arguments, k: Any) -> None:
+    """All outputs of element k, block by block."""
+    inputs = Inputs(builder, arguments, k)
+    emitter = Emitter(recording, context, builder, inputs)
+    emitter.numbers = arguments.all_numbers
+    for output, place, result in zip(recording.outputs, arguments.places, arguments.results, strict=True):
+        at = inputs.pointer(place, 2 * len(output.blocks))
+        for n, block in enumerate(output.blocks):
+            _put(builder, emitter, at, n, result, block, output.adds)
 
 
 def _put(builder: Any, emitter: Emitter, at: Any, n: int, result: Any, block: Any, adds: bool) -> None:

@@ -4,7 +4,7 @@ Differences: the largest entry of |exact - differenced|, over the largest of |ex
 forward and central differences. (Central differences of a constraint quadratic in q have no error of their own.) Times:
 each group of operators exact, beside finite differences over compiled functions made in the same way; called from
 compiled code, interleaved, medians. The functions are computed together in one sweep ("shared") or one by one; the
-speed-up is taken over the faster of the two, with central differences.
+speed-up is taken over the faster of the two, with central differences, and once more over forward differences.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..algebra import Array
 from ..elements import GROUPS
 from ..elements.operators import DERIVATIVES
 from ..system import System
-from ..system.group import signature
+from ..system.group import Group, signature
 from .assembly import assemble, project_velocity
 from .saddle import Saddle
 
@@ -29,6 +29,9 @@ FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_
 Plan = tuple[tuple[str, ...], str]  # functions, and the operand that is varied
 ROUNDS = 15
 BATCH_SECONDS = 0.004
+CALIBRATIONS = (
+    5  # runs of a batch, of which the fastest tells its length: one that was interrupted tells nothing
+)
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,11 @@ class Times:
     def speedup(self) -> float:
         """Against central differences, the faster of the two ways."""
         return min(self.shared, self.separate) / self.exact
+
+    @property
+    def speedup_forward(self) -> float:
+        """Against forward differences, which are half the work and less exact."""
+        return self.forward / self.exact
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,7 @@ class Experiment:
             "counts": self.counts,
             "differences": found,
             "speedup": {name: times.speedup for name, times in self.times.items()},
+            "speedup_forward": {name: times.speedup_forward for name, times in self.times.items()},
             "microseconds": micro,
         }
 
@@ -127,11 +136,12 @@ class Difference:
         self, system: System, functions: tuple[str, ...], vary: str, scheme: str, state: dict[str, Any]
     ) -> None:
         group = system.group(*functions)
-        self.run = differences(signature(group.names), group.compiled, vary, scheme)
+        driver, index, self.name = _driver(group)
+        self.run = differences(signature(group.names, self.name), driver, vary, scheme)
         operands = [np.copy(state[key]) if key == vary else state[key] for key in group.operands]
         self.columns = [np.zeros((len(state[vary]), pattern.size)) for pattern in group.patterns]
         self.arguments = [
-            group.index,
+            index,
             system.b,
             *operands,
             *group.allocate(),
@@ -144,6 +154,14 @@ class Difference:
         return self.columns
 
 
+def _driver(group: Group) -> tuple[Any, Any, str]:
+    """What computes a group for all elements, its index tables, and a name for what it does besides the built-in."""
+    bundle, indices = group.bundle()
+    if len(indices) == 1:
+        return group.compiled, group.index, ""
+    return bundle, indices, str(bundle.py_func.__name__)
+
+
 def exact_seconds(system: System, name: str, state: dict[str, Any]) -> float:
     """Median seconds of one exact group."""
     timed = _timed_group(system, name, state)
@@ -152,21 +170,23 @@ def exact_seconds(system: System, name: str, state: dict[str, Any]) -> float:
 
 def _timed_group(system: System, name: str, state: dict[str, Any]) -> _Timed:
     group, outputs = _exact(system, GROUPS[name], state)
-    arguments = [group.index, system.b, *(state[key] for key in group.operands), *outputs]
-    return _Timed(repeated(group.compiled, f"exact_{name}", len(arguments)), arguments)
+    driver, index, suffix = _driver(group)
+    arguments = [index, system.b, *(state[key] for key in group.operands), *outputs]
+    return _Timed(repeated(driver, f"exact_{name}{suffix}", len(arguments)), arguments)
 
 
 def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
-    """Median seconds of one group, exact and differenced, measured in turns."""
-    ways = [[_timed_group(system, name, state)]]
-    separate: list[tuple[tuple[str, ...], str]] = [
-        ((function,), vary) for function, vary in map(function_of, GROUPS[name])
-    ]
+    """Median seconds of one group, exact and differenced, measured in turns; plans that are equal are measured once."""
+    separate: list[Plan] = [((function,), vary) for function, vary in map(function_of, GROUPS[name])]
     shared = _shared(separate)
-    for plan, scheme in ((shared, "central"), (separate, "central"), (shared, "forward")):
-        ways.append([_timed_difference(system, *part, scheme, state) for part in plan])
-    samples = np.array([[sum(timed.seconds() for timed in way) for way in ways] for _ in range(ROUNDS)])
-    return Times(*(float(median) for median in np.median(samples, axis=0)))
+    ways = {"exact": [_timed_group(system, name, state)]}
+    plans = {"shared": (shared, "central"), "separate": (separate, "central"), "forward": (shared, "forward")}
+    for way, (plan, scheme) in plans.items():
+        if way != "separate" or separate != shared:
+            ways[way] = [_timed_difference(system, *part, scheme, state) for part in plan]
+    samples = [[sum(timed.seconds() for timed in way) for way in ways.values()] for _ in range(ROUNDS)]
+    found = dict(zip(ways, map(float, np.median(samples, axis=0)), strict=True))
+    return Times(found["exact"], found["shared"], found.get("separate", found["shared"]), found["forward"])
 
 
 def _shared(plan: list[Plan]) -> list[Plan]:
@@ -182,9 +202,8 @@ def _timed_difference(
 ) -> _Timed:
     difference = Difference(system, functions, vary, scheme, state)
     arguments = [1e-6, *difference.arguments]
-    return _Timed(
-        repeated(difference.run, f"{scheme}_{vary}_{'__'.join(functions)}", len(arguments)), arguments
-    )
+    name = f"{scheme}_{vary}_{'__'.join(functions)}{difference.name}"
+    return _Timed(repeated(difference.run, name, len(arguments)), arguments)
 
 
 class _Timed:
@@ -193,7 +212,7 @@ class _Timed:
     def __init__(self, loop: Any, arguments: list[Any]) -> None:
         self.loop, self.arguments, self.batch = loop, arguments, 1
         loop(1, *arguments)
-        while (taken := self._once()) < BATCH_SECONDS:
+        while (taken := min(self._once() for _ in range(CALIBRATIONS))) < BATCH_SECONDS:
             self.batch = max(2 * self.batch, int(self.batch * BATCH_SECONDS / max(taken, 1e-7)))
 
     def _once(self) -> float:

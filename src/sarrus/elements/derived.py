@@ -5,7 +5,7 @@ Called with numbers of any kind, or with recorded ones, such a kernel computes t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -18,7 +18,10 @@ from .._jit.replay import replay
 from ..algebra import Array, Block
 from .operators import DERIVATIVES, OPERATORS, Axis
 
-Names = Array  # an object array of input names
+HELD = (
+    "Curve",
+    "Memory",
+)  # kinds of fields whose numbers are no design numbers: nothing is differentiated by them
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,8 @@ class Recipe:
     grid: tuple[tuple[Block, ...], ...]
 
 
-def derived(kind: Any, name: str) -> Callable[..., Any]:
-    """The kernel `name` of an element type, made from the operator that it is the derivative of."""
+def derived(name: str) -> Callable[..., Any]:
+    """The kernel `name`, made for each element type from the operator that it is the derivative of."""
     operator = OPERATORS[name]
 
     def kernel(self: Any, x: Any, *arguments: Any) -> Any:
@@ -66,7 +69,7 @@ def recipe_of(kind: Any, name: str) -> Recipe:
     if rule.along is not None:
         along = partition(kind, operands[rule.along])
         lines = tuple((_contracted(line, along),) for line in lines)
-    by = _variables(element, operands, rule.by)
+    by = _variables(kind, operands, rule.by)
     columns = {"q": kind.coordinates(), "v": kind.coordinates(), "b": kind.widths(), "t": (1,)}[rule.by]
     heights = widths(kind, OPERATORS[name].axes[0])
     pairs = zip(lines, heights, strict=True)
@@ -80,14 +83,17 @@ def _contracted(line: tuple[Block, ...], along: Any) -> Block:
     return sum(terms[1:], terms[0]) if terms else None
 
 
-def _variables(element: Any, operands: Mapping[str, Any], by: str) -> list[Expression]:
+def _variables(kind: Any, operands: Mapping[str, Any], by: str) -> list[Expression | None]:
+    """What is differentiated by, None for a number that is held."""
     if by == "b":
-        return list(operands["numbers"])
+        fields = zip(kind.fields.values(), kind.widths(), strict=True)
+        held = [field in HELD for field, width in fields for _ in range(width)]
+        return [None if hold else number for hold, number in zip(held, operands["numbers"], strict=True)]
     return [operands["t"]] if by == "t" else list(operands[by])
 
 
 def _differentiated(
-    graph: Graph, vector: Block, height: int, by: list[Expression], columns: tuple[int, ...]
+    graph: Graph, vector: Block, height: int, by: Sequence[Expression | None], columns: tuple[int, ...]
 ) -> tuple[Block, ...]:
     """The blocks of one block row: the derivative of a vector, cut into columns; one column alone is a vector."""
     if vector is None:

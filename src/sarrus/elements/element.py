@@ -84,7 +84,7 @@ class Element:
         cls.timed = "Time" in cls.fields.values()
         for operator in cls.family:
             if operator.origin == "derived" or (derivatives == "automatic" and _derivable(cls, operator)):
-                setattr(cls, operator.name, derived(cls, operator.name))
+                setattr(cls, operator.name, derived(operator.name))
         missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
         if missing:
             raise ElementError(

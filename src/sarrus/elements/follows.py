@@ -45,19 +45,19 @@ class ConstraintFollows:
     def gamma_q(self, x: Any, v: Any) -> Row:
         """γ_q = -((Φ_q v)_q v)_q, and the derivative of the terms in t, which vanishes where Φ_tq does."""
         if self.timed and self.Phi_q_xi_t(x, v) is not None:
-            return derived(type(self), "gamma_q")(self, x, v)
+            return derived("gamma_q")(self, x, v)
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_q(x, v, v))
 
     def gamma_v(self, x: Any, v: Any) -> Row:
         """γ_v = -2 (Φ_q v)_q, and the derivative of the terms in t, which vanishes where Φ_tq does."""
         if self.timed and self.Phi_q_xi_t(x, v) is not None:
-            return derived(type(self), "gamma_v")(self, x, v)
+            return derived("gamma_v")(self, x, v)
         return tuple(scaled(-2, block) for block in self.Phi_q_xi_q(x, v))
 
     def gamma_b(self, x: Any, v: Any) -> Row:
         """γ_b = -((Φ_q v)_q v)_b, and the derivative of the terms in t."""
         if self.timed:
-            return derived(type(self), "gamma_b")(self, x, v)
+            return derived("gamma_b")(self, x, v)
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..algebra import Array
+from ..elements import recorder
 from ..elements.evaluation import element_from, partition
 from .population import WIDTH, Population
 
-GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
+GROUND = np.array(recorder.GROUND, dtype=float)
 
 
 def local(p: Population, k: int, vector: Array, ground: Array) -> Array:

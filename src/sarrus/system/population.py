@@ -93,6 +93,7 @@ def _lay_out(populations: list[Population]) -> Array:
         at = population.end
     store: list[float] = []
     flat = [number for p in populations for number in _numbers(p, at, store)]
+    assert len(flat) == at, f"{len(flat)} numbers are laid out where {at} have their places"
     return np.array([*flat, *store], dtype=float)
 
 

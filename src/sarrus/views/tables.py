@@ -50,5 +50,5 @@ def _times(found: Any) -> str:
         times = (
             f"{1e6 * t.exact:>9.3f}{1e6 * t.shared:>12.1f}{1e6 * t.separate:>12.1f}{1e6 * t.forward:>10.1f}"
         )
-        lines.append(f"  {name:<11}{times}{t.speedup:>12.0f}{t.forward / t.exact:>10.0f}")
+        lines.append(f"  {name:<11}{times}{t.speedup:>12.0f}{t.speedup_forward:>10.0f}")
     return "\n".join(lines)

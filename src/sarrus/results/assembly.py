@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..algebra import Array
+from .frozen import freeze
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Assembly:
     """Coordinates and velocities that satisfy the constraints, or the best that was found.
 
@@ -26,3 +27,6 @@ class Assembly:
     message: str
     residual: float
     iterations: int
+
+    def __post_init__(self) -> None:
+        freeze(self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,10 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import G
+from .frozen import freeze
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BodyMotion:
     """One body's motion over the times of a trajectory.
 
@@ -29,8 +31,11 @@ class BodyMotion:
     velocity: Array
     angular_velocity: Array
 
+    def __post_init__(self) -> None:
+        freeze(self)
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """States at the times t. Fields as SciPy's solvers name them, time along the first axis.
 
@@ -65,6 +70,9 @@ class Trajectory:
     nrejected: int = 0
     history: Array = field(default_factory=lambda: np.zeros((0, 4)), repr=False)
 
+    def __post_init__(self) -> None:
+        freeze(self)
+
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.
 
@@ -95,15 +103,7 @@ class Trajectory:
         KeyError
             If there is no such coordinate.
         """
-        short = {
-            full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(self.coordinate_names)
-        }
-        full = {full: n for n, full in enumerate(self.coordinate_names)}
-        if name not in short and name not in full:
-            raise KeyError(
-                f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0"
-            )
-        return self.q[:, short.get(name, full.get(name, 0))]
+        return self.q[:, place_of(name, self.coordinate_names, self.name)]
 
     def to_csv(self, path: str | Path) -> None:
         """Write t, q and v as a table with named columns."""
@@ -117,3 +117,13 @@ class Trajectory:
         from importlib import import_module
 
         return import_module("sarrus.views").plot(self, *names, ax=ax)
+
+
+def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
+    """Place in q of a coordinate given by its short or full name; a KeyError, which names the owner, if there is none."""
+    places = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
+    places |= {full: n for n, full in enumerate(coordinate_names)}
+    if name not in places:
+        body = coordinate_names[0].split(".")[0]
+        raise KeyError(f"no coordinate {name!r} in {owner}; try {body}.x or {body}.e0")
+    return places[name]

@@ -19,12 +19,18 @@ from ..projection import Projection
 from ..saddle import SingularSystem
 from .outcome import trajectory_of
 
+SOLVERS = ("DOP853", "RK45", "RK23")
+
 
 @dataclass(frozen=True)
 class ODE:
     """An explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
 
     name: str = "DOP853"
+
+    def __post_init__(self) -> None:
+        if self.name not in SOLVERS:
+            raise ValueError(f"there is no ODE solver {self.name!r}; choose from {', '.join(SOLVERS)}")
 
     def run(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import threading
 import types
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,6 +17,9 @@ from numba.core import config as numba_config
 
 from .cache import KernelCache
 from .emit import Recording, loop
+
+LONGEST_NAME = 60  # characters: kernels are kept in files of their names
+COMPILING = threading.RLock()  # Numba's settings are global, and a driver is made once
 
 
 @dataclass(frozen=True)
@@ -73,17 +77,18 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
 @contextmanager
 def _vectorizer(on: bool) -> Iterator[None]:
     config: Any = numba_config
-    before = config.SLP_VECTORIZE
-    config.SLP_VECTORIZE = int(on)
-    try:
-        yield
-    finally:
-        config.SLP_VECTORIZE = before
+    with COMPILING:
+        before = config.SLP_VECTORIZE
+        config.SLP_VECTORIZE = int(on)
+        try:
+            yield
+        finally:
+            config.SLP_VECTORIZE = before
 
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     """Compile the one function written in `lines`, or find it in the cache under `name` and what it says."""
-    name = f"{name}_{hashlib.sha256(repr(lines).encode()).hexdigest()[:8]}"
+    name = f"{name[:LONGEST_NAME]}_{hashlib.sha256(repr((name, lines)).encode()).hexdigest()[:12]}"
     scope: dict[str, Any] = {}
     exec(compile("\n".join(lines), f"<{name}>", "exec"), {"__name__": __name__, **namespace}, scope)
     (function,) = scope.values()

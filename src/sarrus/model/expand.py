@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from .. import elements
 from .body import Body, MassProperties
+from .connections import check_connections, kind_of
 from .errors import ModelError
 from .findings import Findings
 from .forces import Force
@@ -54,6 +55,11 @@ def expand(model: Model) -> Expanded:
     ModelError
         For the first thing that is wrong, in the order names, bodies, joints, gravity, forces.
     """
+    if not isinstance(model, Model):
+        raise ModelError(
+            f"a system is made of a Model, but this is {show(model)}; read a file with sarrus.load(path)"
+        )
+    _check_lists(model)
     _check_names(model)
     gravity = _gravity(model)
     bodies = _bodies(model)
@@ -71,6 +77,17 @@ def _check_names(model: Model) -> None:
                 _check_kind(part, section)
                 check_name(part.name)
                 _check_new(part.name, seen, section)
+    findings.raise_first()
+
+
+def _check_lists(model: Model) -> None:
+    findings = Findings(model.origin)
+    for section, parts in model.sections().items():
+        with findings.about():
+            given: Any = parts
+            if not isinstance(given, Collection) or isinstance(given, str | Mapping):
+                told = f"{section} must be a list, but is {kind_of(given)}; write [...] around it"
+                raise ModelError(told, field=section)
     findings.raise_first()
 
 
@@ -133,6 +150,7 @@ def _expanded(
     pieces: list[Piece] = []
     for part in parts:
         with findings.about(section, part.name):
+            check_connections(part)
             pieces += [Piece(part.name, primitive) for primitive in part.primitives(poses)]
     return pieces
 

@@ -120,7 +120,7 @@ class Trajectory:
 
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
-    """Place in q of a coordinate given by its short or full name; a KeyError, which names the owner, if there is none."""
+    """Place in q of a coordinate given by its short or full name; a KeyError naming the owner if there is none."""
     places = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
     places |= {full: n for n, full in enumerate(coordinate_names)}
     if name not in places:

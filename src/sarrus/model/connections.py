@@ -20,9 +20,9 @@ WANTED: dict[type, tuple[str, str]] = {
 }
 
 
-def check_connections(part: object) -> None:
+def check_connections(part: Any) -> None:
     """Raise a ModelError for the first field of a part that should hold a body, point or frame, but does not."""
-    for field, kinds in _connections(type(part)).items():
+    for field, kinds in _connections(part.__class__).items():
         value = getattr(part, field)
         if not isinstance(value, kinds):
             wanted = [WANTED[kind] for kind in kinds if kind in WANTED]

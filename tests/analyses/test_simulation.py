@@ -130,3 +130,26 @@ def test_csv(tmp_path: Path) -> None:
     run.to_csv(tmp_path / "run.csv")
     again = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
     assert np.allclose(again, np.column_stack([run.t, run.q, run.v]), rtol=1e-14)
+
+
+@pytest.mark.parametrize("wrong", [{"rtol": -1.0}, {"rtol": float("nan")}, {"atol": 0.0}, {"atol": np.inf}])
+def test_tolerances_are_positive_and_finite(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="tol must be positive and finite, but is"):
+        sr.simulate(slider_crank(), until=0.1, **wrong)  # type: ignore[arg-type]
+
+
+def test_a_wrong_method_is_refused_in_words() -> None:
+    with pytest.raises(ValueError, match="there is no ODE solver 'foo'; choose from DOP853, RK45, RK23"):
+        sr.ODE("foo")
+    with pytest.raises(TypeError, match=r'for a solver of SciPy give ODE\("DOP853"\)'):
+        sr.simulate(slider_crank(), until=0.1, method="DOP853")  # type: ignore[arg-type]
+
+
+def test_results_cannot_be_written_to() -> None:
+    start = sr.assemble(slider_crank())
+    run = sr.simulate(slider_crank(), start, until=0.01)
+    for array in (start.q, start.v, run.t, run.q, run.history, run["crank"].position):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+    assert start == start
+    assert run != sr.simulate(slider_crank(), start, until=0.01)

@@ -72,16 +72,57 @@ def test_a_wrong_model_gives_one_sentence(tmp_path: Path, capsys: pytest.Capture
         assert told.count("\n") == 1
 
 
-def test_a_wrong_coordinate_gives_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["--until", "0.01", "--plot", "slider.w", "--csv", str(tmp_path / "kept.csv")]
-    assert main(["run", SLIDER_CRANK, *arguments]) == 2
-    assert "no coordinate 'slider.w'" in capsys.readouterr().err
-    assert (tmp_path / "kept.csv").exists()
+MISUSE = [
+    ("run {} --until -1", "--until: must be a positive finite number, but is -1"),
+    ("run {} --until inf", "--until: must be a positive finite number, but is inf"),
+    ("run {} --rtol nan", "--rtol: must be a positive finite number, but is nan"),
+    ("run {} --rtol -1", "--rtol: must be a positive finite number, but is -1"),
+    ("run {} --steps 1000000000000", "--steps: must be a whole number from 1 to 1000000"),
+    ("run {} --plot slider.x --figure a.xyz", "--figure: must end in .png, .svg or .pdf, but is a.xyz"),
+    ("run {} --plot slider.w", "no coordinate 'slider.w' in slider-crank; try crank.x"),
+    ("run {} --csv none/a.csv", "there is no folder none; make it first"),
+    ("run {} --csv .", "is a folder; name a file in it"),
+    ("check {} --seed -1", "--seed: must be a whole number of at least 0, but is -1"),
+    ("paper --seed -3", "--seed: must be a whole number of at least 0, but is -3"),
+    ("run none.yaml", "none.yaml: does not exist; check the path"),
+    ("walk", "invalid choice: 'walk'"),
+    ("demo --output {}", "is a file, not a folder; choose another --output"),
+]
 
 
-def test_a_wrong_end_time_gives_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", SLIDER_CRANK, "--until", "-1"]) == 2
-    assert "--until must be a positive time" in capsys.readouterr().err
+@pytest.mark.parametrize(("line", "sentence"), MISUSE, ids=[line for line, _ in MISUSE])
+def test_misuse_gives_one_sentence(line: str, sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([word.format(SLIDER_CRANK) for word in line.split()]) == 2
+    told = capsys.readouterr()
+    assert sentence in told.err
+    assert told.err.startswith("sarrus: ")
+    assert told.err.count("\n") == 1
+    assert not told.out
+
+
+def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def trouble(*args: object, **options: object) -> None:
+        raise ValueError("matrix of odd size")
+
+    monkeypatch.setattr("sarrus.analyses.assemble", trouble)
+    assert main(["run", SLIDER_CRANK]) == 2
+    assert capsys.readouterr().err == "sarrus: matrix of odd size (--debug shows where)\n"
+    assert main(["run", SLIDER_CRANK, "--debug"]) == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_a_run_that_fails_at_the_start_still_says_why(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from sarrus.analyses.dynamics.outcome import nothing
+
+    monkeypatch.setattr(
+        "sarrus.analyses.simulate", lambda system, *args, **options: nothing(system, "stopped", "it is stuck")
+    )
+    assert main(["run", SLIDER_CRANK]) == 1
+    assert "slider-crank: it is stuck; 0 steps" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -10,7 +10,7 @@ from sarrus.algebra import I3, outer, row, single
 from sarrus.elements import OPERATORS, Element, ElementError
 from sarrus.elements import Force as ForceElement
 from sarrus.elements import Primitive as Constraint
-from sarrus.elements.element import Curve, Scalar, Vec3
+from sarrus.elements.element import Curve, Memory, Scalar, Vec3
 from sarrus.elements.evaluation import element_from, grid
 from sarrus.model import Force, Joint
 
@@ -170,3 +170,13 @@ def test_a_kernel_that_branches_is_refused(test):
     operands = {name: graph.inputs(name, 7) for name in ("q", "v")} | {"t": graph.input("t")}
     with pytest.raises(TypeError, match="must not branch on values known only at run time"):
         grid(element_from(kind, np.array([])), OPERATORS["Q"], operands)
+
+
+def test_a_field_of_memory_needs_a_method_that_remembers():
+    with pytest.raises(ElementError, match=r"Forgetful has a field of memory, but no method remember"):
+
+        class Forgetful(ForceElement, bodies=1, derivatives="automatic"):
+            turns: Memory
+
+            def Q(self, x, v, t):
+                return row(self.turns * x.r)[0], None

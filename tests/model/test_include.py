@@ -145,7 +145,7 @@ WRONG = [
         'body "left_h_bolt": mass uses the unknown name "e"; choose from',
     ),
     ("hub", "10 mm", "10 kg", "hub.yaml:3", 'body "left_h_bolt": mass expects kg, but "d * 10 kg/m" is in'),
-    ("hub", HUB, "", "hub.yaml", "file: is empty; give at least"),
+    ("hub", HUB, "", "hub.yaml", ": is empty; give at least"),
     ("hub", HUB, "[]", "hub.yaml:1", "model: must be a mapping; give keys and values"),
     ("hub", HUB, "bodies: [1]", "hub.yaml:1", "model: bodies must be a mapping; give keys and values"),
     ("hub", HUB, "a: [", "hub.yaml:1", "model: is not valid YAML"),

@@ -426,7 +426,7 @@ def test_a_text_that_is_no_model_is_refused(text: str, phrase: str, tmp_path: Pa
 BYTES = [
     ("m.yaml", b"\x7fELF\x02\x01\x01\x00\x00", "is binary, not text; give a YAML or JSON file in UTF-8"),
     ("m.yaml", "name: é".encode("utf-16"), "is binary, not text; give a YAML or JSON file in UTF-8"),
-    ("m.yaml", "name: x\nnote: é".encode("latin-1"), "m.yaml:2: file: is not UTF-8 text; save it as UTF-8"),
+    ("m.yaml", "name: x\nnote: é".encode("latin-1"), "m.yaml:2: is not UTF-8 text; save it as UTF-8"),
     ("m.json", b"", "is empty; give at least a name and bodies"),
     ("m.toml", b"name = 'x'", "must end in .yaml, .yml, .json; rename it"),
     ("m", b"name: x", "must end in .yaml, .yml, .json; rename it"),

@@ -115,3 +115,32 @@ def test_out_must_have_the_operators_pattern() -> None:
     shuffled.indices[:2] = shuffled.indices[1::-1]
     with pytest.raises(ValueError, match="out must be a matrix"):
         system.Phi_q(state["q"], out=shuffled)
+
+
+def test_complex_and_other_operands_are_refused_in_words() -> None:
+    system = slider_crank()
+    with pytest.raises(TypeError, match="q must be real, but holds complex numbers; give its real part"):
+        system.Phi(system.q0 + 1e-20j)
+    with pytest.raises(TypeError, match=r"q must be 21 numbers, but is .rest.; give an array"):
+        system.Phi("rest")
+
+
+def test_unfit_groups_are_refused_in_words() -> None:
+    system = slider_crank()
+    with pytest.raises(ValueError, match="there is no operator 'Phi_qq'; did you mean"):
+        system.group("Phi_qq")
+    with pytest.raises(ValueError, match=r"of the family .*; ask for one group of each family"):
+        system.group("Phi_q", "Q")
+    with pytest.raises(ValueError, match="at least one operator"):
+        system.group()
+
+
+def test_read_only_operands_are_taken_without_compiling_anew() -> None:
+    system, state = slider_crank(), random_state(slider_crank(), None, seed=9)
+    group = system.group("Phi_q")
+    outputs, q = group.allocate(), state["q"].copy()
+    q.setflags(write=False)
+    before = len(group.compiled.signatures)
+    group.run(system.b, *(q if key == "q" else state[key] for key in group.operands), *outputs)
+    assert np.array_equal(outputs[0], system.Phi_q(q).data)
+    assert len(group.compiled.signatures) == before

@@ -8,11 +8,14 @@ and put together, the versions, and the processor.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -75,6 +78,19 @@ def _forget_stale(place: Path, keep: str) -> None:
             os.utime(other)
         elif time.time() - other.stat().st_mtime > STALE_AFTER:
             shutil.rmtree(other, ignore_errors=True)
+
+
+def kept(name: str, make: Callable[[], Any]) -> Any:
+    """A plain value that depends on the sources alone, found in the folder under a name, or made and put there."""
+    file = folder() / f"{name}.json"
+    with suppress(OSError, ValueError):
+        return json.loads(file.read_text(encoding="ascii"))
+    value = make()
+    with suppress(OSError):
+        draft = file.with_name(f"{file.name}.{os.getpid()}")
+        draft.write_text(json.dumps(value), encoding="ascii")
+        draft.replace(file)
+    return value
 
 
 class _Locator:

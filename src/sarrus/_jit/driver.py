@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import threading
 import types
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ from .cache import KernelCache
 from .emit import Recording, loop
 
 LONGEST = 60  # characters of a name: files that Numba keeps have it twice in theirs, of at most 255
+COMPILING = threading.RLock()  # Numba's settings are global, and a driver is made once
 
 
 @dataclass(frozen=True)
@@ -75,12 +77,13 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
 @contextmanager
 def _vectorizer(on: bool) -> Iterator[None]:
     config: Any = numba_config
-    before = config.SLP_VECTORIZE
-    config.SLP_VECTORIZE = int(on)
-    try:
-        yield
-    finally:
-        config.SLP_VECTORIZE = before
+    with COMPILING:
+        before = config.SLP_VECTORIZE
+        config.SLP_VECTORIZE = int(on)
+        try:
+            yield
+        finally:
+            config.SLP_VECTORIZE = before
 
 
 def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import model_file
 from .progress import Bar
+from .values import figure_file, natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..model import Model
@@ -17,9 +19,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the seed of the random states, and a file for a drawing."""
     model_file.arguments(parser)
     parser.add_argument(
-        "--seed", type=int, default=0, help="of the random velocities, directions and multipliers"
+        "--seed", type=natural, default=0, help="of the random velocities, directions and multipliers"
     )
-    parser.add_argument("--draw", metavar="FILE", help="draw the model, .png or .svg")
+    parser.add_argument("--draw", type=figure_file, metavar="FILE", help="draw the model, .png, .svg or .pdf")
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -29,6 +31,7 @@ def run(chosen: argparse.Namespace) -> int:
     from ..model import describe
     from ..system import System
 
+    refuse_unwritable([chosen.draw])
     model = model_file.read(chosen)
     system = System(model)
     start = assemble(system)
@@ -42,7 +45,7 @@ def run(chosen: argparse.Namespace) -> int:
     return 0 if report.ok else 1
 
 
-def _draw(model: Model, file: str) -> None:
+def _draw(model: Model, file: Path) -> None:
     from ..views import mechanism_figure
 
     mechanism_figure(model).savefig(file, dpi=150)

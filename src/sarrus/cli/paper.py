@@ -6,6 +6,7 @@ import argparse
 import json
 
 from .progress import Bar
+from .values import natural
 
 MECHANISMS = ("slider_crank", "hmmwv")
 
@@ -14,7 +15,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """JSON, and the seed of the random state."""
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--seed", type=int, default=1, help="of the random velocity, multipliers and accelerations"
+        "--seed", type=natural, default=1, help="of the random velocity, multipliers and accelerations"
     )
 
 

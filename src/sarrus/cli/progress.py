@@ -1,4 +1,4 @@
-"""A progress bar on the terminal; in a file or pipe, nothing until it is done."""
+"""A progress bar on the terminal; in a file or pipe, one line when it begins and one when it is done."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ class Bar:
 
     def __enter__(self) -> Bar:
         self._show("")
+        if not self._live:
+            print(f"  {self.title} ...", file=sys.stderr, flush=True)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:

@@ -5,21 +5,34 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import model_file
 from .progress import Bar
+from .values import figure_file, intervals, positive, refuse_unwritable
+
+if TYPE_CHECKING:
+    from ..results import Trajectory
+    from ..system import System
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the end time, and what to write."""
     model_file.arguments(parser)
-    parser.add_argument("--until", type=float, default=1.0, help="end time [s] (1)")
-    parser.add_argument("--steps", type=int, default=1000, help="output intervals (1000)")
-    parser.add_argument("--rtol", type=float, default=1e-8, help="relative tolerance (1e-8)")
-    parser.add_argument("--atol", type=float, default=1e-10, help="absolute tolerance (1e-10)")
-    parser.add_argument("--csv", help="file for t, q and v as a table")
+    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
+    parser.add_argument("--steps", type=intervals, default=1000, help="output intervals (1000)")
+    parser.add_argument("--rtol", type=positive, default=1e-8, help="relative tolerance (1e-8)")
+    parser.add_argument("--atol", type=positive, default=1e-10, help="absolute tolerance (1e-10)")
+    parser.add_argument("--csv", type=Path, help="file for t, q and v as a table")
     parser.add_argument("--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x")
-    parser.add_argument("--figure", default="run.png", help="file for the plot, .png or .svg (run.png)")
+    parser.add_argument(
+        "--figure",
+        type=figure_file,
+        default="run.png",
+        help="file for the plot, .png, .svg or .pdf (run.png)",
+    )
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -27,12 +40,11 @@ def run(chosen: argparse.Namespace) -> int:
     import numpy as np
 
     from ..analyses import assemble, simulate
-    from ..model.errors import SarrusError
     from ..system import System
 
-    if not chosen.until > 0 or chosen.steps < 1:
-        raise SarrusError("--until must be a positive time and --steps at least 1")
+    refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
+    _refuse_unknown(chosen.plot or (), system)
     start = assemble(system)
     print(start.message)
     if not start.success:
@@ -44,24 +56,35 @@ def run(chosen: argparse.Namespace) -> int:
         motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **tolerances)
     print(f"{system.name}: {motion.message}; {motion.nsteps} steps in {time.perf_counter() - began:.2f} s")
     for body in motion.bodies:
-        x, y, z = motion[body].position[-1]
-        print(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+        for x, y, z in motion[body].position[-1:]:  # none, if it failed at the start
+            print(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
     _write(chosen, motion)
     return 0 if motion.success else 1
 
 
-def _write(chosen: argparse.Namespace, motion: object) -> None:
+def _refuse_unknown(names: Sequence[str], system: System) -> None:
+    """Raise a SarrusError for a coordinate that cannot be drawn, before anything is simulated."""
     from ..model.errors import SarrusError
-    from ..results import Trajectory
-    from ..views import plot
+    from ..results.trajectory import place_of
+    from ..views.plots import figure_of
 
-    assert isinstance(motion, Trajectory)
+    if names:
+        figure_of(1, 1)  # Matplotlib is there
+    for name in names:
+        try:
+            place_of(name, system.coordinate_names, system.name)
+        except KeyError as unknown:
+            raise SarrusError(unknown.args[0]) from None
+
+
+def _write(chosen: argparse.Namespace, motion: Trajectory) -> None:
+    from ..views.plots import figure_of, plot
+
     if chosen.csv:
         motion.to_csv(chosen.csv)
         print(f"wrote {chosen.csv}", file=sys.stderr)
     if chosen.plot:
-        try:
-            plot(motion, *chosen.plot).figure.savefig(chosen.figure, dpi=150)
-        except KeyError as unknown:
-            raise SarrusError(unknown.args[0]) from None
+        figure = figure_of(7, 3.2)
+        plot(motion, *chosen.plot, ax=figure.subplots())
+        figure.savefig(chosen.figure, dpi=150)
         print(f"wrote {chosen.figure}", file=sys.stderr)

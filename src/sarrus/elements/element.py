@@ -81,6 +81,11 @@ class Element:
             )
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        if "Memory" in cls.fields.values() and not callable(getattr(cls, "remember", None)):
+            raise ElementError(
+                f"element {cls.__name__} has a field of memory, but no method remember(x): write one that returns its "
+                "new values, or annotate the field as Scalar"
+            )
         cls.timed = "Time" in cls.fields.values()
         for operator in cls.family:
             if operator.origin == "derived" or (derivatives == "automatic" and _derivable(cls, operator)):

@@ -8,9 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..elements import Element
+from ..elements.element import WIDTHS
+from .errors import ModelError
 from .expand import BodyState, Piece, expand
+from .findings import part_name
 from .model import Model
-from .quantity import Array
+from .names import find
+from .quantity import Array, number, numbers
+from .show import show
 from .solid import GROUND
 
 
@@ -66,13 +71,50 @@ def blueprint(model: Model) -> Blueprint:
     bodies, pieces, coordinates = expand(model)
     names = tuple(body.name for body in bodies)
     index = {name: number for number, name in enumerate((GROUND, *names))}
-    placed, measures = (tuple(_place(piece, index) for piece in some) for some in (pieces, coordinates))
+    placed, measures = (
+        tuple(_place(piece, index, model) for piece in some) for some in (pieces, coordinates)
+    )
     return Blueprint(model.name, names, _coordinates(bodies), _rates(bodies), placed, measures)
 
 
-def _place(piece: Piece, index: dict[str, int]) -> Placed:
+def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
     element, bodies, values, label = piece.primitive
+    try:
+        _check_bodies(element, bodies, index)
+        _check_values(element, values)
+    except ModelError as wrong:
+        told = f"its element {element.__name__} ({label}) {wrong.sentence}"
+        part = part_name((_section(piece.owner, model), piece.owner))
+        raise ModelError(told, part=part, field=wrong.field, where=model.where(piece.owner)) from None
     return Placed(element, tuple(index[name] for name in bodies), values, piece.owner, label)
+
+
+def _section(owner: str, model: Model) -> str:
+    return next(name for name, parts in model.sections().items() if any(p.name == owner for p in parts))
+
+
+def _check_bodies(element: type[Element], bodies: tuple[str, ...], index: dict[str, int]) -> None:
+    if len(bodies) != element.bodies:
+        raise ModelError(f"is for {element.bodies} bodies, but is given {len(bodies)}; name as many")
+    for name in bodies:
+        find(name, index, "bodies")
+
+
+def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
+    kinds = {name: kind for name, kind in element.fields.items() if kind != "Time"}
+    if len(values) != len(kinds):
+        told = f"takes {len(kinds)} values ({', '.join(kinds)}), but is given {len(values)}"
+        raise ModelError(f"{told}; give one for each")
+    for (name, kind), value in zip(kinds.items(), values, strict=True):
+        if kind == "Curve":
+            if not callable(getattr(value, "numbers", None)):
+                raise ModelError(
+                    f"needs a curve for {name}, but is given {show(value)}; give a Curve", field=name
+                )
+        elif WIDTHS[kind] == 1:
+            number(value, name)
+        else:
+            numbers(value, WIDTHS[kind], name, f"give {WIDTHS[kind]} numbers")
 
 
 def _coordinates(bodies: tuple[BodyState, ...]) -> Array:

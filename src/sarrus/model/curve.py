@@ -58,7 +58,10 @@ class Curve:
         ModelError
             If there are fewer than two pairs, x does not rise, or a number is not finite.
         """
-        return _continued(*_spline(*_columns(pairs, field), field))
+        try:
+            return _continued(*_spline(*_columns(pairs, field), field))
+        except ModelError as wrong:
+            raise ModelError(wrong.sentence, part="curve", field=wrong.field) from None
 
     def numbers(self) -> tuple[float, ...]:
         """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment)."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .. import elements
 from .body import Body, MassProperties
+from .connections import kind_of
 from .coordinate import Coordinate, Known
 from .drivers import Driver
 from .errors import ModelError
@@ -57,6 +58,11 @@ def expand(model: Model) -> Expanded:
     ModelError
         For the first thing that is wrong, in the order names, gravity, bodies, joints, drivers, forces.
     """
+    if not isinstance(model, Model):
+        raise ModelError(
+            f"a system is made of a Model, but this is {show(model)}; read a file with sarrus.load(path)"
+        )
+    _check_lists(model)
     _check_names(model)
     gravity = _gravity(model)
     bodies = _bodies(model)
@@ -81,6 +87,17 @@ def _check_names(model: Model) -> None:
                 _check_kind(part, section)
                 check_name(part.name)
                 _check_new(part.name, seen, section)
+    findings.raise_first()
+
+
+def _check_lists(model: Model) -> None:
+    findings = Findings(model.origin)
+    for section, parts in model.sections().items():
+        with findings.about():
+            given: Any = parts
+            if not isinstance(given, Collection) or isinstance(given, str | Mapping):
+                told = f"{section} must be a list, but is {kind_of(given)}; write [...] around it"
+                raise ModelError(told, field=section)
     findings.raise_first()
 
 
@@ -131,6 +148,7 @@ def _joints(
     pieces: dict[str, list[Piece]] = {}
     for joint in model.joints:
         with findings.about("joints", joint.name):
+            check_connections(joint)
             pieces[joint.name] = [Piece(joint.name, primitive) for primitive in joint.primitives(poses)]
             known[joint.name] = tuple(joint.coordinates(poses))
     for joint in model.joints if not findings.errors else ():
@@ -143,6 +161,7 @@ def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> li
     pieces: list[Piece] = []
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
+            check_connections(driver)
             pieces += [Piece(driver.name, primitive) for primitive in driver.primitives(poses, known)]
     return pieces
 
@@ -151,6 +170,7 @@ def _forces(model: Model, poses: Poses, findings: Findings) -> list[Piece]:
     pieces: list[Piece] = []
     for force in model.forces:
         with findings.about("forces", force.name):
+            check_connections(force)
             pieces += [Piece(force.name, primitive) for primitive in force.primitives(poses)]
     return pieces
 

@@ -10,7 +10,7 @@ import numpy as np
 from .names import find
 from .pose import Poses
 from .quantity import Array, Vec3, Vector, triple, vector
-from .solid import Solid
+from .solid import Solid, refuse_no_solid
 
 Axes: TypeAlias = Literal["body", "global"]
 
@@ -47,6 +47,7 @@ class Point:
 
     def resolve(self, poses: Poses, field: str) -> LocalPoint:
         """Return the point in body axes."""
+        refuse_no_solid(self.body, field)
         given = vector(self.coordinates, field)
         pose = find(self.body.name, poses, field)
         local = given if self.axes == "body" else triple(pose.local_point(np.array(given)))

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from .errors import ModelError
 from .pose import GROUND_POSE, Pose
 from .quantity import Vector
+from .show import show
 
 if TYPE_CHECKING:
     from .frame import Frame
@@ -63,3 +65,10 @@ class Ground(Solid):
 
 
 ground = Ground()
+
+
+def refuse_no_solid(value: object, field: str) -> None:
+    """Raise a ModelError if something else stands where a body or the ground should, such as a body's name."""
+    if not isinstance(value, Solid):
+        told = f"{field} must be on a body, but is {show(value)}; give the Body object (or sarrus.ground)"
+        raise ModelError(told, field=field)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..algebra import Array
+from .frozen import freeze
 
 NONE = np.zeros(0)
 
@@ -33,7 +34,7 @@ class Asked:
     t: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Assembly:
     """Coordinates and velocities that satisfy the constraints, or the best that was found.
 
@@ -62,3 +63,6 @@ class Assembly:
     nu: Array = field(default_factory=lambda: NONE, repr=False)
     nearest: bool = False
     asked: Asked | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        freeze(self)

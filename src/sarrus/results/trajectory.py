@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,12 @@ import numpy as np
 from ..algebra import Array
 from ..euler import G
 from ..system import JointCoordinates
+from .frozen import freeze
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BodyMotion:
     """One body's motion over the times of a trajectory.
 
@@ -32,8 +34,11 @@ class BodyMotion:
     velocity: Array
     angular_velocity: Array
 
+    def __post_init__(self) -> None:
+        freeze(self)
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """States at the times t. Fields as SciPy's solvers name them, time along the first axis.
 
@@ -73,6 +78,9 @@ class Trajectory:
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        freeze(self)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.
@@ -119,15 +127,7 @@ class Trajectory:
         KeyError
             If there is no such coordinate.
         """
-        short = {
-            full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(self.coordinate_names)
-        }
-        full = {full: n for n, full in enumerate(self.coordinate_names)}
-        if name not in short and name not in full:
-            raise KeyError(
-                f"no coordinate {name!r} in {self.name}; try {self.bodies[0]}.x or {self.bodies[0]}.e0"
-            )
-        return self.q[:, short.get(name, full.get(name, 0))]
+        return self.q[:, place_of(name, self.coordinate_names, self.name)]
 
     def reaction(self, joint: str) -> Reaction:
         """What a joint or driver does to its second body over time.
@@ -155,3 +155,13 @@ class Trajectory:
         from importlib import import_module
 
         return import_module("sarrus.views").plot(self, *names, ax=ax)
+
+
+def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
+    """Place in q of a coordinate given by its short or full name; a KeyError naming the owner if there is none."""
+    places = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
+    places |= {full: n for n, full in enumerate(coordinate_names)}
+    if name not in places:
+        body = coordinate_names[0].split(".")[0]
+        raise KeyError(f"no coordinate {name!r} in {owner}; try {body}.x or {body}.e0")
+    return places[name]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.driver import Signature, compiled, driver
+from .._jit.driver import COMPILING, Signature, compiled, driver
 from .._jit.emit import HEADER
 from ..algebra import Array
 from ..elements import BUILT_IN, GROUPS, OPERATORS
@@ -20,7 +20,7 @@ from .population import Population
 class Group:
     """The compiled drivers of a group of operators, with the index tables of one system.
 
-    ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers; `operands` in the order of
+    ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers, unchecked; `operands` in the order of
     `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there
     are `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
     """
@@ -58,7 +58,13 @@ class Group:
         return np.concatenate([headers.reshape(-1), *tables]).astype(np.int64)
 
     def run(self, numbers: Array, *arrays: Any) -> None:
-        """Compute all operators of the group into the outputs given."""
+        """Compute all operators of the group into the outputs given, as fast as compiled code is called.
+
+        Nothing is checked: `numbers` must have the length of `system.b`, operands and outputs the lengths of
+        `allocate()` and of the system, all contiguous arrays of floats, and t a float. Wrong lengths are not noticed:
+        memory beyond the arrays is then read or overwritten. `System.Phi_q` and the like check theirs.
+        """
+        arrays = tuple(_writable(array) for array in arrays)
         self.compiled(self.index, numbers, *arrays)
         for run, index in self._others:
             run(index, numbers, *arrays)
@@ -78,20 +84,26 @@ class Group:
         return [np.zeros(pattern.size) for pattern in self.patterns]
 
 
+def _writable(array: Any) -> Any:
+    """A read-only operand, such as a result's, as a copy: the drivers are compiled for arrays of one type."""
+    return array.copy() if isinstance(array, np.ndarray) and not array.flags.writeable else array
+
+
 USUAL = {variant for kind in BUILT_IN for variant in variants(kind)}
 _drivers: dict[tuple[str, ...], Any] = {}
 
 
 def built_in_driver(names: tuple[str, ...]) -> Any:
     """The driver of a group over all built-in elements of its family: the same code for every system."""
-    if names not in _drivers:
-        family = OPERATORS[names[0]].family
-        kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
-        _drivers[names] = driver(
-            signature(names),
-            [partial(record, variant, names) for kind in kinds for variant in variants(kind)],
-        )
-    return _drivers[names]
+    with COMPILING:
+        if names not in _drivers:
+            family = OPERATORS[names[0]].family
+            kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
+            _drivers[names] = driver(
+                signature(names),
+                [partial(record, variant, names) for kind in kinds for variant in variants(kind)],
+            )
+        return _drivers[names]
 
 
 @cache

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from ..algebra import Array
 from ..elements import GROUPS, OPERATORS
 from ..elements.operators import Axis
+from ..model.show import show, suggest
 from .group import Group
 from .pattern import Layout, Pattern
 from .population import Population
@@ -43,10 +44,16 @@ class Operators:
         Returns
         -------
         Group
-            ``group.run(system.b, *operands, *outputs)``; see `Group`.
+            ``group.run(system.b, *operands, *outputs)``, which checks no lengths; see `Group`.
+
+        Raises
+        ------
+        ValueError
+            If there is no such operator, or they are of several families.
         """
         chosen = GROUPS.get(names[0], names) if len(names) == 1 else names
         if chosen not in self._groups:
+            _refuse_mixed(chosen)
             self._groups[chosen] = Group(chosen, self.populations, [self.pattern(name) for name in chosen])
         return self._groups[chosen]
 
@@ -99,9 +106,14 @@ class Operators:
 
     @staticmethod
     def _vector(key: str, value: Any, length: int) -> Array:
-        vector = np.ascontiguousarray(value, dtype=float)
-        if vector.shape != (length,):
-            raise ValueError(f"{key} must have shape ({length},), but has {vector.shape}")
+        if np.iscomplexobj(value):
+            raise TypeError(f"{key} must be real, but holds complex numbers; give its real part")
+        try:
+            vector = np.ascontiguousarray(value, dtype=float)
+        except (TypeError, ValueError):
+            raise TypeError(f"{key} must be {length} numbers, but is {show(value)}; give an array") from None
+        if np.shape(value) != (length,):
+            raise ValueError(f"{key} must have shape ({length},), but has {np.shape(value)}")
         return vector
 
     def _output(self, name: str, out: Any) -> Any:
@@ -131,6 +143,22 @@ class Operators:
     def axis_names(self, axis: Axis) -> list[str]:
         """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point 0`` or ``spring.k``."""
         return _NAMES[axis](self)
+
+
+def _refuse_mixed(names: tuple[str, ...]) -> None:
+    """Raise a ValueError unless the names are operators of one family."""
+    if not names:
+        raise ValueError(
+            f"a group needs at least one operator; choose from {', '.join(GROUPS)}, or operators"
+        )
+    for name in names:
+        if name not in OPERATORS:
+            known = [*OPERATORS, *GROUPS]
+            raise ValueError(f"there is no operator {name!r}; {suggest(str(name), known)}")
+        if OPERATORS[name].family != OPERATORS[names[0]].family:
+            family, other = OPERATORS[names[0]].family, OPERATORS[name].family
+            told = f"{names[0]} is of the family {family}, but {name} of {other}"
+            raise ValueError(f"{told}; ask for one group of each family")
 
 
 def _holds(data: Any, size: int) -> bool:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
+from .._jit.cache import kept
 from ..algebra import Array
+from ..elements import BUILT_IN
 from ..elements.operators import Axis, Operator
-from ..elements.recorder import structure
+from ..elements.recorder import Variant, structure
 from .population import WIDTH, Population
 
 
@@ -86,7 +89,7 @@ class Layout:
 
     def _structure(self, n: int, operator: Operator) -> tuple[tuple[int, int], ...]:
         population = self.populations[n]
-        return structure(population.variant, operator) if population.count else ()
+        return _structure(population.variant, operator) if population.count else ()
 
     def _vector(self, operator: Operator, members: list[int]) -> Pattern:
         atoms, places = self.atoms(operator.axes[0]), []
@@ -122,6 +125,15 @@ class Layout:
             row, column = self.atom_of(n, operator.axes[0], m), self.atom_of(n, operator.axes[1], c)
             keys[:, k] = row * column_count + column
         return keys
+
+
+@cache
+def _structure(variant: Variant, operator: Operator) -> tuple[tuple[int, int], ...]:
+    """The recorded blocks of an operator; those of built-in elements are kept on disk, beside their kernels."""
+    if variant.kind not in BUILT_IN:
+        return structure(variant, operator)
+    found = kept(f"{variant.name}.{operator.name}", lambda: structure(variant, operator))
+    return tuple((row, column) for row, column in found)
 
 
 def _unique(keys: Array) -> Array:

@@ -10,6 +10,11 @@ from ..results import Trajectory
 
 BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
 MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
+STYLES: tuple[dict[str, Any], ...] = (  # of x, y and z: each is seen where they are equal
+    {"color": BLUE, "linewidth": 1.4},
+    {"color": ORANGE, "linewidth": 2.8},
+    {"color": "#4b5058", "linewidth": 1.4, "linestyle": (0, (3, 3))},
+)
 FLOOR = 1e-17  # shown in place of an error of exactly zero
 
 
@@ -85,15 +90,16 @@ def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
         f"{turning}: spin in body axes [rad/s]": run[turning].angular_velocity,
     }
     for ax, (label, curves) in zip(axes.flat, panels.items(), strict=False):
-        for curve, name, colour in zip(curves.T, "xyz", (BLUE, ORANGE, GREY), strict=True):
-            ax.plot(run.t, curve, linewidth=1.4, label=name, color=colour)
+        for curve, name, style in zip(curves.T, "xyz", STYLES, strict=True):
+            ax.plot(run.t, curve, label=name, **style)
         _tidy(ax).set_title(label, loc="left", fontsize=10)
-    axes[0, 0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
+    lines = axes[0, 0].get_lines()
+    figure.legend(handles=lines, frameon=False, ncols=3, loc="upper right", fontsize=10)
     axes[1, 1].semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=0.8)
     _tidy(axes[1, 1]).set_title("largest constraint violation |Φ|", loc="left", fontsize=10)
     for ax in axes[1]:
         ax.set_xlabel("t [s]")
-    figure.suptitle(run.name)
+    figure.suptitle(run.name, x=0.01, ha="left")
     return figure
 
 
@@ -108,9 +114,10 @@ def check_figure(report: Any, tolerance: float) -> Any:
     ax.scatter(errors, range(len(findings)), color=colours, s=18, zorder=3)
     ax.axvline(tolerance, color=ORANGE, linestyle="--", linewidth=1.0)
     ax.text(
-        tolerance * 0.7, len(findings) - 0.4, "tolerance", color=ORANGE, ha="right", va="bottom", fontsize=8
+        tolerance * 0.7, len(findings) - 1, "tolerance", color=ORANGE, ha="right", va="center", fontsize=8
     )
     ax.set_xscale("log")
+    ax.set_ylim(-0.7, len(findings) - 0.3)
     ax.set_xlim(FLOOR / 2, max(10 * tolerance, *errors))
     ax.set_yticks(range(len(findings)), [f.operator.name for f in findings], fontsize=8, family="monospace")
     ax.set_xlabel("largest relative difference from the independent value")

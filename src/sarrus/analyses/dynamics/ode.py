@@ -22,6 +22,7 @@ from .outcome import trajectory_of
 
 TINY = 1e-6  # of the whole time: steps so short are given up on
 PATIENCE = 20  # after so many of them in a row
+SOLVERS = ("DOP853", "RK45", "RK23")
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,10 @@ class ODE:
     """An explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
 
     name: str = "DOP853"
+
+    def __post_init__(self) -> None:
+        if self.name not in SOLVERS:
+            raise ValueError(f"there is no ODE solver {self.name!r}; choose from {', '.join(SOLVERS)}")
 
     def run(
         self,

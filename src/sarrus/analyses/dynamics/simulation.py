@@ -50,10 +50,11 @@ def simulate(
     Raises
     ------
     ValueError
-        For an end time or times that are not positive and rising.
+        For an end time or times that are not positive and rising, and tolerances that are not positive and finite.
     """
     if not (np.isfinite(until) and until > 0):
         raise ValueError(f"until must be a positive time in s, but is {until}")
+    _refuse_tolerances(rtol=rtol, atol=atol)
     times = np.linspace(0.0, until, 1001) if t_eval is None else np.asarray(t_eval, dtype=float)
     if times.ndim != 1 or not len(times) or np.any(np.diff(times) <= 0) or times[0] < 0 or times[-1] > until:
         raise ValueError("t_eval must be rising times between 0 and until")
@@ -61,7 +62,22 @@ def simulate(
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
-    run = (method or HHT()).run(
-        system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step
-    )
+    run = _method(method).run(system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step)
     return run.at(times)
+
+
+def _refuse_tolerances(**given: float) -> None:
+    for name, value in given.items():
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{name} must be positive and finite, but is {value}; give one like 1e-6")
+
+
+def _method(given: Method | None) -> Method:
+    if given is None:
+        return HHT()
+    if not isinstance(given, HHT | GeneralizedAlpha | ODE):
+        raise TypeError(
+            f"method must be HHT(), GeneralizedAlpha() or ODE(), but is {given!r}; "
+            'for a solver of SciPy give ODE("DOP853")'
+        )
+    return given

@@ -34,7 +34,7 @@ def compiled(path: Path) -> Any:
         If there is no such file, or MuJoCo cannot read it.
     """
     if not path.is_file():
-        raise ModelError("does not exist, or is no file; check the path", part="file", where=str(path))
+        raise ModelError("does not exist, or is no file; check the path", where=str(path))
     try:
         return mujoco().MjModel.from_xml_path(str(path))
     except ValueError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,6 +14,7 @@ class Entry(BaseModel):
     """A mapping with fixed keys."""
 
     model_config = ConfigDict(extra="forbid")
+    instead: ClassVar[str] = ""  # what may stand in place of the mapping, for the sentence about a wrong key
 
     @model_validator(mode="before")
     @classmethod
@@ -22,7 +23,7 @@ class Entry(BaseModel):
             known = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in known:
-                    raise said(f"has no key {quote(key)}; {suggest(key, known)}", key)
+                    raise said(f"has no key {quote(key)}; {suggest(key, known)}{cls.instead}", key)
         return data
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import GenericAlias
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -98,6 +98,8 @@ class FrameEntry(PointEntry):
 
 class TableEntry(Entry):
     """A curve through pairs [x, y]."""
+
+    instead: ClassVar[str] = ", or give a number alone, without a key"
 
     table: list[list[float]]
 

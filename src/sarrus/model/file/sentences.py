@@ -23,7 +23,7 @@ def first_error(error: ValidationError, document: Document) -> ModelError:
     finding: dict[str, Any] = dict(findings[0])
     path = _path(finding, document.data)
     subject = path_text(path[2:] if path and path[0] in KINDS and len(path) > 1 else path)
-    told = _sentence(finding)
+    told = _sentence(finding, str(path[-1]) if path else "")
     return ModelError(
         f"{subject} {told}" if subject else told,
         part=part_name(path),
@@ -45,8 +45,10 @@ def _key(finding: dict[str, Any]) -> str:
     return "type" if finding["type"] == "union_tag_invalid" else str(finding.get("ctx", {}).get("key", ""))
 
 
-def _sentence(finding: dict[str, Any]) -> str:
+def _sentence(finding: dict[str, Any], field: str) -> str:
     kind, ctx, value = finding["type"], finding.get("ctx", {}), finding["input"]
+    if kind == "list_type":
+        return _wrong("a list", LISTS.get(field, "write it in brackets, as in [0, 0, 1]"))(ctx, value)
     say = SENTENCES.get(kind)
     return say(ctx, value) if say else f"{finding['msg'].lower()}, but is {show(value)}; correct it"
 
@@ -75,6 +77,13 @@ def _tag(ctx: dict[str, Any], value: Any) -> str:
     return f"has the unknown type {quote(str(ctx['tag']))}; {suggest(str(ctx['tag']), right)}"
 
 
+LISTS = {  # how a list is written, where three numbers are not the only form
+    "inertia": "write it in brackets, as in [1, 1, 1] for the principal moments, or {xx: 1, yy: 1, zz: 1}",
+    "orientation": "write Euler parameters as [1, 0, 0, 0], a rotation as {axis: [0, 0, 1], angle: 1.57} or "
+    "{angles: [0, 0, 1.57], sequence: xyz}, or three rows of a matrix",
+    "bodies": "write two names in brackets, as in [ground, rod]",
+    "points": "write two points in brackets, as in [{body: ground, at: [0, 0, 0]}, {body: rod, at: [1, 0, 0]}]",
+}
 _mapping = _wrong("a mapping", "give keys and values, as in key: value")
 
 SENTENCES: dict[str, Callable[[dict[str, Any], Any], str]] = {
@@ -84,7 +93,6 @@ SENTENCES: dict[str, Callable[[dict[str, Any], Any], str]] = {
     "float_type": _wrong("a number", FORMS),
     "finite_number": _wrong("a finite number", "check its size and unit"),
     "string_type": _wrong("a text", "put it in quotes if it looks like a number"),
-    "list_type": _wrong("a list", "write it in brackets, as in [0, 0, 1]"),
     "mapping_type": _mapping,
     "dict_type": _mapping,
     "model_type": _mapping,

@@ -55,8 +55,8 @@ def _decoded(path: Path, content: bytes) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         told = "is not UTF-8 text; save it as UTF-8"
-        raise ModelError(told, part="file", where=f"{path}:{line}") from None
+        raise ModelError(told, where=f"{path}:{line}") from None
 
 
 def _refusal(path: Path, sentence: str) -> ModelError:
-    return ModelError(sentence, part="file", where=str(path))
+    return ModelError(sentence, where=str(path))

@@ -65,7 +65,7 @@ class _Reader:
     def document(self) -> Document:
         next(self.events)
         if isinstance(next(self.events), StreamEndEvent):
-            raise ModelError("is empty; give at least a name and bodies", part="file", where=self.file)
+            raise ModelError("is empty; give at least a name and bodies", where=self.file)
         data = self._value(next(self.events), ())
         next(self.events)
         self._refuse_second(next(self.events))

@@ -1,0 +1,73 @@
+"""What may stand behind an option: checked while the command line is read, before anything is computed."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterable
+from math import isfinite
+from pathlib import Path
+
+from ..model.errors import SarrusError
+
+MOST_STEPS = 1_000_000  # output intervals: all states are kept in memory
+FIGURES = (".png", ".svg", ".pdf")
+
+
+def positive(text: str) -> float:
+    """A number greater than 0, and finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not (isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"must be a positive finite number, but is {text}")
+    return value
+
+
+def natural(text: str) -> int:
+    """A whole number that is not negative."""
+    return _whole(text, 0, None)
+
+
+def intervals(text: str) -> int:
+    """A number of output intervals that memory can hold."""
+    return _whole(text, 1, MOST_STEPS)
+
+
+def _whole(text: str, least: int, most: int | None) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = least - 1
+    if value < least or (most is not None and value > most):
+        told = (
+            f"a whole number of at least {least}"
+            if most is None
+            else f"a whole number from {least} to {most}"
+        )
+        raise argparse.ArgumentTypeError(f"must be {told}, but is {text}")
+    return value
+
+
+def figure_file(text: str) -> Path:
+    """A file whose ending Matplotlib can write."""
+    path = Path(text)
+    if path.suffix.lower() not in FIGURES:
+        raise argparse.ArgumentTypeError(
+            f"must end in {', '.join(FIGURES[:-1])} or {FIGURES[-1]}, but is {text}"
+        )
+    return path
+
+
+def refuse_unwritable(files: Iterable[Path | None]) -> None:
+    """Raise a SarrusError for the first file that could not be written."""
+    for file in files:
+        if file is None:
+            continue
+        if file.is_dir():
+            raise SarrusError(f"{file}: is a folder; name a file in it")
+        if not file.parent.is_dir():
+            raise SarrusError(f"{file}: there is no folder {file.parent}; make it first")
+        if not os.access(file if file.exists() else file.parent, os.W_OK):
+            raise SarrusError(f"{file}: cannot be written; choose another place")

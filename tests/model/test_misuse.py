@@ -1,0 +1,86 @@
+"""Misuse from Python is one sentence that names the part and says what to do instead."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+import sarrus as sr
+from sarrus import elements
+from sarrus.model.forces import Force
+from sarrus.model.pose import Poses
+from sarrus.model.primitive import Primitive
+
+CRANK = sr.Body("crank", mass=1.0, inertia=(1, 1, 1))
+ROD = sr.Body("rod", mass=1.0, inertia=(1, 1, 1))
+
+
+class Free(Force):
+    """A force that yields what it is given."""
+
+    def __init__(self, *values: Any, bodies: tuple[str, ...] = ("crank",)) -> None:
+        object.__setattr__(self, "name", "mine")
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "bodies", bodies)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        yield Primitive(elements.Torque, self.bodies, self.values, "torque")  # type: ignore[attr-defined]
+
+
+del Force.kinds["free"]  # of this test only
+
+P: Any = (0.0, 0.0, 0.0)
+WRONG: list[tuple[Any, str]] = [
+    (
+        sr.Revolute("a", "ground", CRANK, point=P, axis=(0, 0, 1)),  # type: ignore[arg-type]
+        'joint "a": body_i must be a body, but is "ground"; give the Body object (or sarrus.ground)',
+    ),
+    (
+        sr.Torque("t", "crank", torque=P),  # type: ignore[arg-type]
+        'force "t": body must be a body, but is "crank"; give the Body object (or sarrus.ground)',
+    ),
+    (
+        sr.TSDA("s", CRANK, ROD.point(1, 0, 0), k=1.0, length=1.0),  # type: ignore[arg-type]
+        'force "s": point_i must be a point of a body, but is a Body; give body.point(x, y, z)',
+    ),
+    (
+        sr.TSDA("s", sr.Point("crank", P), ROD.point(1, 0, 0), k=1.0, length=1.0),  # type: ignore[arg-type]
+        'force "s": point_i must be on a body, but is "crank"; give the Body object (or sarrus.ground)',
+    ),
+    (
+        Free(),
+        'force "mine": its element Torque (torque) takes 1 values (torque), but is given 0; give one for each',
+    ),
+    (Free((1, 2)), "torque must have 3 numbers, but has 2; give 3 numbers"),
+    (Free("push"), 'torque must be a list of numbers, but is "push"; give 3 numbers'),
+    (Free(P, bodies=("crank", "rod")), "is for 1 bodies, but is given 2; name as many"),
+    (Free(P, bodies=("crunk",)), 'there is no body "crunk"; did you mean "crank"?'),
+]
+
+
+@pytest.mark.parametrize(("part", "sentence"), WRONG, ids=range(len(WRONG)))
+def test_a_part_of_wrong_things_is_refused(part: Any, sentence: str) -> None:
+    is_joint = isinstance(part, sr.Revolute)
+    parts: Any = {"joints": [part]} if is_joint else {"forces": [part]}
+    with pytest.raises(sr.ModelError) as caught:
+        sr.System(sr.Model("m", [CRANK, ROD], **parts))
+    assert sentence in str(caught.value)
+
+
+def test_a_part_alone_is_no_list() -> None:
+    pin: Any = sr.Revolute("pin", sr.ground, CRANK, point=P, axis=(0, 0, 1))
+    with pytest.raises(
+        sr.ModelError, match=r"joints must be a list, but is a Revolute; write \[...\] around it"
+    ):
+        sr.System(sr.Model("m", [CRANK], pin))
+
+
+def test_a_system_is_made_of_a_model() -> None:
+    wrong: Any = "crank.yaml"
+    with pytest.raises(sr.ModelError, match=r'made of a Model, but this is "crank.yaml"; read a file with'):
+        sr.System(wrong)
+
+
+def test_a_table_that_is_none_says_so_by_name() -> None:
+    with pytest.raises(sr.ModelError, match="curve: table must have at least two points"):
+        sr.Curve.table([(0, 0)])

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from .. import elements
 from .body import Body, MassProperties
-from .connections import kind_of
+from .connections import check_connections, kind_of
 from .coordinate import Coordinate, Known
 from .drivers import Driver
 from .errors import ModelError

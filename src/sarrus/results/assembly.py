@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..algebra import Array
-from .frozen import freeze
 
 NONE = np.zeros(0)
 
@@ -63,6 +62,3 @@ class Assembly:
     nu: Array = field(default_factory=lambda: NONE, repr=False)
     nearest: bool = False
     asked: Asked | None = field(default=None, repr=False)
-
-    def __post_init__(self) -> None:
-        freeze(self)

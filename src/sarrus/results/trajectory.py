@@ -12,7 +12,6 @@ import numpy as np
 from ..algebra import Array
 from ..euler import G
 from ..system import JointCoordinates
-from .frozen import freeze
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
 
@@ -33,9 +32,6 @@ class BodyMotion:
     euler: Array
     velocity: Array
     angular_velocity: Array
-
-    def __post_init__(self) -> None:
-        freeze(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +74,6 @@ class Trajectory:
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        freeze(self)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.

@@ -150,14 +150,19 @@ def _tables(case: Case, n: int, population: Any) -> list[np.ndarray]:
         every = structure(variants(population.kind)[0], operator)
         table = np.full((population.count, len(every), 2), -1)
         for k, place in enumerate(structure(population.variant, operator) if population.count else ()):
-            table[:, every.index(_among_all(place, operator, slots))] = pattern.places[n][:, k]
+            table[:, every.index(among_all(place, operator, slots))] = pattern.places[n][:, k]
         tables.append(table)
     numbers = case.system.b[population.at : population.end]
-    bodies = np.array([firsts(population, k) for k in range(population.count)], dtype=np.int64)
-    return [numbers, bodies.reshape(-1, population.kind.bodies), population.rows, *tables]
+    return [numbers, bodies_of(population), population.rows, *tables]
 
 
-def _among_all(place: tuple[int, ...], operator: Operator, slots: tuple[int, ...]) -> tuple[int, ...]:
+def bodies_of(population: Any) -> np.ndarray:
+    """First coordinate of each body of every element, negative for ground: (count, bodies)."""
+    found = np.array([firsts(population, k) for k in range(population.count)], dtype=np.int64)
+    return found.reshape(-1, population.kind.bodies)
+
+
+def among_all(place: tuple[int, ...], operator: Operator, slots: tuple[int, ...]) -> tuple[int, ...]:
     """A block's place counted over all bodies of an element, of its place counted over the moving ones."""
     axes = (*operator.axes, Axis.ROWS)[:2]
     return tuple(

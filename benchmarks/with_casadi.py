@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from definitions import CONSTRAINTS, FORCES, momentum_rate
-from subjects import Case, build, built
+from subjects import Case, bodies_of, build, built
 
 LOOP = """
 #include <string.h>
@@ -46,9 +46,9 @@ def _elements(case: Case, q: Any, numbers: Any) -> Any:
     """Kind, coordinates of the bodies, numbers, first row and a function that takes the same part of other states."""
     ground = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     for population in case.populations():
-        size = population.kind.size()
+        size, everywhere = population.kind.size(), bodies_of(population)
         for k in range(population.count):
-            bodies = [int(b) for b in population.bodies[k]]
+            bodies = [int(b) for b in everywhere[k]]
 
             def part(state: Any, rest: list[float], bodies: list[int] = bodies) -> list[Any]:
                 return [x for b in bodies for x in (_scalars(state[b : b + 7]) if b >= 0 else rest)]

@@ -20,7 +20,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from definitions import CONSTRAINTS, FORCES, momentum_rate
-from subjects import SILENT, Case
+from subjects import SILENT, Case, among_all, bodies_of
 
 from sarrus.elements import OPERATORS
 from sarrus.elements.recorder import structure
@@ -87,7 +87,9 @@ def _targets(case: Case, n: int, population: Any, name: str) -> np.ndarray:
         height = population.kind.rows
     target = np.full((population.count, height, 7 * population.kind.bodies), -1)
     starts, widths = (0, 3, 7, 10), (3, 4, 3, 4)
-    for k, (m, c) in enumerate(structure(population.variant, OPERATORS[name])):
+    operator, slots = OPERATORS[name], population.variant.slots
+    for k, place in enumerate(structure(population.variant, operator)):
+        m, c = among_all(place, operator, slots)
         base, stride = pattern.places[n][:, k, 0], pattern.places[n][:, k, 1]
         top, rows = (starts[m], widths[m]) if height == 7 * population.kind.bodies else (0, height)
         for r in range(rows):
@@ -114,7 +116,8 @@ class Jitted:
             for _, p in members:
                 count = p.count
                 values = b[p.at : p.end].reshape(count, -1)
-                take = np.where(p.bodies >= 0, p.bodies, case.system.nq)[..., None] + np.arange(7)
+                bodies = bodies_of(p)
+                take = np.where(bodies >= 0, bodies, case.system.nq)[..., None] + np.arange(7)
                 per = []
                 for k, state in enumerate(states):
                     if case.group_name == "kinematic" and k == 3:

@@ -218,7 +218,7 @@ class ConstraintOperators(Operators):
     def gamma_b(
         self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None
     ) -> csr_array:
-        """γ_b = -((Φ_q v)_q v)_b.
+        """γ_b = -((Φ_q v)_q v)_b - 2 ((Φ_q v)_t)_b - (Φ_tt)_b.
 
         Returns
         -------

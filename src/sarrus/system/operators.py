@@ -141,7 +141,7 @@ class Operators:
         return found.start[found.width > 0]
 
     def axis_names(self, axis: Axis) -> list[str]:
-        """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point 0`` or ``spring.k``."""
+        """A name for every row or column along an axis, e.g. ``crank.r.x``, ``pin: point x`` or ``spring[tsda].k``."""
         return _NAMES[axis](self)
 
 

@@ -1,0 +1,49 @@
+"""The benchmarks run, and say what the documentation says that they do; their times are nobody's business here."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parent.parent / "benchmarks"
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("gcc") is None, reason="the benchmarks need gcc"),
+]
+
+
+def figures(script: str, *options: str) -> dict[str, Any]:
+    """What a benchmark prints with --json."""
+    command = [sys.executable, str(FOLDER / script), "--json", *options]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def test_derivatives() -> None:
+    """Sarrus and its twin in C compute the same numbers."""
+    found = figures("derivatives.py", "--quick", "--rounds", "2", "--without", "casadi", "jax")
+    for mechanism in ("slider_crank", "hmmwv"):
+        for group in ("kinematic", "force", "inertia"):
+            assert found[f"{mechanism}.{group}.c_error"] < 1e-12
+            assert found[f"{mechanism}.{group}.sarrus_us"] > 0
+            assert found[f"{mechanism}.{group}.sarrus_over_c"] > 0
+
+
+def test_chain() -> None:
+    found = figures("chain.py", "--quick", "--sizes", "5", "20", "--repeats", "1")
+    assert found
+    assert all(value >= 0 for name, value in found.items() if "evaluation" in name)
+
+
+def test_allocation() -> None:
+    found = figures("allocation.py", "--calls", "1000")
+    for group in ("kinematic", "force", "inertia"):
+        assert found[f"{group}.strange_calls"] == []
+        assert found[f"{group}.mallocs_compiled"] == found[f"{group}.numba_allocations"] == 0

@@ -64,5 +64,7 @@ def test_a_constant_is_one_segment() -> None:
     ],
 )
 def test_a_wrong_table_is_refused(pairs: list[tuple[float, ...]], phrase: str) -> None:
-    with pytest.raises(ModelError, match=f"^curve: table .*{phrase}.*; give a table|^curve: table .*{phrase}.*; sort"):
+    with pytest.raises(
+        ModelError, match=f"^curve: table .*{phrase}.*; give a table|^curve: table .*{phrase}.*; sort"
+    ):
         Curve.table(pairs)

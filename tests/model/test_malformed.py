@@ -203,7 +203,11 @@ EDITS = [
     ),
     Wrong("bodies: [ground, rod]", "bodies: [rod]", 16, PIN, "bodies must have 2 entries, but has 1; give 2"),
     Wrong(
-        "bodies: [ground, rod]", "bodies: rod", 16, PIN, 'bodies must be a list, but is "rod"; write it in'
+        "bodies: [ground, rod]",
+        "bodies: rod",
+        16,
+        PIN,
+        'bodies must be a list, but is "rod"; write two names in',
     ),
     Wrong(
         "bodies: [ground, rod]",

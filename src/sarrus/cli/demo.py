@@ -27,7 +27,6 @@ def run(chosen: argparse.Namespace) -> int:
     from ..mechanisms import path
     from ..model import load
     from ..system import System
-    from ..system.warm import warm
 
     began = time.perf_counter()
     folder = _folder(chosen.output)
@@ -38,10 +37,8 @@ def run(chosen: argparse.Namespace) -> int:
         f"{counts['joint_equations']} + {counts['normalizations']} constraint equations, "
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
-    groups = _slowest_first(system.compilable())
-    with Bar("compiling kernels (the first time only)", len(groups)) as bar:
-        warm(groups, bar.step)
-        system.compile()
+    with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
+        system.compile(bar.step)
     start = assemble(system)
     print(start.message)
     report = system.check_derivatives()
@@ -71,11 +68,6 @@ def _folder(folder: Path) -> Path:
         raise SarrusError(f"{folder}: is a file, not a folder; choose another --output") from None
     refuse_unwritable([folder / "slider_crank_motion.png"])
     return folder
-
-
-def _slowest_first(groups: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The order in which several processes finish at the same time; longer names are of higher derivatives."""
-    return sorted(groups, key=lambda names: -sum(map(len, names)))
 
 
 def _times(system: Any, start: Any) -> str:

@@ -7,7 +7,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..model.errors import SarrusError
 from .progress import Bar
 from .values import refuse_unwritable
 
@@ -62,6 +61,8 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _folder(folder: Path) -> Path:
     """Make the folder for the plots, or say why not, before anything is computed."""
+    from ..model.errors import SarrusError
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):

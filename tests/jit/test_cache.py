@@ -120,3 +120,23 @@ def test_without_any_folder_it_still_runs(copy: Path, tmp_path: Path) -> None:
     blocked.write_text("")
     _, _, folder = finish(start(copy, XDG_CACHE_HOME=str(blocked), SARRUS_CACHE_DIR=str(blocked)))
     assert folder.exists() or folder.name.startswith(("kernels-", "sarrus-"))
+
+
+def test_a_kernel_of_a_long_name_has_a_short_file_name() -> None:
+    from sarrus._jit.driver import compiled
+
+    one, other = (compiled("Phi_q_" * 60 + end, ["def f(x):", "    return x + 1"], {}) for end in "ab")
+    assert one(1.0) == 2.0
+    assert len(one.py_func.__name__) < 80
+    assert one.py_func.__name__ != other.py_func.__name__
+
+
+def test_kept_values_are_made_once() -> None:
+    from sarrus._jit.cache import folder, kept
+
+    made: list[int] = []
+    name = f"of_a_test_{os.getpid()}"
+    found = [kept(name, lambda: made.append(1) or [[1, 2]]) for _ in range(2)]  # type: ignore[func-returns-value]
+    (folder() / f"{name}.json").unlink()
+    assert found == [[[1, 2]], [[1, 2]]]
+    assert made == [1]

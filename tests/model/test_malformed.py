@@ -117,7 +117,7 @@ EDITS = [
     ),
     Wrong("[1.0, 1.0, 0.5]", "[[1, 0], [0, 1], [0, 0]]", 6, ROD, "inertia[0] must have 3 entries, but has 2"),
     Wrong("[1.0, 1.0, 0.5]", "[1.0, 1.0]", 6, ROD, "inertia must have 3 entries, but has 2; give 3"),
-    Wrong("[1.0, 1.0, 0.5]", "1.0", 6, ROD, "inertia must be a list, but is 1.0; write it in brackets"),
+    Wrong("[1.0, 1.0, 0.5]", "1.0", 6, ROD, "is 1.0; write it in brackets, as in [1, 1, 1]"),
     Wrong("zz: 0.5}", "zz: 0.5, yx: 0}", 11, BOB, 'inertia has no key "yx"; choose from xx, yy, zz,'),
     Wrong(", zz: 0.5}", "}", 11, BOB, "inertia.zz is missing; add it"),
     # bodies: pose

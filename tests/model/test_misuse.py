@@ -1,6 +1,7 @@
 """Misuse from Python is one sentence that names the part and says what to do instead."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -84,3 +85,25 @@ def test_a_system_is_made_of_a_model() -> None:
 def test_a_table_that_is_none_says_so_by_name() -> None:
     with pytest.raises(sr.ModelError, match="curve: table must have at least two points"):
         sr.Curve.table([(0, 0)])
+
+
+SAID = [
+    (
+        "k: {formula: 5 * l}",
+        'k has no key "formula"; choose from table, or give a number alone, without a key',
+    ),
+    ("k: 5, body: 1", 'has no key "body"'),
+]
+
+
+@pytest.mark.parametrize(("k", "sentence"), SAID)
+def test_a_stiffness_may_be_a_number_too(k: str, sentence: str, tmp_path: Path) -> None:
+    file = tmp_path / "m.yaml"
+    points = "[{body: ground, at: [0, 0, 0]}, {body: rod, at: [0, 0, 1]}]"
+    file.write_text(
+        "name: m\nbodies: {rod: {mass: 1, inertia: [1, 1, 1]}}\n"
+        f"forces: {{spring: {{type: tsda, points: {points}, length: 1, {k}}}}}\n"
+    )
+    with pytest.raises(sr.ModelError) as caught:
+        sr.load(file)
+    assert sentence in str(caught.value)

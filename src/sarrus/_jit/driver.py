@@ -68,7 +68,7 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
             if wanted
         ]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
-    result = compiled(signature.name, lines, loops)
+    result = compiled(signature.name, [*lines, "    return"], loops)
     with _vectorizer(signature.hot):
         result.compile(signature.types())
     return result

@@ -7,7 +7,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..model.errors import SarrusError
 from .progress import Bar
 from .values import refuse_unwritable
 
@@ -27,7 +26,6 @@ def run(chosen: argparse.Namespace) -> int:
     from ..mechanisms import path
     from ..model import load
     from ..system import System
-    from ..system.warm import warm
 
     began = time.perf_counter()
     folder = _folder(chosen.output)
@@ -38,10 +36,8 @@ def run(chosen: argparse.Namespace) -> int:
         f"{counts['joint_equations']} + {counts['normalizations']} constraint equations, "
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
-    groups = _slowest_first(system.compilable())
-    with Bar("compiling kernels (the first time only)", len(groups)) as bar:
-        warm(groups, bar.step)
-        system.compile()
+    with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
+        system.compile(bar.step)
     start = assemble(system)
     print(start.message)
     report = system.check_derivatives()
@@ -65,17 +61,14 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _folder(folder: Path) -> Path:
     """Make the folder for the plots, or say why not, before anything is computed."""
+    from ..model.errors import SarrusError
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         raise SarrusError(f"{folder}: is a file, not a folder; choose another --output") from None
     refuse_unwritable([folder / "slider_crank_motion.png"])
     return folder
-
-
-def _slowest_first(groups: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The order in which several processes finish at the same time; longer names are of higher derivatives."""
-    return sorted(groups, key=lambda names: -sum(map(len, names)))
 
 
 def _times(system: Any, start: Any) -> str:

@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from math import isfinite
 from pathlib import Path
 
-from ..model.errors import SarrusError
-
 MOST_STEPS = 1_000_000  # output intervals: all states are kept in memory
 FIGURES = (".png", ".svg", ".pdf")
 
@@ -62,6 +60,8 @@ def figure_file(text: str) -> Path:
 
 def refuse_unwritable(files: Iterable[Path | None]) -> None:
     """Raise a SarrusError for the first file that could not be written."""
+    from ..model.errors import SarrusError
+
     for file in files:
         if file is None:
             continue

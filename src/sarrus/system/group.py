@@ -34,13 +34,14 @@ class Group:
         self.operands = (*(n for n in found if n in SCALARS), *(n for n in found if n not in SCALARS))
         family = OPERATORS[names[0]].family
         members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
-        built_in = [n for n, p in enumerate(members) if p.variant in USUAL]
+        shared = not any(is_long(name) for name in names)
+        built_in = [n for n, p in enumerate(members) if p.variant in USUAL and shared]
         self.index = self._pack(members, built_in)
         self.compiled = built_in_driver(names)
         self._others = [
-            (user_driver(names, members[n].variant), self._pack(members, [n]))
+            (own_driver(names, members[n].variant), self._pack(members, [n]))
             for n in range(len(members))
-            if n not in built_in
+            if n not in built_in and (members[n].count or shared)
         ]
 
     def _pack(self, members: Sequence[Population], chosen: Sequence[int]) -> Array:
@@ -93,12 +94,22 @@ USUAL = {variant for kind in BUILT_IN for variant in variants(kind)}
 _drivers: dict[tuple[str, ...], Any] = {}
 
 
+def is_long(name: str) -> bool:
+    """Whether an operator is a derived matrix, whose code for all elements would take long to compile."""
+    return OPERATORS[name].origin == "derived" and not OPERATORS[name].is_vector
+
+
 def built_in_driver(names: tuple[str, ...]) -> Any:
-    """The driver of a group over all built-in elements of its family: the same code for every system."""
+    """The driver of a group over all built-in elements of its family: the same code for every system.
+
+    Long operators are not compiled for elements that a system does not have: their driver only clears.
+    """
     with COMPILING:
         if names not in _drivers:
             family = OPERATORS[names[0]].family
             kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
+            if any(is_long(name) for name in names):
+                kinds = []
             _drivers[names] = driver(
                 signature(names),
                 [partial(record, variant, names) for kind in kinds for variant in variants(kind)],
@@ -107,8 +118,15 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 
 
 @cache
-def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
-    """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
+def own_driver(names: tuple[str, ...], variant: Variant) -> Any:
+    """The driver of a group over one variant alone.
+
+    That of a built-in element is kept under its name, that of a user's under the hash of what it computes.
+    """
+    if variant in USUAL:
+        with COMPILING:
+            told = signature(names, variant.name)
+            return driver(told, [partial(record, variant, names)], clear=False)
     recording = record(variant, names)
     return driver(signature(names, recording.fingerprint()), [lambda: recording], clear=False)
 

@@ -9,14 +9,13 @@ import numpy as np
 
 from ...model.errors import ModelError
 from ...model.frame import Frame
-from ...model.joints import Cylindrical, Fixed, Joint, Revolute, Spherical, Translational, Universal
+from ...model.joints import Cylindrical, Fixed, Joint, Planar, Revolute, Spherical, Translational, Universal
 from ...model.motion import Ball, Free, Motion, Slide, Turn
 from ...model.point import Point
 from ...model.pose import Pose
 from ...model.quantity import Array
 from ...model.rotation import perpendicular
 from ...model.solid import Solid
-from .planar import planar
 
 NEAR = 1e-9  # [-, m] how far axes may be from parallel, perpendicular or meeting in a point
 
@@ -83,7 +82,7 @@ def _planar(hinge: Hinge, motions: Motions) -> Joint:
     across = max(abs(a.axis @ turn.axis), abs(b.axis @ turn.axis)) < NEAR
     if not across or np.linalg.norm(np.cross(a.axis, b.axis)) < NEAR:
         return _refused(hinge, motions)
-    return hinge.about(planar(), turn.point, turn.axis)
+    return hinge.about(Planar, turn.point, turn.axis)
 
 
 def _universal(hinge: Hinge, motions: Motions) -> Joint:

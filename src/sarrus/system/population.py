@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..elements import BUILT_IN, Element, Normalization
+from ..elements import COMMON, Element, Normalization
 from ..elements.element import WIDTHS
 from ..elements.recorder import Variant, distinct, variants
 from ..model import Placed
@@ -60,10 +60,10 @@ def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population
 
     Returns
     -------
-    populations : the usual variants of the built-in kinds first, in their fixed order, then all others
+    populations : the usual variants of the common kinds first, in their fixed order, then all others
     numbers : all numbers of all elements, then the curves
     """
-    members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}
+    members: dict[Variant, list[Any]] = {variant: [] for kind in COMMON for variant in variants(kind)}
     normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
     for p in (*placed, *normalizations):

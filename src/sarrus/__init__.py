@@ -17,25 +17,36 @@ if TYPE_CHECKING:
     from .analyses import simulate as simulate
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
+    from .model import AngleFriction as AngleFriction
+    from .model import AngleStop as AngleStop
     from .model import AxisAngle as AxisAngle
     from .model import Body as Body
+    from .model import Bushing as Bushing
     from .model import Curve as Curve
     from .model import Cylindrical as Cylindrical
     from .model import Distance as Distance
+    from .model import Drag as Drag
     from .model import EulerAngles as EulerAngles
     from .model import Fixed as Fixed
+    from .model import Formula as Formula
     from .model import Frame as Frame
+    from .model import LengthStop as LengthStop
     from .model import Model as Model
     from .model import ModelError as ModelError
     from .model import Point as Point
     from .model import PointForce as PointForce
     from .model import Revolute as Revolute
+    from .model import RoadTyre as RoadTyre
     from .model import SarrusError as SarrusError
+    from .model import SphereContact as SphereContact
     from .model import Spherical as Spherical
     from .model import Torque as Torque
     from .model import Translational as Translational
+    from .model import TravelFriction as TravelFriction
+    from .model import TravelStop as TravelStop
     from .model import Tyre as Tyre
     from .model import Universal as Universal
+    from .model import ViscousDrag as ViscousDrag
     from .model import ground as ground
     from .model import load as load
     from .results import Assembly as Assembly
@@ -46,8 +57,9 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "model": (
-        "AxisAngle Body Curve Cylindrical Distance EulerAngles Fixed Frame Model ModelError Point PointForce RSDA "
-        "Revolute SarrusError Spherical TSDA Torque Translational Tyre Universal ground load"
+        "AngleFriction AngleStop AxisAngle Body Bushing Curve Cylindrical Distance Drag EulerAngles Fixed Formula "
+        "Frame LengthStop Model ModelError Point PointForce RSDA Revolute RoadTyre SarrusError SphereContact "
+        "Spherical TSDA Torque Translational TravelFriction TravelStop Tyre Universal ViscousDrag ground load"
     ),
     "system": "System",
     "analyses": "ODE assemble simulate",

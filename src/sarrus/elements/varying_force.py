@@ -1,4 +1,4 @@
-"""Forces at a point of a body that vary in time, fixed in space or turning with the body. Each is a constant one at t."""
+"""Forces at a point of a body that vary in time, fixed in space or turning with the body: constant ones at each t."""
 
 from __future__ import annotations
 

@@ -19,8 +19,11 @@ from pydantic import (
 )
 
 from ..curve import Curve
+from ..forces.history import Load
 from ..frame import Frame
 from ..inertia import Inertia
+from ..law import Law
+from ..matrix6 import Matrix6, Vector6
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
@@ -44,6 +47,8 @@ Three = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Four = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Rows = Annotated[list[Three], Field(min_length=3, max_length=3)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Six = Annotated[list[Number], Field(min_length=6, max_length=6)]
+SixRows = Annotated[list[Six], Field(min_length=6, max_length=6)]
 Name = Annotated[StrictStr, AfterValidator(BodyRef)]
 
 
@@ -131,6 +136,10 @@ def _number_or_table(value: Any) -> str:
     return "(table)" if isinstance(value, (dict, TableEntry)) else "(number)"
 
 
+def _matrix6(value: Any) -> str:
+    return "(matrix)" if _has_rows(value) else "(diagonal)"
+
+
 def _inertia(value: Any) -> str:
     if isinstance(value, (dict, InertiaEntry)):
         return "(entries)"
@@ -150,6 +159,10 @@ def _has_rows(value: Any) -> bool:
 NumberOrTable = Annotated[
     Annotated[Number, Tag("(number)")] | Annotated[TableEntry, Tag("(table)")],
     Discriminator(_number_or_table),
+]
+Matrix6Form = Annotated[
+    Annotated[Six, Tag("(diagonal)")] | Annotated[SixRows, Tag("(matrix)")],
+    Discriminator(_matrix6),
 ]
 InertiaForm = Annotated[
     Annotated[Three, Tag("(principal)")]
@@ -177,7 +190,10 @@ _FORMS: dict[frozenset[Any], Any] = {
     _parts(Solid): Name,
     _parts(Point): PointEntry,
     _parts(Frame): FrameEntry,
-    _parts(float | Curve): NumberOrTable,
+    _parts(Law): NumberOrTable,
+    _parts(Load): Annotated[list[NumberOrTable], Field(min_length=3, max_length=3)],
+    _parts(Vector6): Six,
+    _parts(Matrix6): Matrix6Form,
     _parts(Inertia): InertiaForm,
     _parts(Orientation): OrientationForm,
 }

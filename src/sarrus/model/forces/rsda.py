@@ -10,6 +10,7 @@ import numpy as np
 
 from ... import elements
 from ..frame import LocalFrame
+from ..law import Law, scaled, varies
 from ..names import find
 from ..placement import AboutAxis
 from ..pose import Poses
@@ -29,28 +30,36 @@ class RSDA(AboutAxis, Force):
     Parameters
     ----------
     k
-        Stiffness [N m/rad].
+        Stiffness [N m/rad], or a law k(θ) over the angle θ [rad].
     c
-        Damping [N m s/rad].
+        Damping [N m s/rad], or a law c(θ̇) over its rate [rad/s].
     angle
         Free angle [rad].
     torque
-        Actuator's torque [N m].
+        Actuator's torque [N m], or a law over time [s].
+
+    Notes
+    -----
+    A law is a table of pairs, a `Curve`, or a function made of arithmetic and of `sarrus.functions`.
     """
 
-    k: float = field(kw_only=True)
-    c: float = 0.0
+    k: Law = field(kw_only=True)
+    c: Law = 0.0
     angle: float = 0.0
-    torque: float = 0.0
+    torque: Law = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the RSDA with its initial angle."""
+        """Yield the linear RSDA, or the nonlinear one if a law is a curve, with its initial angle."""
         i, j = self.frames(poses)
-        k, c = number(self.k, "k"), number(self.c, "c")
-        angle, torque = number(self.angle, "angle", "give radians"), number(self.torque, "torque")
-        axes = (i.f, i.g, i.h, j.f, j.h)
-        values = (*axes, k, c, angle, torque, initial_angle(i, j, poses))
-        yield Primitive(elements.RSDA, (i.body, j.body), values, "rsda")
+        laws = ((self.k, "k"), (self.c, "c"), (self.torque, "torque"))
+        (k, kappa), (c, chi), (torque, phi) = (scaled(value, name) for value, name in laws)
+        angle, start = number(self.angle, "angle", "give radians"), initial_angle(i, j, poses)
+        values = (i.f, i.g, i.h, j.f, j.h, k, c, angle, torque)
+        if any(varies(value) for value, _ in laws):
+            curved = (*values, kappa, chi, phi, start)
+            yield Primitive(elements.NonlinearRSDA, (i.body, j.body), curved, "rsda")
+        else:
+            yield Primitive(elements.RSDA, (i.body, j.body), (*values, start), "rsda")
 
 
 def initial_angle(i: LocalFrame, j: LocalFrame, poses: Poses) -> float:

@@ -262,8 +262,11 @@ def _travel(e, q):
 
 
 def travel_friction(e, state):
-    f = friction(e, state.difference(lambda s: _travel(e, s.operands["q"]), "q", state.operands["v"]))
-    return lambda y: -f * _travel(e, y)
+    def travel(q):
+        return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3])
+
+    f = friction(e, state.difference(lambda s: travel(s.operands["q"]), "q", state.operands["v"]))
+    return lambda y: -f * travel(y)
 
 
 def _spin(state, first):

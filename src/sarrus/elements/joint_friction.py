@@ -6,11 +6,15 @@ reactions vary much, friction is wrong in proportion. The derivatives are made b
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..algebra import Array, Row, present
 from ..euler import E, rotate
 from .dot2 import Dot2
 from .element import Force, Pair, Scalar, Vec3
 from .friction_law import friction_force
+
+ORIGIN = np.zeros(3, dtype=int)
 
 
 class Sliding:
@@ -52,7 +56,6 @@ class TravelFriction(Sliding, Force, derivatives="automatic"):
     """Of the slider of a translational or cylindrical joint: the sliding speed is that of h_i·d_ij."""
 
     h_i: Vec3  # [-] unit vector along the joint in body i
-    s_i: Vec3  # [m] P_i in body i
     s_j: Vec3  # [m] P_j in body j
     load: Scalar  # [N]
     mu: Scalar  # [-]
@@ -62,7 +65,7 @@ class TravelFriction(Sliding, Force, derivatives="automatic"):
     viscous: Scalar  # [N s/m]
 
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        travel = Dot2(self.h_i, self.s_i, self.s_j)
+        travel = Dot2(self.h_i, ORIGIN, self.s_j)  # P_i does not matter to its rate
         f = self.resistance(present(travel.Phi_q_xi(x, v))[0])
         return tuple(-f * present(block)[0] for block in travel.Phi_q(x))
 

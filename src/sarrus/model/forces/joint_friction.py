@@ -76,6 +76,4 @@ class TravelFriction(DryFriction, AboutAxis, Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the friction."""
         i, j = self.frames(poses)
-        yield Primitive(
-            elements.TravelFriction, (i.body, j.body), (i.h, i.s, j.s, *self.friction()), "friction"
-        )
+        yield Primitive(elements.TravelFriction, (i.body, j.body), (i.h, j.s, *self.friction()), "friction")

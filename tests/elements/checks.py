@@ -57,14 +57,16 @@ def derivative_at(here, name, seed=0):
     assert np.all(here.same(found, expected)), _first_wrong(here, name, value, contracted)
 
 
-def at_depth(kind, widths):
-    """A state of a contact whose depth is so many widths."""
-    here = state(kind, COMPLEX)
+def at_depth(here, widths):
+    """The state of a contact with its depth changed to so many widths."""
+    kind = here.kind
     field, depth = definitions.DEPTHS[kind]
     numbers, at = here.numbers.copy(), names(kind).index(field)
     e, q, t = here.element, here.operands["q"], here.operands["t"]
-    missing = widths * e.width - float(depth(e, q, t))
-    numbers[at] += missing if field == "radius" else -missing / e.sign
+    missing = widths * e.width - depth(e, q, t)
+    numbers[at] += float(missing if field == "radius" else -missing / e.sign)
+    if "damping" in kind.fields:
+        numbers[names(kind).index("damping")] *= 1e-3  # or fast random rates would lift it off
     there = replace(here, numbers=numbers)
     assert float(depth(there.element, q, t)) == pytest.approx(widths * e.width)
     return there
@@ -179,8 +181,8 @@ def lagrange(kind, arithmetic, seed=0):
     assert equal(2 * (here("S") @ u), twice_T_q - 2 * momentum)
 
 
-def virtual_work(kind, arithmetic, seed=0):
-    """Q·δq against the work that the force does along δq."""
+def virtual_work(kind, arithmetic, seed=0, depth=None):
+    """Q·δq against the work that the force does along δq; of contacts also at a depth, in widths of the rounding."""
     here = state(kind, arithmetic, seed)
     direction = here.direction("q", seed)
     if kind in definitions.ROTATIONAL:
@@ -188,6 +190,7 @@ def virtual_work(kind, arithmetic, seed=0):
         for first in range(3, 7 * kind.bodies, 7):
             p = here.operands["q"][first : first + 4]
             direction[first : first + 4] -= (direction[first : first + 4] @ p) * p
+    here = here if depth is None else at_depth(here, depth)
     assert_exact(here("Q"), arithmetic)
     work = definitions.FORCES[kind](here.element, here)
     expected = here.difference(lambda s: work(s.operands["q"]), "q", direction)
@@ -275,6 +278,8 @@ def definition_checks(kind, arithmetic) -> Iterator[Check]:
     else:
         whole = arithmetic == WHOLE and kind in definitions.ROTATIONAL
         yield Check(kind, "Q", partial(virtual_work, kind, FRACTIONS if whole else arithmetic))
+        for depth in (-0.3, 0.2, 1.5) if kind in definitions.DEPTHS else ():
+            yield Check(kind, f"Q at {depth} widths", partial(virtual_work, kind, arithmetic, depth=depth))
 
 
 def all_checks(quick: bool) -> list[Check]:

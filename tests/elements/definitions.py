@@ -261,6 +261,11 @@ def _travel(e, q):
     return (A(q[3:7]) @ e.h_i) @ (P_j - P_i)
 
 
+def _reduced_travel(e, q):
+    """The same on unit p, as Eq. (88) has it."""
+    return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
+
+
 def travel_friction(e, state):
     def travel(q):
         return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3])
@@ -360,7 +365,7 @@ ROTATIONAL = (
 ON_A_HINGE = (el.RSDA, el.NonlinearRSDA, el.AngleStop)
 DEPTHS = {  # of contacts: the field that moves the depth, and the depth by (e, q, t)
     el.LengthStop: ("limit", lambda e, q, t: e.sign * (_length(e, q) - e.limit)),
-    el.TravelStop: ("limit", lambda e, q, t: e.sign * (_travel(e, q) - e.limit)),
+    el.TravelStop: ("limit", lambda e, q, t: e.sign * (_reduced_travel(e, q) - e.limit)),
     el.AngleStop: ("limit", lambda e, q, t: e.sign * (rsda_turned(e, q) - e.limit)),
     el.SphereContact: ("radius", lambda e, q, t: sphere_depth(e, q)),
     el.RoadTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, e.profile, e.bump(t))),

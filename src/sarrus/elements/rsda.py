@@ -69,9 +69,10 @@ class TurningSpring(Angle):
             by_law = [None if n_b is None else column(n_b * w) for n_b in law.n_b]
             return (f_i, g_i, by_h_i, f_j, by_h_j, *by_law, None)
 
-        none: Row = (None,) * (6 + len(law.n_b))
         by_h = 2 * law.n * G(x.p_i).T, -2 * law.n * G(x.p_j).T
-        return none, line(w_i, by_h[0], None), none, line(w_j, None, by_h[1])
+        first, second = line(w_i, by_h[0], None), line(w_j, None, by_h[1])
+        none: Row = (None,) * len(first)
+        return none, first, none, second
 
 
 class RSDA(TurningSpring, Force):

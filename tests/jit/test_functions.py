@@ -9,9 +9,24 @@ import pytest
 from numba import njit
 
 from sarrus._jit.compiled_functions import COMPILED
-from sarrus._jit.curves import curve_slope, curve_value
+from sarrus._jit.curves import curve_bend, curve_slope, curve_twist, curve_value
 from sarrus._jit.expression import Graph
-from sarrus._jit.functions import atan2, nearest, sqrt
+from sarrus._jit.functions import (
+    acos,
+    asin,
+    atan,
+    atan2,
+    cos,
+    exp,
+    log,
+    nearest,
+    positive,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+)
+from sarrus._jit.program import program
 
 STEP = 1e-200
 CURVE = np.array(
@@ -93,3 +108,33 @@ def test_recorded_calls_are_nodes():
         assert graph.nodes[recorded.id].op == op
     assert graph.nodes[atan2(y, x).id].args == (y.id, x.id)
     assert graph.nodes[graph.nodes[atan2(1, x).id].args[0]].value == 1
+
+
+FORMULAS = {
+    "sqrt": lambda x: sqrt(x + 2),
+    "circular": lambda x: sin(x) * cos(2 * x) + tan(x / 2),
+    "inverse": lambda x: asin(x / 3) + acos(x / 4) * atan(x),
+    "exponential": lambda x: exp(-x * x) / log(x + 3) - tanh(3 * x),
+    "rounded": lambda x: x * x * x * positive(x) - (-x) / (x * x + 1),
+}
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+@pytest.mark.parametrize("x", [-0.7, 0.1, 0.9])
+def test_derivatives_of_stored_formulas(formula, x):
+    """Value and three derivatives, in plain Python and compiled, against differences in many digits."""
+    stored = np.array(program(FORMULAS[formula]))
+    with mpmath.workdps(60):
+        expected = [float(d) for d in mpmath.taylor(FORMULAS[formula], mpmath.mpf(x), 3)]
+    expected = [value * math.factorial(n) for n, value in enumerate(expected)]
+    plain = [curve_value, curve_slope, curve_bend, curve_twist]
+    assert [f(stored, 0, x) for f in plain] == pytest.approx(expected, rel=1e-12, abs=1e-13)
+    compiled = [njit(COMPILED[name]) for name in ("curve", "curve_slope", "curve_bend", "curve_twist")]
+    assert [f(stored, 0.0, x) for f in compiled] == pytest.approx(expected, rel=1e-12, abs=1e-13)
+
+
+@pytest.mark.parametrize("x", PLACES)
+def test_bend_and_twist(x):
+    cubic = by_hand(x)
+    assert curve_bend(CURVE, AT, x) == pytest.approx(cubic.deriv(2)(x), rel=1e-13)
+    assert curve_twist(CURVE, AT, x) == pytest.approx(cubic.deriv(3)(x), rel=1e-13)

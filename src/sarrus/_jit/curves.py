@@ -1,8 +1,8 @@
 """Functions of one variable that are stored among a system's numbers: pieces of cubics, or a formula.
 
 Cubics: the count n of pieces, n + 1 knots, then 4 coefficients a piece, highest power of (x - knot) first. A formula:
--n, then n steps (operation, first, second), each computing one number from earlier ones; its first and second
-derivatives are carried along, so a formula's slope is exact. Both run compiled and in plain Python, on any numbers.
+-n, then n steps (operation, first, second), each computing one number from earlier ones; its first three
+derivatives are carried along, so they are exact. Both run compiled and in plain Python, on any numbers.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ CODES = {name: code for code, name in enumerate(OPERATIONS)}
 
 def _room() -> Any:
     """Room for a formula's values in plain Python."""
-    return [0.0] * (3 * STEPS)
+    return [0.0] * (4 * STEPS)
 
 
 def _elementary(name: str) -> Any:
@@ -56,7 +56,7 @@ def _piece(numbers: Any, at: Any, x: Any) -> Any:
 
 
 def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
-    """A cubic piece's value (order 0) or derivative (1, 2) at x."""
+    """A cubic piece's value (order 0) or derivative (1, 2, 3) at x."""
     k = _piece(numbers, at, x)
     c = at + 2 + int(_real(numbers[at])) + 4 * k
     u = x - numbers[at + 1 + k]
@@ -64,82 +64,88 @@ def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
         return ((numbers[c] * u + numbers[c + 1]) * u + numbers[c + 2]) * u + numbers[c + 3]
     if order == 1:
         return (3.0 * numbers[c] * u + 2.0 * numbers[c + 1]) * u + numbers[c + 2]
-    return 6.0 * numbers[c] * u + 2.0 * numbers[c + 1]
+    if order == 2:
+        return 6.0 * numbers[c] * u + 2.0 * numbers[c + 1]
+    return 6.0 * numbers[c] + 0.0 * u
 
 
-def _chain(f: Any, f1: Any, f2: Any, u1: Any, u2: Any) -> Any:
-    """f(u), its first and second derivative, of f', f'' and u', u''."""
-    return f, f1 * u1, f1 * u2 + f2 * u1 * u1
+def _chain(f: Any, f1: Any, f2: Any, f3: Any, u1: Any, u2: Any, u3: Any) -> Any:
+    """f(u) and its first three derivatives, of those of f and of u."""
+    return f, f1 * u1, f1 * u2 + f2 * u1 * u1, f1 * u3 + 3.0 * f2 * u1 * u2 + f3 * u1 * u1 * u1
 
 
-def _elementary_step(code: Any, u: Any, u1: Any, u2: Any) -> Any:
+def _elementary_step(code: Any, u: Any, u1: Any, u2: Any, u3: Any) -> Any:
     """One step of a formula with one argument."""
     if code == 7:
         root = _sqrt(u)
-        return _chain(root, 0.5 / root, -0.25 / (root * u), u1, u2)
+        return _chain(root, 0.5 / root, -0.25 / (root * u), 0.375 / (root * u * u), u1, u2, u3)
     if code == 8:
-        return _chain(_sin(u), _cos(u), -_sin(u), u1, u2)
+        return _chain(_sin(u), _cos(u), -_sin(u), -_cos(u), u1, u2, u3)
     if code == 9:
-        return _chain(_cos(u), -_sin(u), -_cos(u), u1, u2)
+        return _chain(_cos(u), -_sin(u), -_cos(u), _sin(u), u1, u2, u3)
     if code == 10:
         value = _tan(u)
         slope = 1.0 + value * value
-        return _chain(value, slope, 2.0 * value * slope, u1, u2)
+        return _chain(value, slope, 2.0 * value * slope, (6.0 * slope - 4.0) * slope, u1, u2, u3)
     if code == 11 or code == 12:
-        root = _sqrt(1.0 - u * u)
-        sign = 1.0 if code == 11 else -1.0
+        w = 1.0 - u * u
         value = _asin(u) if code == 11 else _acos(u)
-        return _chain(value, sign / root, sign * u / (root * root * root), u1, u2)
+        slope = (1.0 if code == 11 else -1.0) / _sqrt(w)
+        return _chain(value, slope, u * slope / w, (1.0 + 2.0 * u * u) * slope / (w * w), u1, u2, u3)
     if code == 13:
         slope = 1.0 / (1.0 + u * u)
-        return _chain(_atan(u), slope, -2.0 * u * slope * slope, u1, u2)
+        third = (6.0 * u * u - 2.0) * slope * slope * slope
+        return _chain(_atan(u), slope, -2.0 * u * slope * slope, third, u1, u2, u3)
     if code == 14:
-        return _chain(_exp(u), _exp(u), _exp(u), u1, u2)
+        return _chain(_exp(u), _exp(u), _exp(u), _exp(u), u1, u2, u3)
     if code == 15:
-        return _chain(_log(u), 1.0 / u, -1.0 / (u * u), u1, u2)
+        return _chain(_log(u), 1.0 / u, -1.0 / (u * u), 2.0 / (u * u * u), u1, u2, u3)
     if code == 16:
         value = _tanh(u)
         slope = 1.0 - value * value
-        return _chain(value, slope, -2.0 * value * slope, u1, u2)
+        third = (6.0 * value * value - 2.0) * slope
+        return _chain(value, slope, -2.0 * value * slope, third, u1, u2, u3)
     if code == 17:
         step = 1.0 if _real(u) > 0.0 else 0.0
-        return step + 0.0 * u, 0.0 * u, 0.0 * u
-    return -u, -u1, -u2
+        return step + 0.0 * u, 0.0 * u, 0.0 * u, 0.0 * u
+    return -u, -u1, -u2, -u3
 
 
-def _binary_step(code: Any, u: Any, u1: Any, u2: Any, w: Any, w1: Any, w2: Any) -> Any:
+def _binary_step(code: Any, u: Any, u1: Any, u2: Any, u3: Any, w: Any, w1: Any, w2: Any, w3: Any) -> Any:
     """One step of a formula with two arguments."""
     if code == 2:
-        return u + w, u1 + w1, u2 + w2
+        return u + w, u1 + w1, u2 + w2, u3 + w3
     if code == 3:
-        return u - w, u1 - w1, u2 - w2
+        return u - w, u1 - w1, u2 - w2, u3 - w3
     if code == 4:
-        return u * w, u1 * w + u * w1, u2 * w + 2.0 * u1 * w1 + u * w2
+        third = u3 * w + 3.0 * (u2 * w1 + u1 * w2) + u * w3
+        return u * w, u1 * w + u * w1, u2 * w + 2.0 * u1 * w1 + u * w2, third
     ratio = u / w
     slope = (u1 - ratio * w1) / w
-    return ratio, slope, (u2 - 2.0 * slope * w1 - ratio * w2) / w
+    bend = (u2 - 2.0 * slope * w1 - ratio * w2) / w
+    return ratio, slope, bend, (u3 - 3.0 * (bend * w1 + slope * w2) - ratio * w3) / w
 
 
 def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
-    """A formula's value (order 0) or derivative (1, 2) at x."""
+    """A formula's value (order 0) or derivative (1, 2, 3) at x."""
     count, work = -int(_real(numbers[at])), _room()
     for k in range(count):
         step = at + 1 + 3 * k
         code, first = int(_real(numbers[step])), numbers[step + 1]
         if code == 0:
-            value, slope, bend = first + 0.0 * x, 0.0 * x, 0.0 * x
+            value, slope, bend, third = first + 0.0 * x, 0.0 * x, 0.0 * x, 0.0 * x
         elif code == 1:
-            value, slope, bend = x, 1.0 + 0.0 * x, 0.0 * x
+            value, slope, bend, third = x, 1.0 + 0.0 * x, 0.0 * x, 0.0 * x
         else:
-            i, j = 3 * int(_real(first)), 3 * int(_real(numbers[step + 2]))
+            i, j = 4 * int(_real(first)), 4 * int(_real(numbers[step + 2]))
+            u, u1, u2, u3 = work[i], work[i + 1], work[i + 2], work[i + 3]
             if code >= 6:
-                value, slope, bend = _elementary_step(code, work[i], work[i + 1], work[i + 2])
+                value, slope, bend, third = _elementary_step(code, u, u1, u2, u3)
             else:
-                value, slope, bend = _binary_step(
-                    code, work[i], work[i + 1], work[i + 2], work[j], work[j + 1], work[j + 2]
-                )
-        work[3 * k], work[3 * k + 1], work[3 * k + 2] = value, slope, bend
-    return work[3 * (count - 1) + order]
+                w, w1, w2, w3 = work[j], work[j + 1], work[j + 2], work[j + 3]
+                value, slope, bend, third = _binary_step(code, u, u1, u2, u3, w, w1, w2, w3)
+        work[4 * k], work[4 * k + 1], work[4 * k + 2], work[4 * k + 3] = value, slope, bend, third
+    return work[4 * (count - 1) + order]
 
 
 def _evaluate(numbers: Any, at: Any, x: Any, order: Any) -> Any:
@@ -161,3 +167,8 @@ def curve_slope(numbers: Any, at: Any, x: Any) -> Any:
 def curve_bend(numbers: Any, at: Any, x: Any) -> Any:
     """Its second derivative."""
     return _evaluate(numbers, at, x, 2)
+
+
+def curve_twist(numbers: Any, at: Any, x: Any) -> Any:
+    """Its third derivative."""
+    return _evaluate(numbers, at, x, 3)

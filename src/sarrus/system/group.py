@@ -22,7 +22,7 @@ class Group:
 
     ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers; `operands` in the order of
     `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there
-    are `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
+    are `group.compiled`, the driver of the common elements, and `group.index`, its tables.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Group:
         self.index = self._pack(members, built_in)
         self.compiled = built_in_driver(names)
         self._others = [
-            (user_driver(names, members[n].variant), self._pack(members, [n]))
+            (other_driver(names, members[n].variant), self._pack(members, [n]))
             for n in range(len(members))
             if n not in built_in
         ]
@@ -83,7 +83,7 @@ _drivers: dict[tuple[str, ...], Any] = {}
 
 
 def built_in_driver(names: tuple[str, ...]) -> Any:
-    """The driver of a group over all built-in elements of its family: the same code for every system."""
+    """The driver of a group over the common elements of its family: the same code for every system."""
     if names not in _drivers:
         family = OPERATORS[names[0]].family
         kinds = [kind for kind in BUILT_IN if kind.family[0].family == family]
@@ -95,8 +95,10 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 
 
 @cache
-def user_driver(names: tuple[str, ...], variant: Variant) -> Any:
-    """The driver of a group over one other variant, such as a user's; kept under the hash of what it computes."""
+def other_driver(names: tuple[str, ...], variant: Variant) -> Any:
+    """The driver of a group over one other variant; a user's is kept under the hash of what it computes."""
+    if variant.kind in BUILT_IN:
+        return driver(signature(names, variant.name), [partial(record, variant, names)], clear=False)
     recording = record(variant, names)
     return driver(signature(names, recording.fingerprint()), [lambda: recording], clear=False)
 

@@ -339,7 +339,7 @@ def _stop(coordinate):
     return stop
 
 
-def _travel(e, q):
+def _stop_travel(e, q):
     P_i, P_j = _points(e, q)
     return (A(q[3:7]) @ e.h_i) @ (P_j - P_i)
 
@@ -432,7 +432,7 @@ FORCES = {
     el.VaryingBodyTorque: varying_body_torque,
     el.RoadTyre: road_tyre,
     el.LengthStop: _stop(_length),
-    el.TravelStop: _stop(_travel),
+    el.TravelStop: _stop(_stop_travel),
     el.AngleStop: _stop(rsda_turned),
     el.AngleFriction: angle_friction,
     el.TravelFriction: travel_friction,

@@ -34,8 +34,11 @@ if TYPE_CHECKING:
     from .model import RSDA as RSDA
     from .model import TSDA as TSDA
     from .model import AngleDriver as AngleDriver
+    from .model import AngleFriction as AngleFriction
+    from .model import AngleStop as AngleStop
     from .model import AxisAngle as AxisAngle
     from .model import Body as Body
+    from .model import Bushing as Bushing
     from .model import ConstantAngle as ConstantAngle
     from .model import CoordinateDriver as CoordinateDriver
     from .model import Coupler as Coupler
@@ -43,11 +46,14 @@ if TYPE_CHECKING:
     from .model import Cylindrical as Cylindrical
     from .model import Distance as Distance
     from .model import DistanceDriver as DistanceDriver
+    from .model import Drag as Drag
     from .model import Driver as Driver
     from .model import EulerAngles as EulerAngles
     from .model import Fixed as Fixed
+    from .model import Formula as Formula
     from .model import Frame as Frame
     from .model import Gear as Gear
+    from .model import LengthStop as LengthStop
     from .model import Model as Model
     from .model import ModelError as ModelError
     from .model import ParallelAxes as ParallelAxes
@@ -61,14 +67,19 @@ if TYPE_CHECKING:
     from .model import Revolute as Revolute
     from .model import RevoluteRevolute as RevoluteRevolute
     from .model import RevoluteSpherical as RevoluteSpherical
+    from .model import RoadTyre as RoadTyre
     from .model import SarrusError as SarrusError
     from .model import Screw as Screw
+    from .model import SphereContact as SphereContact
     from .model import Spherical as Spherical
     from .model import Torque as Torque
     from .model import Translational as Translational
     from .model import TravelDriver as TravelDriver
+    from .model import TravelFriction as TravelFriction
+    from .model import TravelStop as TravelStop
     from .model import Tyre as Tyre
     from .model import Universal as Universal
+    from .model import ViscousDrag as ViscousDrag
     from .model import describe as describe
     from .model import ground as ground
     from .model import load as load
@@ -86,11 +97,12 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "model": (
-        "AngleDriver AxisAngle Body ConstantAngle CoordinateDriver Coupler Curve Cylindrical Distance "
-        "DistanceDriver Driver EulerAngles Fixed Frame Gear Model ModelError ParallelAxes Planar Point "
-        "PointDriver PointForce PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute "
-        "RevoluteSpherical SarrusError Screw Spherical TSDA Torque Translational TravelDriver Tyre Universal "
-        "describe ground load parse_expression"
+        "AngleDriver AngleFriction AngleStop AxisAngle Body Bushing ConstantAngle CoordinateDriver "
+        "Coupler Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame "
+        "Gear LengthStop Model ModelError ParallelAxes Planar Point PointDriver PointForce PointOnLine "
+        "PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
+        "SarrusError Screw SphereContact Spherical TSDA Torque Translational TravelDriver TravelFriction "
+        "TravelStop Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (

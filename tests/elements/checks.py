@@ -7,6 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from tests.elements import definitions
 from tests.elements.own import OWN
 from tests.elements.states import (
@@ -18,6 +19,7 @@ from tests.elements.states import (
     converted,
     is_polynomial,
     name_entry,
+    names,
     on_sphere,
     state,
 )
@@ -25,7 +27,7 @@ from tests.paper import paper
 from tests.paper.paper import along, derivative, equal, rational, tangent, unit
 
 from sarrus import algebra, euler
-from sarrus.elements import BUILT_IN, OPERATORS, RSDA
+from sarrus.elements import BUILT_IN, OPERATORS, SphereContact
 from sarrus.elements.operators import DERIVATIVES
 
 EXACT_NUMBERS = (int, Fraction, np.integer)
@@ -41,14 +43,34 @@ class Check(NamedTuple):
 
 def derivative_of_an_operator(kind, name, arithmetic, seed=0):
     """The kernel of a derivative against differences of the kernel that it differentiates, in a random direction."""
-    here, rule = state(kind, arithmetic, seed), DERIVATIVES[name]
+    derivative_at(state(kind, arithmetic, seed), name, seed)
+
+
+def derivative_at(here, name, seed=0):
+    """The same at a state."""
+    rule = DERIVATIVES[name]
     contracted = _contracted(rule.of, rule.along)
     value = here(name)
-    assert_exact(value, arithmetic)
+    assert_exact(value, here.arithmetic)
     direction = here.direction(rule.by, seed)
     found = value * direction if rule.by == "t" else value @ direction
     expected = here.difference(contracted, rule.by, direction)
     assert np.all(here.same(found, expected)), _first_wrong(here, name, value, contracted)
+
+
+def at_depth(here, widths):
+    """The state of a contact with its depth changed to so many widths."""
+    kind = here.kind
+    field, depth = definitions.DEPTHS[kind]
+    numbers, at = here.numbers.copy(), names(kind).index(field)
+    e, q, t = here.element, here.operands["q"], here.operands["t"]
+    missing = widths * e.width - depth(e, q, t)
+    numbers[at] += float(missing if field == "radius" else -missing / e.sign)
+    if "damping" in kind.fields:
+        numbers[names(kind).index("damping")] *= 1e-3  # or fast random rates would lift it off
+    there = replace(here, numbers=numbers)
+    assert float(depth(there.element, q, t)) == pytest.approx(widths * e.width)
+    return there
 
 
 def _contracted(name, direction):
@@ -173,15 +195,16 @@ def lagrange(kind, arithmetic, seed=0):
     assert equal(2 * (here("S") @ u), twice_T_q - 2 * momentum)
 
 
-def virtual_work(kind, arithmetic, seed=0):
-    """Q·δq against the work that the force does along δq."""
+def virtual_work(kind, arithmetic, seed=0, depth=None):
+    """Q·δq against the work that the force does along δq; of contacts also at a depth, in widths of the rounding."""
     here = state(kind, arithmetic, seed)
     direction = here.direction("q", seed)
     if kind in definitions.ROTATIONAL:
-        here = _satisfying(on_sphere(here)) if kind is RSDA else on_sphere(here)
+        here = PREPARED.get(kind, lambda state: state)(on_sphere(here))
         for first in range(3, 7 * kind.bodies, 7):
             p = here.operands["q"][first : first + 4]
             direction[first : first + 4] -= (direction[first : first + 4] @ p) * p
+    here = here if depth is None else at_depth(here, depth)
     assert_exact(here("Q"), arithmetic)
     work = definitions.FORCES[kind](here.element, here)
     expected = here.difference(lambda s: work(s.operands["q"]), "q", direction)
@@ -189,7 +212,7 @@ def virtual_work(kind, arithmetic, seed=0):
 
 
 def _satisfying(here):
-    """An RSDA on a revolute joint that is satisfied, its axes orthonormal, the reference some turns away."""
+    """An angle on a revolute joint that is satisfied, its axes orthonormal, the reference some turns away."""
     q, frame = here.operands["q"], paper.A(unit(50))
     A_i, A_j = paper.A(q[3:7]), paper.A(q[10:])
     f, g, h = (converted(frame[:, n], here.arithmetic) for n in range(3))
@@ -198,6 +221,17 @@ def _satisfying(here):
     numbers = np.concatenate([f, g, h, f_j, A_j.T @ A_i @ h, here.numbers[15:]])
     numbers[-1] = 22.5 * here.operands["t"] ** 0  # near which the turns counted are not those of 22.5 / 2π
     return replace(here, numbers=numbers)
+
+
+def _unit_normal(here):
+    """A plane whose normal is a unit vector."""
+    at = slice(6, 9)  # n_j
+    numbers = here.numbers.copy()
+    numbers[at] = converted(paper.A(unit(51))[:, 2], here.arithmetic)
+    return replace(here, numbers=numbers)
+
+
+PREPARED = {**dict.fromkeys(definitions.ON_A_HINGE, _satisfying), SphereContact: _unit_normal}
 
 
 # ------------------------------------------------------------------------------------------- Euler parameters
@@ -259,6 +293,8 @@ def definition_checks(kind, arithmetic) -> Iterator[Check]:
     else:
         whole = arithmetic == WHOLE and kind in definitions.ROTATIONAL
         yield Check(kind, "Q", partial(virtual_work, kind, FRACTIONS if whole else arithmetic))
+        for depth in (-0.3, 0.2, 1.5) if kind in definitions.DEPTHS else ():
+            yield Check(kind, f"Q at {depth} widths", partial(virtual_work, kind, arithmetic, depth=depth))
 
 
 def all_checks(quick: bool) -> list[Check]:

@@ -6,6 +6,7 @@ Only the paper's A(p) is used; velocities and directions come from differences o
 import math
 
 import mpmath
+import numpy as np
 from tests.paper.paper import A, vec
 
 from sarrus import elements as el
@@ -90,7 +91,7 @@ def screw(e, q):
     return vec(travel - e.travel - e.lead * (theta - e.angle))
 
 
-def _travel(a, s_i, s_j, q):  # as in `dot2`
+def _displacement(a, s_i, s_j, q):  # as in `dot2`
     return (A(q[3:7]) @ a) @ (q[7:10] + A(q[10:]) @ s_j - q[:3]) - a @ s_i
 
 
@@ -101,12 +102,12 @@ def angle_angle(e, q):
 
 
 def travel_angle(e, q):
-    travel = _travel(e.a_i, e.s_i, e.s_j, q[:14]) - e.offset
+    travel = _displacement(e.a_i, e.s_i, e.s_j, q[:14]) - e.offset
     return vec(travel - e.ratio * _turned(_angle(e.f_k, e.g_k, e.f_l, q[14:]), travel / e.ratio))
 
 
 def travel_travel(e, q):
-    first, second = _travel(e.a_i, e.s_i, e.s_j, q[:14]), _travel(e.a_k, e.s_k, e.s_l, q[14:])
+    first, second = _displacement(e.a_i, e.s_i, e.s_j, q[:14]), _displacement(e.a_k, e.s_k, e.s_l, q[14:])
     return vec(second - e.ratio * first - e.offset)
 
 
@@ -234,6 +235,184 @@ def rsda(e, state):
     return lambda y: -n * rsda_angle(e, y)
 
 
+def nonlinear_rsda(e, state):
+    q, v = state.operands["q"], state.operands["v"]
+    angle, rate = rsda_turned(e, q), state.difference(lambda s: rsda_angle(e, s.operands["q"]), "q", v)
+    kappa, chi, phi = state.store[:12], state.store[12:24], state.store[24:]
+    n = e.k * _curve(kappa, angle) * (angle - e.angle) + e.c * _curve(chi, rate) * rate
+    n = n + e.torque * _curve(phi, state.operands["t"])
+    return lambda y: -n * rsda_angle(e, y)
+
+
+def _deformation(e, q):
+    """Translation and half the axial vector of the rotation of frame j as seen in frame i."""
+    C_i, C_j = np.array([e.f_i, e.g_i, e.h_i]).T, np.array([e.f_j, e.g_j, e.h_j]).T
+    P_i, P_j = _points(e, q)
+    frame_i, frame_j = A(q[3:7]) @ C_i, A(q[10:]) @ C_j
+    return np.concatenate([frame_i.T @ (P_j - P_i), _axial(frame_i.T @ frame_j) / 2])
+
+
+def bushing(e, state):
+    rate = state.difference(lambda s: _deformation(e, s.operands["q"]), "q", state.operands["v"])
+    F = e.K.reshape(6, 6) @ _deformation(e, state.operands["q"]) + e.C.reshape(6, 6) @ rate - e.preload
+    return lambda y: -(F @ _deformation(e, y))
+
+
+def _varied(given, state):
+    return vec(*(g * _curve(state.store[12 * n :][:12], state.operands["t"]) for n, g in enumerate(given)))
+
+
+def varying_force(e, state):
+    return lambda y: _varied(e.force, state) @ (y[:3] + A(y[3:]) @ e.s)
+
+
+def varying_follower_force(e, state):
+    F = A(state.operands["q"][3:]) @ _varied(e.force, state)
+    return lambda y: F @ (y[:3] + A(y[3:]) @ e.s)
+
+
+def varying_torque(e, state):
+    start = A(state.operands["q"][3:])
+    return lambda y: (_varied(e.torque, state) @ _axial(A(y[3:]) @ start.T)) / 2
+
+
+def varying_body_torque(e, state):
+    start = A(state.operands["q"][3:])
+    return lambda y: (_varied(e.torque, state) @ _axial(start.T @ A(y[3:]))) / 2
+
+
+def rounded(x, width):
+    """The ramp max(x, 0), rounded: the integral of a cubic step from -width/2 to width/2."""
+    if x <= -width / 2:
+        return 0 * x
+    if x >= width / 2:
+        return x
+    u = x / width + mpmath.mpf(1) / 2
+    return width * (u**3 - u**4 / 2)
+
+
+def step(x, width):
+    """The step 0, 1, made a cubic from -width/2 to width/2."""
+    u = min(max(x / width + mpmath.mpf(1) / 2, 0), 1)
+    return 3 * u**2 - 2 * u**3
+
+
+def normal_force(e, depth, rate):
+    """Hunt and Crossley, rounded."""
+    return e.k * rounded(depth, e.width) ** e.exponent * rounded(1 + e.damping * rate, mpmath.mpf(1))
+
+
+def friction(e, u):
+    """Stribeck, regularized."""
+    mu = e.mu + (e.mu_static - e.mu) / mpmath.exp((u / e.stribeck) ** 2)
+    return e.load * mu * mpmath.tanh(u / e.creep) + e.viscous * u
+
+
+def _tyre_depth(e, q, profile, bump):
+    P = q[:3] + A(q[3:]) @ e.s
+    return e.radius - (P[2] - (e.road + profile(P[0]) + bump))
+
+
+def road_tyre(e, state):
+    """The road's height under the wheel changes as the wheel moves and as time passes."""
+    profile, bump, q = state.store[:12], state.store[12:24], state.operands["q"]
+
+    def depth(q, t):
+        return _tyre_depth(e, q, lambda x: _curve(profile, x), _curve(bump, t))
+
+    t, one = state.operands["t"], state.operands["t"] ** 0
+    rate = state.difference(lambda s: depth(s.operands["q"], t), "q", state.operands["v"])
+    rate = rate + state.difference(lambda s: depth(q, s.operands["t"]), "t", one)
+    F = step(depth(q, t), e.width) * rounded(e.k * depth(q, t) + e.c * rate, e.k * e.width)
+    return lambda y: F * (y[:3] + A(y[3:]) @ e.s)[2]
+
+
+def _stop(coordinate):
+    """A stop on a coordinate (e, q)."""
+
+    def stop(e, state):
+        x = coordinate(e, state.operands["q"])
+        rate = state.difference(lambda s: coordinate(e, s.operands["q"]), "q", state.operands["v"])
+        f = e.sign * normal_force(e, e.sign * (x - e.limit), e.sign * rate)
+        return lambda y: -f * coordinate(e, y)
+
+    return stop
+
+
+def _stop_travel(e, q):
+    P_i, P_j = _points(e, q)
+    return (A(q[3:7]) @ e.h_i) @ (P_j - P_i)
+
+
+def _reduced_travel(e, q):
+    """The same on unit p, as Eq. (88) has it."""
+    return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
+
+
+def travel_friction(e, state):
+    def travel(q):
+        return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3])
+
+    f = friction(e, state.difference(lambda s: travel(s.operands["q"]), "q", state.operands["v"]))
+    return lambda y: -f * travel(y)
+
+
+def _spin(state, first):
+    """Angular velocity in global axes, of ȦAᵀ."""
+    turned = state.difference(lambda s: A(s.operands["q"][first : first + 4]), "q", state.operands["v"])
+    return _axial(turned @ A(state.operands["q"][first : first + 4]).T) / 2
+
+
+def angle_friction(e, state):
+    q = state.operands["q"]
+    A_i, A_j = A(q[3:7]), A(q[10:])
+    h = A_i @ e.h_i
+    T = e.radius * friction(e, e.radius * (h @ (_spin(state, 10) - _spin(state, 3)))) * h
+    return lambda y: T @ (_axial(A(y[3:7]) @ A_i.T) - _axial(A(y[10:]) @ A_j.T)) / 2
+
+
+def sphere_depth(e, q):
+    """How far the sphere is in the plane, of unit normal."""
+    P_i, P_j = _points(e, q)
+    return e.radius - (A(q[10:]) @ e.n_j) @ (P_i - P_j)
+
+
+def sphere_contact(e, state):
+    """The force acts on the two material points that are at the foot of the centre on the plane."""
+    q = state.operands["q"]
+    A_i, A_j = A(q[3:7]), A(q[10:])
+    n = A_j @ e.n_j
+    foot = q[:3] + A_i @ e.s_i - (e.radius - sphere_depth(e, q)) * n
+    s_i, s_j = A_i.T @ (foot - q[:3]), A_j.T @ (foot - q[7:10])
+
+    def apart(y):
+        return y[:3] + A(y[3:7]) @ s_i - y[7:10] - A(y[10:]) @ s_j
+
+    u = state.difference(lambda s: apart(s.operands["q"]), "q", state.operands["v"])
+    N = normal_force(e, sphere_depth(e, q), -(u @ n))
+    u = u - (u @ n) * n
+    F = N * n - e.mu * N * u / mpmath.sqrt(u @ u + e.creep**2)
+    return lambda y: F @ apart(y)
+
+
+def drag(e, state):
+    def point(q):
+        return q[:3] + A(q[3:]) @ e.s
+
+    u = state.difference(lambda s: point(s.operands["q"]), "q", state.operands["v"]) - e.wind
+    F = -e.c * mpmath.sqrt(u @ u + e.creep**2) * u
+    return lambda y: F @ point(y)
+
+
+def viscous_drag(e, state):
+    def point(q):
+        return q[:3] + A(q[3:]) @ e.s
+
+    F = -e.c * state.difference(lambda s: point(s.operands["q"]), "q", state.operands["v"])
+    T, start = -e.c_turn * _spin(state, 3), A(state.operands["q"][3:])
+    return lambda y: F @ point(y) + T @ _axial(A(y[3:]) @ start.T) / 2
+
+
 FORCES = {
     el.PointForce: point_force,
     el.FollowerForce: follower_force,
@@ -245,5 +424,32 @@ FORCES = {
     el.TSDA: tsda,
     el.NonlinearTSDA: nonlinear_tsda,
     el.RSDA: rsda,
+    el.NonlinearRSDA: nonlinear_rsda,
+    el.Bushing: bushing,
+    el.VaryingForce: varying_force,
+    el.VaryingFollowerForce: varying_follower_force,
+    el.VaryingTorque: varying_torque,
+    el.VaryingBodyTorque: varying_body_torque,
+    el.RoadTyre: road_tyre,
+    el.LengthStop: _stop(_length),
+    el.TravelStop: _stop(_stop_travel),
+    el.AngleStop: _stop(rsda_turned),
+    el.AngleFriction: angle_friction,
+    el.TravelFriction: travel_friction,
+    el.SphereContact: sphere_contact,
+    el.Drag: drag,
+    el.ViscousDrag: viscous_drag,
 }
-ROTATIONAL = (el.Torque, el.BodyTorque, el.RSDA)  # their work is that of a rotation: unit p and pᵀδp = 0 only
+# Their work is that of a rotation, or measured by DOT-2 in its reduced form: on unit p, for pᵀδp = 0, only.
+ROTATIONAL = (
+    el.Torque, el.BodyTorque, el.RSDA, el.NonlinearRSDA, el.Bushing, el.VaryingTorque, el.VaryingBodyTorque,
+    el.AngleStop, el.TravelStop, el.AngleFriction, el.TravelFriction, el.SphereContact, el.ViscousDrag,
+)  # fmt: skip
+ON_A_HINGE = (el.RSDA, el.NonlinearRSDA, el.AngleStop)
+DEPTHS = {  # of contacts: the field that moves the depth, and the depth by (e, q, t)
+    el.LengthStop: ("limit", lambda e, q, t: e.sign * (_length(e, q) - e.limit)),
+    el.TravelStop: ("limit", lambda e, q, t: e.sign * (_reduced_travel(e, q) - e.limit)),
+    el.AngleStop: ("limit", lambda e, q, t: e.sign * (rsda_turned(e, q) - e.limit)),
+    el.SphereContact: ("radius", lambda e, q, t: sphere_depth(e, q)),
+    el.RoadTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, e.profile, e.bump(t))),
+}

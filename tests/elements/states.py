@@ -26,8 +26,10 @@ TOLERANCE = {
     COMPLEX: 1e-9,
 }  # a difference with a step of 1e-12 keeps 48 of 70 digits
 STEP = {WHOLE: 1, FRACTIONS: 1, DIGITS: mpmath.mpf(10) ** -12, COMPLEX: 1e-200}
+HIGH_DEGREE = ("Bushing",)  # polynomials above the fourth degree, for which differences are not exact
 POLYNOMIAL = {"constant", "input", "add", "sub", "mul", "neg"}
 BODY = ("q", "xi", "eta", "v", "a")
+POSITIVE = ("width", "creep", "stribeck")  # fields that a model holds positive
 FIXED = ("Curve", "Memory")  # fields that no operator differentiates by
 # Three curves of two cubics: count, knots, coefficients. The pieces need not even meet.
 CURVES = (
@@ -150,14 +152,20 @@ def _convert(random, count, arithmetic):
 
 @cache
 def is_polynomial(kind):
-    """Whether an element's kernels only add, subtract and multiply, as seen when they are recorded."""
+    """Whether an element's kernels only add, subtract and multiply, as seen when they are recorded, to a low degree."""
     graph = Graph()
     operands = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY}
     operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}
     element = element_from(kind, graph.inputs("numbers", kind.size()), t=operands["t"])
     for operator in kind.family:
         grid(element, operator, operands)
-    return {node.op for node in graph.nodes} <= POLYNOMIAL
+    return {node.op for node in graph.nodes} <= POLYNOMIAL and kind.__name__ not in HIGH_DEGREE
+
+
+@cache
+def names(kind):
+    """For every number of an element: the name of its field."""
+    return [n for n, w in zip(kind.fields, kind.widths(), strict=True) for _ in range(w)]
 
 
 @cache
@@ -182,9 +190,14 @@ def state(kind, arithmetic, seed=0):
         operands["t"] = operands["t"] * 11 / 10  # on no knot of a curve, whose pieces need not meet
     numbers = _convert(random, kind.size(), arithmetic)
     curves = np.flatnonzero(fields(kind) == "Curve")
-    names = [name for name, field in kind.fields.items() if field == "Curve"]
-    for n, (place, name) in enumerate(zip(curves, names, strict=True)):
+    curved = [name for name, field in kind.fields.items() if field == "Curve"]
+    for n, (place, name) in enumerate(zip(curves, curved, strict=True)):
         numbers[place] = len(CURVES) if name == "formula" else len(CURVES) // 3 * n
+    for n, field in enumerate(names(kind)):
+        if field in POSITIVE:
+            numbers[n] = abs(numbers[n])
+        if field == "exponent":
+            numbers[n] = 1 + abs(numbers[n])
     return State(kind, arithmetic, operands, numbers, (*CURVES, *FORMULA))
 
 
@@ -211,5 +224,5 @@ def name_entry(kind, operator, place):
     suffixes = {1: ("",), 2: ("_i", "_j")}.get(kind.bodies, [f"_{n + 1}" for n in range(kind.bodies)])
     parts = [block + suffix for suffix in suffixes for block in "rrrpppp"]
     labels[Axis.COORDINATES] = parts
-    labels[Axis.NUMBERS] = [n for n, w in zip(kind.fields, kind.widths(), strict=True) for _ in range(w)]
+    labels[Axis.NUMBERS] = names(kind)
     return ", ".join(labels[axis][k] for axis, k in zip(operator.axes, place, strict=True))

@@ -4,9 +4,16 @@ Polynomial kernels are held against five-point differences in fractions, which a
 others (a root, an angle) are held against differences in 70 digits.
 """
 
+import numpy as np
 import pytest
 from tests.elements import definitions
-from tests.elements.checks import all_checks, derivative_of_an_operator, euler_functions
+from tests.elements.checks import (
+    all_checks,
+    at_depth,
+    derivative_at,
+    derivative_of_an_operator,
+    euler_functions,
+)
 from tests.elements.own import OWN
 from tests.elements.states import COMPLEX, DIGITS, WHOLE, is_polynomial, state
 
@@ -49,10 +56,26 @@ def test_every_element_has_a_definition():
 
 
 def test_which_elements_are_polynomial():
-    """All others have a root, an angle or a function of time; a division that sneaks in is noticed here."""
-    roots, angles = {"TSDA", "NonlinearTSDA"}, {"RSDA", "Angle", "AngleAngle", "TravelAngle", "Screw"}
-    curves = {"AngleDriver", "TravelDriver", "DistanceDriver", "CoordinateDriver"}
-    assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == roots | angles | curves
+    """All others have a root, an angle or a function in them; a division that sneaks in elsewhere is noticed here."""
+    rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop TravelStop AngleStop SphereContact Drag"
+    curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre"
+    other = "AngleFriction TravelFriction Bushing"
+    joints = "Angle AngleAngle TravelAngle Screw AngleDriver TravelDriver DistanceDriver CoordinateDriver"
+    expected = {*rooted.split(), *curved.split(), *other.split(), *joints.split()}
+    assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == expected
+
+
+@pytest.mark.parametrize("depth", ["apart", "rounded off", "rounded on", "deep"])
+@pytest.mark.parametrize("kind", definitions.DEPTHS, ids=lambda kind: kind.__name__)
+def test_contacts_at_every_depth(kind, depth):
+    """Kernels and derivatives of contacts apart, on both sides of the rounding, and in full contact."""
+    there = at_depth(
+        state(kind, COMPLEX), {"apart": -0.7, "rounded off": -0.3, "rounded on": 0.2, "deep": 1.5}[depth]
+    )
+    assert np.any(there("Q")) == (depth != "apart")
+    for operator in kind.family:
+        if operator.name in DERIVATIVES:
+            derivative_at(there, operator.name)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in OWN if kind.timed], ids=lambda kind: kind.__name__)

@@ -71,20 +71,22 @@ def places(kind, names, random):
     return [(first, second), (second, first), ("ground", first), (second, "ground")]
 
 
+POSITIVE = ("width", "creep", "stribeck", "exponent")  # fields that a model holds positive
+
+
 def values(kind, random):
-    made = []
-    for name, field in kind.fields.items():
-        if field == "Time":
-            continue
-        if name == "formula":
-            made.append(Formula(lambda x: exp(sin(x)) + x * x / sqrt(2 + x * x)))
-        elif field == "Curve":
-            made.append(Curve((-2.0, 0.0, 2.0), tuple(tuple(c) for c in random.normal(size=(2, 4)))))
-        else:
-            made.append(
-                tuple(random.normal(size=WIDTHS[field])) if WIDTHS[field] > 1 else float(random.normal())
-            )
-    return tuple(made)
+    return tuple(value(name, field, random) for name, field in kind.fields.items() if field != "Time")
+
+
+def value(name, field, random):
+    if name == "formula":
+        return Formula(lambda x: exp(sin(x)) + x * x / sqrt(2 + x * x))
+    if field == "Curve":
+        return Curve((-2.0, 0.0, 2.0), tuple(tuple(c) for c in random.normal(size=(2, 4))))
+    if WIDTHS[field] > 1:
+        return tuple(random.normal(size=WIDTHS[field]))
+    number = float(random.normal())
+    return 1 + abs(number) if name in POSITIVE else number
 
 
 def random_state(system, seed=1):

@@ -11,7 +11,7 @@ from numba import njit
 
 from sarrus import functions
 from sarrus._jit.compiled_functions import COMPILED
-from sarrus._jit.curves import CODES, STEPS, curve_bend, curve_slope, curve_value
+from sarrus._jit.curves import CODES, STEPS, curve_bend, curve_slope, curve_twist, curve_value
 from sarrus._jit.expression import Graph
 from sarrus._jit.functions import atan2, nearest, sqrt
 from sarrus._jit.program import program
@@ -122,7 +122,12 @@ def test_a_stored_formula_and_its_derivatives(name, x):
     """In 70 digits against numerical derivatives, and compiled against that."""
     formula = FORMULAS[name]
     stored = np.array([9.0, 9.0, *program(formula)])
-    kinds = {"curve": curve_value, "curve_slope": curve_slope, "curve_bend": curve_bend}
+    kinds = {
+        "curve": curve_value,
+        "curve_slope": curve_slope,
+        "curve_bend": curve_bend,
+        "curve_twist": curve_twist,
+    }
     with mpmath.workdps(70):
         for order, (kind, plain) in enumerate(kinds.items()):
             expected = mpmath.diff(lambda y: mpmath.mpf(1) * formula(y), mpmath.mpf(x), order)
@@ -166,3 +171,10 @@ def test_formulas_that_cannot_be_stored_are_refused():
 def test_all_public_functions_are_tried():
     """Those that a formula of one variable cannot use are tried above, or by the elements of the tests."""
     assert set(functions.__all__) == {*FORMULAS, "maximum", "atan2", "nearest"} - {"arithmetic", "constant"}
+
+
+@pytest.mark.parametrize("x", PLACES)
+def test_bend_and_twist(x):
+    cubic = by_hand(x)
+    assert curve_bend(CURVE, AT, x) == pytest.approx(cubic.deriv(2)(x), rel=1e-13)
+    assert curve_twist(CURVE, AT, x) == pytest.approx(cubic.deriv(3)(x), rel=1e-13)

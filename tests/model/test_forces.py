@@ -10,8 +10,10 @@ from sarrus.model import (
     RSDA,
     TSDA,
     Body,
+    Bushing,
     Curve,
     Force,
+    LengthStop,
     Model,
     ModelError,
     Placed,
@@ -112,6 +114,9 @@ WRONG: list[tuple[Force, str]] = [
     (Torque("f", Body("bodi", 1, (1, 1, 1)), (0, 0, 1)), 'no body "bodi"; did you mean "body"?'),
     (Tyre("f", TOP, k=1, c=1, radius=-1), "radius must be greater than 0"),
     (Tyre("f", FOOT, k=1, c=1, radius=1), "acts on the ground"),
+    (PointForce("f", TOP, (0, [[0, 0], [0, 1]], 1)), "force must have rising x, but 0.0 follows 0.0"),
+    (PointForce("f", TOP, (0, 0, 1), factor="2"), 'factor must be a number, but is "2"'),  # type: ignore[arg-type]
+    (Bushing("f", BODY, OTHER, (0, 0, 0), stiffness=(1, 2)), "stiffness must have 6 numbers, but has 2"),
 ]
 
 
@@ -121,3 +126,58 @@ def test_a_wrong_force_is_refused_by_name(force: Force, phrase: str) -> None:
         placed(force)
     assert str(caught.value).startswith('force "f": ')
     assert phrase in str(caught.value)
+
+
+def test_laws_by_table_or_function_make_the_rsda_nonlinear() -> None:
+    about = {"body_i": BODY, "body_j": OTHER, "point": (0, 0, 0), "axis": (0, 0, 2)}
+    one = placed(RSDA("coil", **about, k=lambda angle: 3 + angle * angle, c=2.0, torque=[[0, 0], [1, 5]]))  # type: ignore[arg-type]
+    assert one.element.__name__ == "NonlinearRSDA"
+    assert one.values[5:9] == (1.0, 2.0, 0.0, 1.0)
+    assert [curve(0.5) for curve in one.values[9:12]] == pytest.approx([3.25, 1.0, 2.5])
+    assert len(one.values) == len(one.element.fields)
+
+
+def test_loads_that_vary() -> None:
+    made = [
+        placed(PointForce("load", TOP, (1, [[0, 0], [1, 2]], 3), factor=2.0)),
+        placed(PointForce("load", TOP, (1, 2, 3), factor=lambda t: t * t, axes="body")),
+        placed(Torque("load", BODY, (1, 2, 3), factor=3)),
+        placed(Torque("load", BODY, (1, 2, 3), factor=[[0, 0], [1, 2]])),
+        placed(Torque("load", BODY, (1, 2, lambda t: t), axes="body")),
+    ]
+    assert [(one.element.__name__, one.values[-1 if len(one.values) == 1 else -4]) for one in made] == [
+        ("VaryingForce", (2.0, 2.0, 6.0)),
+        ("VaryingFollowerForce", (1, 2, 3)),
+        ("Torque", (3, 6, 9)),
+        ("VaryingTorque", (1, 2, 3)),
+        ("VaryingBodyTorque", (1, 2, 1)),
+    ]
+    assert [[curve(0.5) for curve in made[n].values[-3:]] for n in (0, 1, 3, 4)] == [
+        [1.0, 1.0, 1.0], [0.25] * 3, [1.0] * 3, [1.0, 1.0, 0.5],
+    ]  # fmt: skip
+
+
+def test_a_bushing_takes_a_diagonal_or_rows() -> None:
+    rows = np.arange(36.0).reshape(6, 6)
+    one = placed(Bushing("mount", BODY, OTHER, (0, 0, 0), stiffness=rows, damping=range(6)))
+    assert one.values[8] == tuple(range(36))
+    assert np.array_equal(np.reshape(one.values[9], (6, 6)), np.diag(range(6)))
+    assert one.values[10] == (0.0,) * 6
+    assert one.values[1:4] == ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+
+def test_stops_are_one_element_for_each_limit() -> None:
+    stop = LengthStop("rope", TOP, FOOT, lower=1, upper=2, stiffness=9)
+    plan = blueprint(Model("m", [BODY, OTHER], forces=[stop])).placed[-2:]
+    assert [(one.label, one.values[2:]) for one in plan] == [
+        ("lower", (1, -1, 9, 1, 0, 1e-4)),
+        ("upper", (2, 1, 9, 1, 0, 1e-4)),
+    ]
+
+
+def test_a_formula_that_branches_is_refused() -> None:
+    spring = TSDA("f", TOP, FOOT, k=lambda l: 1.0 if l > 2 else 2.0, length=1)
+    with pytest.raises(
+        ModelError, match='force "f": k cannot be used as a formula: a kernel must not branch'
+    ):
+        placed(spring)

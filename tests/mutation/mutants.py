@@ -31,6 +31,7 @@ NO_FORMULAS = {
     "evaluation",
     "operators",
     "recorder",
+    "varying_torque",
 }  # of the elements' folder
 FACTORS = (2, 3, 4, 8)
 OTHER_BODY = {f"{x}_{i}": f"{x}_{j}" for x in "rpasfh" for i, j in ("ij", "ji")}

@@ -12,7 +12,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
 from . import curves, functions
-from .curves import STEPS, curve_bend, curve_slope, curve_value
+from .curves import STEPS, curve_bend, curve_slope, curve_twist, curve_value
 
 ELEMENTARY = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "tanh")
 
@@ -22,7 +22,7 @@ def _stack(typingctx: Any, count: Any) -> Any:
     """Room for a formula's values and derivatives, on the stack."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return cgutils.alloca_once(builder, ir.DoubleType(), size=3 * STEPS)
+        return cgutils.alloca_once(builder, ir.DoubleType(), size=4 * STEPS)
 
     return types.CPointer(types.float64)(count), codegen
 
@@ -60,7 +60,7 @@ def _register() -> None:
         overload(getattr(functions, name), strict=False)(_choice(_math(name)))
     for name in ("_piece", "_cubic", "_chain", "_elementary_step", "_binary_step", "_formula", "_evaluate"):
         register_jitable(getattr(curves, name))
-    for function in (curve_value, curve_slope, curve_bend):
+    for function in (curve_value, curve_slope, curve_bend, curve_twist):
         register_jitable(function)
 
 
@@ -73,5 +73,6 @@ COMPILED: dict[str, Callable[..., Any]] = {
     "curve": lambda numbers, at, x: curve_value(numbers, int(at), x),
     "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
     "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
+    "curve_twist": lambda numbers, at, x: curve_twist(numbers, int(at), x),
 }
-READS_NUMBERS = {"curve", "curve_slope", "curve_bend"}
+READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist"}

@@ -21,15 +21,25 @@ def jacobian(
     order = needed(graph, wanted)
     result = np.zeros((len(wanted), len(by)), dtype=object)
     for column, variable in enumerate(by):
-        slopes = _sweep(graph, order, variable) if variable is not None else {}
+        slopes = _sweep(graph, order, [(variable, graph.constant(1))]) if variable is not None else {}
         for row, expression in enumerate(wanted):
             result[row, column] = slopes.get(expression.id, 0)
     return result
 
 
-def _sweep(graph: Graph, order: Sequence[int], variable: Expression) -> dict[int, Expression]:
-    """Derivatives of all nodes to one input; those that vanish are left out."""
-    slopes = {variable.id: graph.constant(1)}
+def directional(
+    graph: Graph, wanted: Sequence[Expression], pairs: Sequence[tuple[Expression, Expression]]
+) -> list[Any]:
+    """Derivatives of expressions along a direction, given as pairs of an input and its rate."""
+    slopes = _sweep(graph, needed(graph, wanted), pairs)
+    return [slopes.get(expression.id, 0) for expression in wanted]
+
+
+def _sweep(
+    graph: Graph, order: Sequence[int], pairs: Sequence[tuple[Expression, Expression]]
+) -> dict[int, Expression]:
+    """Derivatives of all nodes along a direction; those that vanish are left out."""
+    slopes = {variable.id: rate for variable, rate in pairs}
     for identity in order:
         node = graph.nodes[identity]
         terms = [
@@ -56,13 +66,13 @@ def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:
     return x / square, -y / square
 
 
-class _Bend:
-    """Partial derivatives of a curve's second derivative: none to its place, and that to x is refused."""
+class _Twist:
+    """Partial derivatives of a curve's third derivative: none to its place, and that to x is refused."""
 
     def __getitem__(self, place: int) -> int:
         if place == 0:
             return 0
-        raise TypeError("a curve cannot be differentiated three times: it is made of cubics")
+        raise TypeError("a curve cannot be differentiated four times")
 
 
 PARTIALS: dict[str, Any] = {
@@ -86,5 +96,6 @@ PARTIALS: dict[str, Any] = {
     "positive": lambda f, a: (0,),
     "curve": lambda f, at, x: (0, at.call("curve_slope", x)),
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
-    "curve_bend": lambda f, at, x: _Bend(),
+    "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),
+    "curve_twist": lambda f, at, x: _Twist(),
 }

@@ -13,6 +13,7 @@ CURVES: dict[str, Callable[..., Any]] = {
     "curve": lambda stored, x: stored(x),
     "curve_slope": lambda stored, x: stored.slope(x),
     "curve_bend": lambda stored, x: stored.bend(x),
+    "curve_twist": lambda stored, x: stored.twist(x),
 }
 OPERATIONS: dict[str, Callable[..., Any]] = {
     "add": operator.add,

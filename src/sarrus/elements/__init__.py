@@ -1,5 +1,6 @@
 """What the paper derives: constraint primitives, inertias and forces, one file each, formulas only."""
 
+from .bushing import Bushing
 from .constant_angle import ConstantAngle
 from .coordinate_driver import CoordinateDriver
 from .coupling import AngleAngle, TravelAngle, TravelTravel
@@ -7,21 +8,28 @@ from .distance import Distance
 from .distance_driver import DistanceDriver
 from .dot1 import Dot1
 from .dot2 import Dot2
+from .drag import Drag, ViscousDrag
 from .eccentric_inertia import EccentricInertia
 from .element import Element, ElementError, Force, InertiaElement, Pair, Primitive, Single
 from .gravity import EccentricGravity, Gravity
 from .joint_angle import Angle, AngleDriver
+from .joint_friction import AngleFriction, TravelFriction
 from .normalization import Normalization
 from .operators import GROUPS, OPERATORS, Operator
 from .point_force import FollowerForce, PointForce
 from .rigid_inertia import RigidInertia
-from .rsda import RSDA
+from .road_tyre import RoadTyre
+from .rsda import RSDA, NonlinearRSDA
 from .screw import Screw
+from .sphere_contact import SphereContact
 from .spherical import Spherical
+from .stop import AngleStop, LengthStop, TravelStop
 from .torque import BodyTorque, Torque
 from .travel import Travel, TravelDriver
 from .tsda import TSDA, NonlinearTSDA
 from .tyre import Tyre
+from .varying_force import VaryingFollowerForce, VaryingForce
+from .varying_torque import VaryingBodyTorque, VaryingTorque
 
 BUILT_IN: tuple[type[Element], ...] = tuple(Element.registry.values())
 
@@ -34,13 +42,17 @@ __all__ = [
     "Angle",
     "AngleAngle",
     "AngleDriver",
+    "AngleFriction",
+    "AngleStop",
     "BodyTorque",
+    "Bushing",
     "ConstantAngle",
     "CoordinateDriver",
     "Distance",
     "DistanceDriver",
     "Dot1",
     "Dot2",
+    "Drag",
     "EccentricGravity",
     "EccentricInertia",
     "Element",
@@ -49,6 +61,8 @@ __all__ = [
     "Force",
     "Gravity",
     "InertiaElement",
+    "LengthStop",
+    "NonlinearRSDA",
     "NonlinearTSDA",
     "Normalization",
     "Operator",
@@ -56,13 +70,22 @@ __all__ = [
     "PointForce",
     "Primitive",
     "RigidInertia",
+    "RoadTyre",
     "Screw",
     "Single",
+    "SphereContact",
     "Spherical",
     "Torque",
     "Travel",
     "TravelAngle",
     "TravelDriver",
+    "TravelFriction",
+    "TravelStop",
     "TravelTravel",
     "Tyre",
+    "VaryingBodyTorque",
+    "VaryingFollowerForce",
+    "VaryingForce",
+    "VaryingTorque",
+    "ViscousDrag",
 ]

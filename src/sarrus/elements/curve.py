@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .._jit.curves import curve_bend, curve_slope, curve_value
+from .._jit.curves import curve_bend, curve_slope, curve_twist, curve_value
 from .._jit.expression import Expression
 from .._jit.functions import real
 
@@ -12,7 +12,7 @@ from .._jit.functions import real
 class StoredCurve:
     """The curve stored at ``numbers[at:]``, see `sarrus._jit.curves`. `at` may be recorded: then so is the call.
 
-    Called with x it gives the value; `slope` and `bend` give the first and second derivative.
+    Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives.
     """
 
     def __init__(self, numbers: Any, at: Any) -> None:
@@ -31,3 +31,6 @@ class StoredCurve:
 
     def bend(self, x: Any) -> Any:
         return self._evaluate("curve_bend", curve_bend, x)
+
+    def twist(self, x: Any) -> Any:
+        return self._evaluate("curve_twist", curve_twist, x)

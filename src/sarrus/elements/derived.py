@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.differentiate import jacobian
+from .._jit.differentiate import directional, jacobian
 from .._jit.expression import Expression, Graph
 from .._jit.replay import replay
 from ..algebra import Array, Block
@@ -65,10 +65,16 @@ def recipe_of(kind: Any, name: str) -> Recipe:
     rule = DERIVATIVES[name]
     graph = Graph()
     element, operands = symbols(graph, kind)
-    lines = grid(element, OPERATORS[rule.of], operands)
-    if rule.along is not None:
-        along = partition(kind, operands[rule.along])
-        lines = tuple((_contracted(line, along),) for line in lines)
+    inner = DERIVATIVES.get(rule.of)
+    if rule.along is not None and inner is not None and inner.along is None and OPERATORS[inner.of].is_vector:
+        lines = _directional(
+            graph, grid(element, OPERATORS[inner.of], operands), operands, inner.by, rule.along
+        )
+    else:
+        lines = grid(element, OPERATORS[rule.of], operands)
+        if rule.along is not None:
+            along = partition(kind, operands[rule.along])
+            lines = tuple((_contracted(line, along),) for line in lines)
     by = _variables(kind, operands, rule.by)
     columns = {"q": kind.coordinates(), "v": kind.coordinates(), "b": kind.widths(), "t": (1,)}[rule.by]
     heights = widths(kind, OPERATORS[name].axes[0])
@@ -76,6 +82,19 @@ def recipe_of(kind: Any, name: str) -> Recipe:
     return Recipe(
         graph, tuple(_differentiated(graph, line[0], height, by, columns) for line, height in pairs)
     )
+
+
+def _directional(graph: Graph, lines: Any, operands: Mapping[str, Any], by: str, along: str) -> Any:
+    """The derivative of a column of vectors along a direction: one sweep, where a Jacobian takes one a number."""
+    pairs = list(zip(operands[by], operands[along], strict=True))
+
+    def swept(vector: Block) -> Block:
+        if vector is None:
+            return None
+        entries = [e if isinstance(e, Expression) else graph.constant(e) for e in np.ravel(vector)]
+        return np.array(directional(graph, entries, pairs), dtype=object).reshape(vector.shape)
+
+    return tuple((swept(line[0]),) for line in lines)
 
 
 def _contracted(line: tuple[Block, ...], along: Any) -> Block:
@@ -123,12 +142,12 @@ def _inputs(element: Any, operands: Mapping[str, Any]) -> dict[tuple[Any, ...], 
             )
             values.update({(key, n): value for n, value in enumerate(flat)})
     at = 0
-    for field, kind in element.fields.items():
+    for (field, kind), width in zip(element.fields.items(), element.widths(), strict=True):
         value = getattr(element, field)
         if kind == "Time":
             values[("t",)] = value
             continue
-        parts = np.ravel(value) if kind in ("Vec3", "Inertia") else [value]
+        parts = np.ravel(value) if width > 1 else [value]
         for part in parts:
             values[("numbers", at)] = part
             at += 1

@@ -19,8 +19,10 @@ Inertia: TypeAlias = Annotated[Array, "Inertia"]
 Scalar: TypeAlias = Annotated[Any, "Scalar"]
 Curve: TypeAlias = Annotated[Any, "Curve"]
 Memory: TypeAlias = Annotated[Any, "Memory"]
+Vec6: TypeAlias = Annotated[Array, "Vec6"]
+Mat66: TypeAlias = Annotated[Array, "Mat66"]  # 36 numbers, row by row
 Time: TypeAlias = Annotated[Any, "Time"]
-WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1, "Time": 0}
+WIDTHS = {"Vec3": 3, "Inertia": 6, "Scalar": 1, "Curve": 1, "Memory": 1, "Time": 0, "Vec6": 6, "Mat66": 36}
 Grid: TypeAlias = "tuple[Row, ...]"
 
 

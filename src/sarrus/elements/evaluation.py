@@ -24,7 +24,7 @@ def element_from(kind: type[Element], numbers: Array, store: Any = None, t: Any 
         if field == "Time":
             values.append(t)
             continue
-        value = numbers[at : at + width] if field in ("Vec3", "Inertia") else numbers[at]
+        value = numbers[at : at + width] if width > 1 else numbers[at]
         values.append(StoredCurve(store, value) if field == "Curve" else value)
         at += width
     return kind(*values)

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from .errors import ModelError
 from .frame import Frame, LocalFrame
 from .measure import Direction, Place
 from .point import LocalPoint, Point
 from .pose import Poses
-from .quantity import Vector
+from .quantity import SMALLEST_LENGTH, Vector
 from .show import quote
 from .solid import Solid
 
@@ -28,6 +30,17 @@ class Points(NamedTuple):
 
     i: LocalPoint
     j: LocalPoint
+
+
+def points_apart(point_i: Point, point_j: Point, poses: Poses) -> Points:
+    """Return two points of different bodies in body axes, or raise a ModelError if they coincide at the start."""
+    points = Points(point_i.resolve(poses, "point_i"), point_j.resolve(poses, "point_j"))
+    refuse_same_body(points.i.body, points.j.body, "point_j")
+    apart = points.j.position(poses) - points.i.position(poses)
+    if float(np.linalg.norm(apart)) < SMALLEST_LENGTH:
+        told = "has zero length, its two points coincide in the initial pose; move one of them"
+        raise ModelError(told, field="point_i")
+    return points
 
 
 class Axis(NamedTuple):

@@ -22,7 +22,7 @@ class Group:
 
     ``group.run(numbers, *operands, *outputs)`` writes every operator's numbers, unchecked; `operands` in the order of
     `group.operands` (scalars first), outputs in the order of `group.names`. For calls from other compiled code there
-    are `group.compiled`, the driver of the built-in elements, and `group.index`, its tables.
+    are `group.compiled`, the driver of the common elements, and `group.index`, its tables.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ def own_driver(names: tuple[str, ...], variant: Variant) -> Any:
 
     That of a built-in element is kept under its name, that of a user's under the hash of what it computes.
     """
-    if variant in USUAL:
+    if variant.kind in BUILT_IN:
         with COMPILING:
             told = signature(names, variant.name)
             return driver(told, [partial(record, variant, names)], clear=False)

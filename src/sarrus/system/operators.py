@@ -183,7 +183,13 @@ def _row_names(system: Any) -> list[str]:
     return names
 
 
-COMPONENTS = {"Vec3": (".x", ".y", ".z"), "Inertia": (".xx", ".yy", ".zz", ".xy", ".xz", ".yz"), "Time": ()}
+COMPONENTS = {
+    "Vec3": (".x", ".y", ".z"),
+    "Inertia": (".xx", ".yy", ".zz", ".xy", ".xz", ".yz"),
+    "Time": (),
+    "Vec6": tuple(f".{m}" for m in range(1, 7)),
+    "Mat66": tuple(f".{m}{n}" for m in range(1, 7) for n in range(1, 7)),
+}
 
 
 def _number_names(system: Any) -> list[str]:

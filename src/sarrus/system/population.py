@@ -60,7 +60,7 @@ def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population
 
     Returns
     -------
-    populations : the usual variants of the built-in kinds first, in their fixed order, then all others
+    populations : the usual variants of the common kinds first, in their fixed order, then all others
     numbers : all numbers of all elements, then the curves
     """
     members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}

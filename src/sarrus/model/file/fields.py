@@ -19,8 +19,11 @@ from pydantic import (
 
 from ..curve import Curve, Formula
 from ..expression import Expression
+from ..forces.history import Load
 from ..frame import Frame
 from ..inertia import Inertia
+from ..law import Law
+from ..matrix6 import Matrix6, Vector6
 from ..measure import In
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
@@ -157,6 +160,10 @@ def _number_or_table(value: Any) -> str:
     return "table" if isinstance(value, (dict, TableEntry)) else "number"
 
 
+def _matrix6(value: Any) -> str:
+    return "matrix" if _has_rows(value) else "diagonal"
+
+
 def _inertia(value: Any) -> str:
     if isinstance(value, (dict, InertiaEntry)):
         return "entries"
@@ -201,6 +208,15 @@ def _matrix_in(unit: str) -> Any:
     return marked(list_of(list_in(unit, 3)), Field(min_length=3, max_length=3))
 
 
+def _load_in(unit: str, over: str) -> Any:
+    return marked(list_of(_number_or_table_in(unit, over, formula=True)), Field(min_length=3, max_length=3))
+
+
+def _matrix6_in(unit: str) -> Any:
+    rows = marked(list_of(list_in(unit, 6)), Field(min_length=6, max_length=6))
+    return one_of(_matrix6, diagonal=list_in(unit, 6), matrix=rows)
+
+
 InertiaForm = one_of(
     _inertia, principal=list_in("kg m^2", 3), matrix=_matrix_in("kg m^2"), entries=InertiaEntry
 )
@@ -223,6 +239,10 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(str).members: lambda to: JointName,
     typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
+    typed(Law).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
+    typed(Load).members: lambda to: _load_in(to.unit, to.over),
+    typed(Vector6).members: lambda to: list_in(to.unit, 6),
+    typed(Matrix6).members: lambda to: _matrix6_in(to.unit),
     typed(Expression).members: lambda to: function_in(to.unit, to.over),
     typed(Inertia).members: lambda to: InertiaForm,
     typed(Orientation).members: lambda to: OrientationForm,

@@ -83,6 +83,8 @@ def _paired(i: Slot, j: Slot) -> Slot:
 
 
 def _built(value: Any, field: str, solids: Solids) -> Any:
+    if isinstance(value, list):
+        return [_built(entry, field, solids) for entry in value]
     if not hasattr(value, "build"):
         return value
     try:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from ... import elements
 from ..coordinate import angle
+from ..law import Law, scaled, varies
 from ..measure import Angle, In
 from ..placement import AboutAxis
 from ..pose import Poses
@@ -27,25 +28,33 @@ class RSDA(AboutAxis, Force):
     Parameters
     ----------
     k
-        Stiffness [N m/rad].
+        Stiffness [N m/rad], or a law k(θ) over the angle θ [rad].
     c
-        Damping [N m s/rad].
+        Damping [N m s/rad], or a law c(θ̇) over its rate [rad/s].
     angle
         Free angle [rad].
     torque
-        Actuator's torque [N m].
+        Actuator's torque [N m], or a law over time [s].
+
+    Notes
+    -----
+    A law is a table of pairs, a `Curve`, or a function made of arithmetic and of `sarrus.functions`.
     """
 
-    k: Annotated[float, In("N m/rad")] = field(kw_only=True)
-    c: Annotated[float, In("N m s/rad")] = 0.0
+    k: Annotated[Law, In("N m/rad", over="rad")] = field(kw_only=True)
+    c: Annotated[Law, In("N m s/rad", over="rad/s")] = 0.0
     angle: Angle = 0.0
-    torque: Annotated[float, In("N m")] = 0.0
+    torque: Annotated[Law, In("N m", over="s")] = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the RSDA with its initial angle."""
+        """Yield the linear RSDA, or the nonlinear one if a law is a curve, with its initial angle."""
         i, j = self.frames(poses)
-        k, c = number(self.k, "k"), number(self.c, "c")
-        free, torque = number(self.angle, "angle", "give radians"), number(self.torque, "torque")
-        axes = (i.f, i.g, i.h, j.f, j.h)
-        values = (*axes, k, c, free, torque, angle(i, j, poses).start)
-        yield Primitive(elements.RSDA, (i.body, j.body), values, "rsda")
+        laws = ((self.k, "k"), (self.c, "c"), (self.torque, "torque"))
+        (k, kappa), (c, chi), (torque, phi) = (scaled(value, name) for value, name in laws)
+        free, start = number(self.angle, "angle", "give radians"), angle(i, j, poses).start
+        values = (i.f, i.g, i.h, j.f, j.h, k, c, free, torque)
+        if any(varies(value) for value, _ in laws):
+            curved = (*values, kappa, chi, phi, start)
+            yield Primitive(elements.NonlinearRSDA, (i.body, j.body), curved, "rsda")
+        else:
+            yield Primitive(elements.RSDA, (i.body, j.body), (*values, start), "rsda")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from tests.forces.precise import precise
 
 import sarrus as sr
 
@@ -67,7 +68,7 @@ def test_a_rope_ends_a_fall_and_an_apart_stop_does_nothing() -> None:
         ),
     ]
     system = sr.System(sr.Model("m", [body], forces=ropes, gravity=(0, 0, -9.81)))
-    run = sr.simulate(system, until=2.0)
+    run = precise(system, until=2.0)
     length = np.linalg.norm(run["ball"].position, axis=1)
     free = length < 0.999
     energy = 0.5 * np.sum(run["ball"].velocity ** 2, axis=1) + 9.81 * run["ball"].position[:, 2]
@@ -82,7 +83,7 @@ def test_a_door_turns_between_its_stops() -> None:
     )
     hinge = sr.Revolute("hinge", sr.ground, door, (0, 0, 0), (0, 0, 1))
     stop = sr.AngleStop("stop", sr.ground, door, (0, 0, 0), (0, 0, 1), lower=-4.0, upper=4.0, stiffness=1e4)
-    run = sr.simulate(sr.System(sr.Model("m", [door], [hinge], [stop])), until=8.0)
+    run = precise(sr.System(sr.Model("m", [door], [hinge], [stop])), until=8.0)
     angle = np.unwrap(2 * np.arctan2(run["door"].euler[:, 3], run["door"].euler[:, 0]))
     assert angle.max() == pytest.approx(4.0, abs=0.05)
     assert angle.min() == pytest.approx(-4.0, abs=0.05)
@@ -95,7 +96,7 @@ def test_a_slider_bounces_between_its_stops() -> None:
     stop = sr.TravelStop(
         "stop", sr.ground, slider, (0, 0, 0), (1, 0, 0), lower=-0.2, upper=0.3, stiffness=1e5
     )
-    run = sr.simulate(sr.System(sr.Model("m", [slider], [guide], [stop])), until=2.0)
+    run = precise(sr.System(sr.Model("m", [slider], [guide], [stop])), until=2.0)
     x = run["slider"].position[:, 0]
     assert x.max() == pytest.approx(0.303, abs=1e-3)
     assert x.min() == pytest.approx(-0.203, abs=1e-3)

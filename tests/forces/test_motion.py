@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.forces.precise import precise
 
 import sarrus as sr
 from sarrus.functions import sin
@@ -63,7 +64,7 @@ def test_a_pin_brakes() -> None:
         stribeck=1e-3,
         creep=1e-4,
     )
-    run = sr.simulate(sr.System(sr.Model("m", [wheel], [hinge], [rub])), until=5.0, t_eval=[2.0, 5.0])
+    run = precise(sr.System(sr.Model("m", [wheel], [hinge], [rub])), until=5.0, t_eval=[2.0, 5.0])
     assert run["wheel"].angular_velocity[0, 2] == pytest.approx(10 - 0.02 * 100 * 0.3 / 0.5 * 2.0, rel=1e-6)
 
 
@@ -72,7 +73,7 @@ def test_terminal_velocity() -> None:
     body = sr.Body("stone", 2.0, (1, 1, 1))
     air = sr.Drag("air", body.point(0, 0, 0), c=0.05, creep=1e-6)
     times = np.array([0.5, 2.0, 10.0])
-    run = sr.simulate(
+    run = precise(
         sr.System(sr.Model("m", [body], forces=[air], gravity=(0, 0, -G))), until=10.0, t_eval=times
     )
     limit = np.sqrt(2 * G / 0.05)
@@ -82,14 +83,14 @@ def test_terminal_velocity() -> None:
 def test_wind_carries_along() -> None:
     body = sr.Body("leaf", 0.1, (1, 1, 1))
     air = sr.Drag("air", body.point(0, 0, 0), c=1.0, wind=(3.0, 1.0, 0))
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[air])), until=20.0, t_eval=[20.0])
+    run = precise(sr.System(sr.Model("m", [body], forces=[air])), until=20.0, t_eval=[20.0])
     assert run["leaf"].velocity[-1] == pytest.approx([3, 1, 0], abs=0.05)
 
 
 def test_viscous_decay() -> None:
     body = sr.Body("disc", 2.0, (1, 1, 0.5), velocity=(1, 0, 0), angular_velocity=(0, 0, 3.0))
     oil = sr.ViscousDrag("oil", body.point(0, 0, 0), c=0.5, c_turn=0.2)
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[oil])), until=2.0, t_eval=[2.0])
+    run = precise(sr.System(sr.Model("m", [body], forces=[oil])), until=2.0, t_eval=[2.0])
     assert run["disc"].velocity[-1, 0] == pytest.approx(np.exp(-0.5 / 2 * 2), rel=1e-7)
     assert run["disc"].angular_velocity[-1, 2] == pytest.approx(3 * np.exp(-0.2 / 0.5 * 2), rel=1e-7)
 
@@ -101,14 +102,14 @@ def test_viscous_decay() -> None:
 def test_a_force_over_time(force: dict[str, object]) -> None:
     body = sr.Body("body", 2.0, (1, 1, 1))
     load = sr.PointForce("load", body.point(0, 0, 0), **force)  # type: ignore[arg-type]
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[load])), until=2.0, t_eval=[1.0, 2.0])
+    run = precise(sr.System(sr.Model("m", [body], forces=[load])), until=2.0, t_eval=[1.0, 2.0])
     assert run["body"].velocity[:, 1] == pytest.approx(3 / 4 * (1 - np.cos(2 * run.t)), rel=1e-8)
 
 
 def test_a_body_torque_over_time_turns_with_the_body() -> None:
     body = sr.Body("body", 1.0, (1, 1.2, 0.5), orientation=sr.AxisAngle((0, 1, 0), 0.7))
     load = sr.Torque("load", body, (0, 0, [[0, 0], [1, 1], [2, 2]]), axes="body")
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[load])), until=1.0, t_eval=[1.0])
+    run = precise(sr.System(sr.Model("m", [body], forces=[load])), until=1.0, t_eval=[1.0])
     assert run["body"].angular_velocity[-1] == pytest.approx([0, 0, 0.5 / 0.5], abs=1e-7)  # in body axes
 
 

@@ -33,6 +33,44 @@ def test_order_two(method: object) -> None:
     assert np.all((slopes > 1.8) & (slopes < 2.3)), slopes
 
 
+def prescribed(method: object, lengths: np.ndarray) -> sr.Trajectory:
+    """A run with given steps."""
+    settings = {"rtol": 1e-9, "atol": 1e-9, "keep_steps": True, "given": lengths}
+    times = np.array([0.0, lengths.sum()])
+    return method.run(slider_crank(), sr.assemble(slider_crank()), times, **settings)
+
+
+@pytest.mark.parametrize("method", METHODS[:2])
+def test_order_two_with_steps_that_change(method: object) -> None:
+    exact, errors = 3.715022003716, []
+    for n in (100, 200, 400):
+        pattern = np.tile(np.repeat([1.0, 1.7], 5), n // 10)
+        run = prescribed(method, 2.0 * pattern / pattern.sum())
+        errors.append(abs(run.steps.q[-1, 14] - exact))
+    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all((slopes > 1.7) & (slopes < 2.3)), (slopes, errors)
+
+
+def test_kept_steps_are_what_was_done() -> None:
+    """Every step satisfies the scheme's equations to round-off, and the same lengths give the same states."""
+    system = slider_crank()
+    run = sr.simulate(system, until=1.0, rtol=1e-5, atol=1e-7, keep_steps=True)
+    steps = run.steps
+    assert len(steps) == run.nsteps
+    assert np.allclose(steps.t[1:], np.cumsum(steps.h), rtol=1e-13)
+    assert np.any(steps.removed != 0)
+    for n in range(1, len(steps) + 1):
+        q, v, a, lam = steps.q[n], steps.v[n], steps.a[n], steps.lam[n]
+        balance = system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
+        assert abs(balance).max() < 1e-9 * abs(system.M_a(q, a)).max() + 1e-10
+        assert abs(system.Phi(q)).max() < 1e-14
+    again = sr.HHT().run(
+        system, steps.start, np.array([0.0, 1.0]), rtol=1e-5, atol=1e-7, keep_steps=True, given=steps.h
+    )
+    assert np.allclose(again.steps.q, steps.q, rtol=0, atol=1e-12)
+    assert np.array_equal(again.steps.removed != 0, steps.removed != 0)
+
+
 @pytest.mark.parametrize("method", METHODS[:2])
 def test_the_error_falls_with_the_tolerance(method: object) -> None:
     reference = table("spatial_slidercrank_paper.csv")

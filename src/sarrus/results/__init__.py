@@ -7,6 +7,7 @@ from .mobility import Mobility, Repetition
 from .modes import Modes
 from .reaction import Reaction
 from .singularity import Singularity
+from .steps import Steps
 from .trajectory import BodyMotion, Trajectory
 
 __all__ = [
@@ -20,5 +21,6 @@ __all__ = [
     "Reaction",
     "Repetition",
     "Singularity",
+    "Steps",
     "Trajectory",
 ]

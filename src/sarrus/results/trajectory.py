@@ -14,6 +14,7 @@ from ..euler import G
 from ..system import JointCoordinates
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
+from .steps import Steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,7 @@ class Trajectory:
     violation : (nt,) largest entry of |Φ|
     singular : times at which a driven motion passed a singular configuration [s]
     system : the system that moved, for its reactions
+    steps : all steps, where they were kept
     """
 
     name: str
@@ -74,6 +76,7 @@ class Trajectory:
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
+    steps: Steps | None = field(default=None, repr=False, compare=False)
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.

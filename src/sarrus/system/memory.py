@@ -31,3 +31,10 @@ def refresh(p: Population, memory: list[int], q: Array, b: Array, t: float) -> N
         values = element.remember(partition(p.kind, local(p, k, q, GROUND)))  # type: ignore[attr-defined]
         for field, value in zip(memory, values, strict=True):
             b[at + starts[field]] = value
+
+
+def places(p: Population) -> list[int]:
+    """Places of a population's memory fields among the system's numbers."""
+    starts = np.cumsum([0, *p.kind.widths()])
+    memory = [int(starts[n]) for n, kind in enumerate(p.kind.fields.values()) if kind == "Memory"]
+    return [p.at + k * p.kind.size() + at for k in range(p.count) for at in memory]

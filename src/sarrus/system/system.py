@@ -18,7 +18,7 @@ from .forces import ForceOperators
 from .group import Group
 from .inertia import InertiaOperators
 from .joints import JointCoordinates, SystemJoint
-from .memory import refresh
+from .memory import places, refresh
 from .pattern import Layout, Pattern
 from .population import WIDTH, populate
 from .reactions import Wrench, wrench
@@ -153,6 +153,11 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
             memory = [n for n, kind in enumerate(p.kind.fields.values()) if kind == "Memory"]
             if memory:
                 refresh(p, memory, q, b, t)
+
+    @property
+    def memory_places(self) -> Array:
+        """Places in `b` of what elements remember."""
+        return np.array([place for p in self.populations for place in places(p)], dtype=np.int64)
 
     @property
     def has_memory(self) -> bool:

@@ -11,13 +11,14 @@ import numpy as np
 
 from ..._jit.driver import compiled_function
 from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly, Steps, Trajectory
 from ...system import System
 from ..independence import Inconsistent, Independence
 from ..linear import SingularMatrix
 from ..motion import Motion
 from ..saddle import SingularSystem
 from . import alpha_loop as loop
+from .keeping import Keeping
 from .newton_matrix import NewtonMatrix
 from .outcome import nothing, trajectory_of
 
@@ -51,11 +52,19 @@ class _Alpha:
         atol: float,
         progress: Callable[[float], None] | None = None,
         max_step: float = np.inf,
+        keep_steps: bool = False,
+        given: Array | None = None,
+        b: Array | None = None,
     ) -> Trajectory:
-        """Integrate over the times `t_eval`; see `sarrus.simulate`."""
+        """Integrate over the times `t_eval`; see `sarrus.simulate`.
+
+        `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
+        """
         scheme = self.scheme()
+        room = CHUNK if keep_steps else 0
         try:
-            return Run(system, scheme, start, t_eval, rtol, atol, max_step).go(progress)
+            run = Run(system, scheme, start, t_eval, rtol, atol, max_step, b)
+            return run.go(progress, Keeping(system, room, given))
         except Inconsistent as trouble:
             return nothing(system, "inconsistent", str(trouble))
         except SingularSystem:
@@ -112,14 +121,17 @@ def _compiled(drivers: tuple[Any, ...]) -> Any:
     backsolve = compiled_function(loop.backsolve, SOLVE=solver["SOLVE"])
     size = compiled_function(loop.size)
     update = compiled_function(loop.update)
-    parts = {"residual": residual, "factor": factor, "backsolve": backsolve, "size": size, "update": update}
-    newton = compiled_function(loop.newton, **parts)
+    correct = compiled_function(loop.correct, backsolve=backsolve, size=size, update=update)
+    parts = {"residual": residual, "factor": factor, "correct": correct}
+    newton = compiled_function(loop.newton, update=update, **parts)
+    polish = compiled_function(loop.polish, **parts)
     constraints = {k: named[k] for k in ("RESIDUAL", "VELOCITY")}
     project = compiled_function(loop.project, **constraints, backsolve=backsolve)
     write = compiled_function(loop.write, project=project)
-    rescale = compiled_function(loop.rescale, VELOCITY=named["VELOCITY"], backsolve=backsolve)
-    steps = {name: compiled_function(getattr(loop, name)) for name in ("predict", "accept")}
-    return compiled_function(loop.advance, newton=newton, write=write, size=size, rescale=rescale, **steps)
+    velocity = {"VELOCITY": named["VELOCITY"], "factor": factor, "backsolve": backsolve}
+    steps = {name: compiled_function(getattr(loop, name)) for name in ("predict", "accept", "keep")}
+    steps |= {"newton": newton, "polish": polish, "rescale": compiled_function(loop.rescale, **velocity)}
+    return compiled_function(loop.advance, write=write, size=size, **steps)
 
 
 class Run:
@@ -134,10 +146,12 @@ class Run:
         rtol: float,
         atol: float,
         max_step: float,
+        b: Array | None = None,
     ) -> None:
-        self.system, self.scheme, self.times = system, scheme, times
-        self.b, self.rtol, self.atol = system.b.copy(), rtol, np.full(system.nq, atol)
+        self.system, self.scheme, self.times, self.begin = system, scheme, times, start
+        self.b, self.rtol, self.atol = (system.b if b is None else b).copy(), rtol, np.full(system.nq, atol)
         self.max_step = max_step
+        self._numbers = self.b.copy()
         system.remember(start.q, self.b, float(times[0]))
         self.independence = Independence(system, start.q, float(times[0]))
         self.independence.check(start)
@@ -151,19 +165,28 @@ class Run:
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
         wanted = [np.zeros((len(times), width)) for width in (nq, nq, nq, m)]
         self._output = loop.Output._make([times, *wanted, np.zeros((HISTORY, 4))])
-        self._control = loop.Control(np.zeros(7), np.zeros(6, dtype=np.int64))
+        self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
+        self._control.numbers[7] = 1.0
 
     def _start(self, start: Assembly) -> loop.State:
         """Consistent accelerations and multipliers at the start."""
-        motion = Motion(self.system, self.independence.kept)
-        a, lam = motion.acceleration(float(self.times[0]), start.q, start.v)
+        a, lam = self._motion().acceleration(float(self.times[0]), start.q, start.v)
         first = [np.array(x, dtype=float) for x in (start.q, start.v, a, a, lam)]
         return loop.State._make([*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam))])
 
-    def go(self, progress: Callable[[float], None] | None) -> Trajectory:
+    def _motion(self) -> Motion:
+        motion = Motion(self.system, self.independence.kept)
+        motion.b[:] = self.b
+        return motion
+
+    def go(self, progress: Callable[[float], None] | None, keeping: Keeping) -> Trajectory:
         """Integrate to the last time; whatever happens, what was computed is returned."""
-        numbers = self._control.numbers
-        numbers[0], numbers[1] = self.times[0], self._first_step()
+        numbers, state = self._control.numbers, self._state
+        self._keeping = keeping
+        self._first = {"t": self.times[0], "left_out": self.matrix.left_out.copy()}
+        self._first |= {n: getattr(state, f"{n}0").copy() for n in ("q", "v", "a", "x", "lam")}
+        given = keeping.record().given
+        numbers[0], numbers[1] = self.times[0], given[0] if len(given) else self._first_step()
         numbers[4] = numbers[1]
         status = loop.REPIVOT
         try:
@@ -172,6 +195,7 @@ class Run:
                     self._renew_equations()
                     self._renew_pivots()
                 status = self._advance()
+                keeping.collect(int(self._control.counts[0]), self.matrix.left_out, self.b)
                 self.system.remember(self._state.q0, self.b, numbers[0])
                 if self.independence.kept is not None and status == loop.RUNNING:
                     status = loop.REPIVOT
@@ -192,7 +216,7 @@ class Run:
         limit = 1 if self.system.has_memory else 20 if self.independence.kept is not None else CHUNK
         status = self._loop(
             self.scheme, self._index, self.b, float(self.times[-1]), limit, self.max_step, self._state, self._memory,
-            self._arrays, self._control, self._output, self.rtol, self.atol,
+            self._arrays, self._control, self._output, self._keeping.record(), self.rtol, self.atol,
         )  # fmt: skip
         return int(status)
 
@@ -201,7 +225,7 @@ class Run:
         state, t = self._state, float(self._control.numbers[0])
         if self.independence.renew(t, state.q0):
             self.matrix.keep(self.independence.kept)
-            motion = Motion(self.system, self.independence.kept)
+            motion = self._motion()
             state.lam0[:] = motion.acceleration(t, state.q0, state.v0)[1]
             state.lam_change[:] = 0.0
 
@@ -231,7 +255,7 @@ class Run:
         state, span = self._state, float(self.times[-1] - self.times[0])
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
-        a, _ = Motion(self.system, self.independence.kept).acceleration(float(self.times[0]) + ahead, q, v)
+        a, _ = self._motion().acceleration(float(self.times[0]) + ahead, q, v)
         jerk = self.scheme.error * (a - state.a0) / ahead / (self.atol + self.rtol * abs(state.q0))
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
@@ -245,6 +269,11 @@ class Run:
                 out.lam[k] = self.independence.shortest(float(self.times[k]), out.q[k], out.lam[k])
         kept: Array = out.lam[:rows]
         return kept
+
+    def _steps(self) -> Steps | None:
+        told = {"scheme": self.scheme, "start": self.begin, "b": self._numbers, "rtol": self.rtol}
+        first = {name: np.array(value) for name, value in self._first.items()}
+        return self._keeping.steps(first, atol=float(self.atol[0]), **told)
 
     def _result(self, status: str, message: str) -> Trajectory:
         count, numbers = self._control.counts, self._control.numbers
@@ -262,4 +291,5 @@ class Run:
             nsteps=int(count[0]),
             nrejected=int(count[1]),
             history=out.history[: min(int(count[0]), len(out.history))].copy(),
+            steps=self._steps(),
         )

@@ -7,7 +7,9 @@ method's own acceleration ã, (1 - α_m) ã₁ + α_m ã₀ = (1 - α_f) a₁ + 
 
 Constraint residuals are divided by β' = β h² κ, κ = (1 - α_f) / (1 - α_m), so that the Newton matrix stays well
 conditioned as h falls (Bottasso, Bauchau and Cardona 2007). When h changes, ã₀ - a₀, which is proportional to h, and
-the defect of the velocity constraints, which is proportional to h², are rescaled.
+the defect of the velocity constraints, which is proportional to h², are rescaled; the latter in the metric of M.
+
+Every step is a smooth function of the state before it and of the numbers b; a `Record` keeps what its derivatives need.
 """
 
 from __future__ import annotations
@@ -31,6 +33,9 @@ NEWTON_SHARE = (
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
+EXACT = 1e-6  # of the tolerance: change of an iterate at which a step that is kept has converged
+TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
+POLISHES = 4  # most iterations for that
 KEEP = 1.3  # the step is not enlarged by less than this
 
 
@@ -120,7 +125,8 @@ class Indices(NamedTuple):
 class Control(NamedTuple):
     """Scalars that change, and counters.
 
-    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h
+    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h, what is
+        left of the velocities' defect since the last step
     counts : steps, rejected, residuals, matrices, outputs written, solves
     """
 
@@ -137,6 +143,25 @@ class Output(NamedTuple):
     a: Any
     lam: Any
     history: Any
+
+
+class Record(NamedTuple):
+    """Steps that are kept, row by row, as many as there is room for; and lengths of steps that are prescribed.
+
+    h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
+    t, q, v, a, x, lam : its end
+    given : lengths to take, without error control (none: chosen as the tolerances ask)
+    """
+
+    t: Any
+    h: Any
+    removed: Any
+    q: Any
+    v: Any
+    a: Any
+    x: Any
+    lam: Any
+    given: Any
 
 
 def update(scheme: Any, h: Any, state: Any) -> Any:
@@ -162,11 +187,16 @@ def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any,
         memory.right[n + k] = memory.Phi[k] / beta if left_out[k] == 0.0 else state.lam1[k]
 
 
-def factor(index: Any, b: Any, t: Any, state: Any, matrix: Any, beta: Any, gamma: Any) -> Any:
-    """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
-    JACOBIAN(index.jacobian, b, t, state.q1, state.lam1, matrix.Phi_q, matrix.Phi_qT_lam_q)
-    INERTIA(index.inertia, b, state.q1, state.v1, state.a1, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
-    STIFFNESS(index.stiffness, b, t, state.q1, state.v1, matrix.Q_q, matrix.Q_v)
+def factor(
+    index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
+) -> Any:
+    """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted.
+
+    With β' = γ' = 0 it is [M, Φ_qᵀ; Φ_q, 0].
+    """
+    JACOBIAN(index.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
+    INERTIA(index.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
+    STIFFNESS(index.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
     for k in range(len(matrix.Phi_q)):
         matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
     weights = matrix.weights
@@ -204,6 +234,61 @@ def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> An
     return (total / len(q0)) ** 0.5
 
 
+def correct(
+    scheme: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrix: Any,
+    beta: Any,
+    gamma: Any,
+    rtol: Any,
+    atol: Any,
+) -> Any:
+    """One correction of a₁ and λ₁ by the residual and the factors at hand; returns its size."""
+    n = len(state.q0)
+    backsolve(matrix, memory.right, memory.solution)
+    for k in range(n):
+        state.a1[k] -= memory.solution[k]
+    for k in range(len(state.lam0)):
+        state.lam1[k] -= memory.solution[n + k]
+    update(scheme, h, state)
+    change = size(memory.solution, beta, state.q0, state.q1, rtol, atol)
+    return max(change, size(memory.solution, gamma, state.v0, state.v1, rtol, atol))
+
+
+def polish(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    t: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrix: Any,
+    control: Any,
+    rtol: Any,
+    atol: Any,
+) -> Any:
+    """Newton's method with the exact matrix to the end, for steps whose derivatives are wanted; false if it fails."""
+    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+    control.counts[3] += 1
+    q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
+    if not factor(index, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
+        return False
+    control.numbers[2] = beta
+    before = 1e30
+    for _ in range(POLISHES):
+        residual(index, b, t, state, memory, matrix.left_out, beta)
+        control.counts[2] += 1
+        change = correct(scheme, h, state, memory, matrix, beta, gamma, rtol, atol)
+        if change <= EXACT or change > 0.3 * before:
+            break
+        before = change
+    return True
+
+
 def newton(
     scheme: Any,
     index: Any,
@@ -220,7 +305,6 @@ def newton(
     """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-    n = len(state.q0)
     rate, before = 0.0, 0.0
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
@@ -228,17 +312,11 @@ def newton(
         control.counts[2] += 1
         if control.numbers[2] != beta:
             control.counts[3] += 1
-            if not factor(index, b, t, state, matrix, beta, gamma) > 1e-9:
+            q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
+            if not factor(index, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
                 return -1, 0.0
             control.numbers[2] = beta
-        backsolve(matrix, memory.right, memory.solution)
-        for k in range(n):
-            state.a1[k] -= memory.solution[k]
-        for k in range(len(state.lam0)):
-            state.lam1[k] -= memory.solution[n + k]
-        update(scheme, h, state)
-        change = size(memory.solution, beta, state.q0, state.q1, rtol, atol)
-        change = max(change, size(memory.solution, gamma, state.v0, state.v1, rtol, atol))
+        change = correct(scheme, h, state, memory, matrix, beta, gamma, rtol, atol)
         if not change < 1e30:
             return 0, 2.0
         if iteration > 0:
@@ -327,20 +405,41 @@ def accept(state: Any) -> Any:
         state.lam0[k] = state.lam1[k]
 
 
-def rescale(index: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, moving: Any) -> Any:
-    """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h²."""
+def rescale(
+    index: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
+) -> None:
+    """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h².
+
+    A part of the defect d = Φ_q v + Φ_t is removed by the least change of v in the metric of M: M s + Φ_qᵀσ = 0,
+    Φ_q s = d. The factors at hand are replaced.
+    """
     n = len(state.q0)
     for k in range(n):
         state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
-    if moving:
-        VELOCITY(index.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
-        for k in range(n):
-            memory.right[k] = 0.0
-        for k in range(len(memory.rate)):
-            memory.right[n + k] = (memory.rate[k] + memory.Phi_t[k]) * (1.0 - matrix.left_out[k])
-        backsolve(matrix, memory.right, memory.solution)
-        for k in range(n):
-            state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
+    control.numbers[2] = 0.0
+    if control.counts[0] == 0:
+        return
+    if not factor(index, b, t, state.q0, state.v0, state.a0, state.lam0, matrix, 0.0, 0.0) > TRUSTED:
+        return
+    VELOCITY(index.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
+    for k in range(n):
+        memory.right[k] = 0.0
+    for k in range(len(memory.rate)):
+        memory.right[n + k] = (memory.rate[k] + memory.Phi_t[k]) * (1.0 - matrix.left_out[k])
+    backsolve(matrix, memory.right, memory.solution)
+    for k in range(n):
+        state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
+    control.numbers[7] *= ratio * ratio
+
+
+def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
+    """Write an accepted step into the record."""
+    record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.numbers[7]
+    for k in range(len(state.q0)):
+        record.q[row, k], record.v[row, k] = state.q1[k], state.v1[k]
+        record.a[row, k], record.x[row, k] = state.a1[k], state.x1[k]
+    for k in range(len(state.lam0)):
+        record.lam[row, k] = state.lam1[k]
 
 
 def advance(
@@ -355,22 +454,24 @@ def advance(
     matrix: Any,
     control: Any,
     output: Any,
+    record: Any,
     rtol: Any,
     atol: Any,
 ) -> Any:
     """Take steps until a time, at most `limit` of them. Returns a status."""
     numbers, counts = control.numbers, control.counts
-    n = len(state.q0)
+    n, free, kept = len(state.q0), len(record.given) == 0, len(record.t) > 0
     taken = 0
-    while numbers[0] < until and taken < limit:
+    last = until if free else 1e300
+    while numbers[0] < last and taken < (limit if free else min(limit, len(record.given))):
         t0 = numbers[0]
-        h = min(numbers[1], h_max)
-        if t0 + 1.0001 * h >= until:
+        h = min(numbers[1], h_max) if free else record.given[taken]
+        if t0 + 1.0001 * h >= until and free:
             h = until - t0
         if h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
             return TOO_SMALL
         if h != numbers[4]:
-            rescale(index, b, t0, h / numbers[4], state, memory, matrix, counts[0] > 0)
+            rescale(index, b, t0, h / numbers[4], state, memory, matrix, control)
             numbers[4] = h
         predict(h / numbers[6] if counts[0] > 0 else 0.0, state)
         iterations, rate = newton(scheme, index, b, t0 + h, h, state, memory, matrix, control, rtol, atol)
@@ -380,29 +481,36 @@ def advance(
             counts[1] += 1
             if numbers[5] > 0.0:  # with an old matrix: once more with a new one
                 numbers[2], numbers[5] = 0.0, 0.0
-            else:
+            elif free:
                 numbers[1], numbers[2] = 0.25 * h, 0.0
+            else:
+                return TOO_SMALL
             continue
         for k in range(n):
             memory.previous[k] = state.x1[k] - state.x0[k]
         error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, rtol, atol)
         wanted = SAFETY * max(error, 1e-8) ** (-1.0 / 3.0)
-        if error > 1.0:
+        if error > 1.0 and free:
             counts[1] += 1
             numbers[1] = h * max(SHRINK, wanted)
             continue
+        if kept:
+            if not polish(scheme, index, b, t0 + h, h, state, memory, matrix, control, rtol, atol):
+                return REPIVOT
+            keep(record, taken, t0 + h, h, state, control)
         write(index, b, t0, h, state, memory, matrix, control, output)
         if counts[0] < len(output.history):
             output.history[counts[0], 0], output.history[counts[0], 1] = t0 + h, h
             output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
         accept(state)
-        numbers[6] = h
+        numbers[6], numbers[7] = h, 1.0
         numbers[0] = until if h == until - t0 else t0 + h
         numbers[3], numbers[5] = error, 1.0
         counts[0] += 1
         taken += 1
         if wanted > KEEP or wanted < 0.8:
             numbers[1] = h * min(max(wanted, SHRINK), GROW)
-        if rate > SLOW:
+        if rate > SLOW and not kept:
             numbers[2], numbers[5] = 0.0, 0.0
-    return FINISHED if numbers[0] >= until else RUNNING
+    done = numbers[0] >= until if free else taken == len(record.given)
+    return FINISHED if done else RUNNING

@@ -27,6 +27,7 @@ def simulate(
     rtol: float = 1e-6,
     atol: float = 1e-8,
     max_step: float = np.inf,
+    keep_steps: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -40,6 +41,8 @@ def simulate(
     method : `HHT` (the default), `GeneralizedAlpha` or `ODE`
     rtol, atol : tolerances of the local error of q and v
     max_step : longest step [s]
+    keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
+        `GeneralizedAlpha`)
     progress : called with the time reached after every step
 
     Returns
@@ -62,8 +65,12 @@ def simulate(
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
-    run = _method(method).run(system, begin, grid, rtol=rtol, atol=atol, progress=progress, max_step=max_step)
-    return run.at(times)
+    chosen, told = _method(method), {"rtol": rtol, "atol": atol, "max_step": max_step, "progress": progress}
+    if isinstance(chosen, ODE):
+        if keep_steps:
+            raise ValueError("ODE() keeps no steps; choose HHT() or GeneralizedAlpha()")
+        return chosen.run(system, begin, grid, **told).at(times)  # type: ignore[arg-type]
+    return chosen.run(system, begin, grid, keep_steps=keep_steps, **told).at(times)  # type: ignore[arg-type]
 
 
 def _refuse_tolerances(**given: float) -> None:

@@ -90,7 +90,22 @@ def test_a_file_without_a_prefix_shares_its_names(tmp_path: Path) -> None:
     assert car.parameters["y"] == 1
 
 
+@pytest.mark.parametrize("given", ["{size: {r: 0.5 m}}", "{size.r: 0.5 m}"])
+def test_one_parameter_of_a_group_can_be_given(given: str, tmp_path: Path) -> None:
+    (tmp_path / "ball.yaml").write_text(
+        "parameters: {size: {r: 1 m, h: 2 m}}\n"
+        "bodies:\n  ball: {mass: 1, inertia: [1, 1, 1], position: [size.r, size.h, 0]}\n"
+    )
+    (tmp_path / "two.yaml").write_text(
+        f"name: two balls\ninclude:\n  - {{file: ball.yaml, prefix: small_, parameters: {given}}}\n"
+        "  - {file: ball.yaml, prefix: big_}\n"
+    )
+    small, big = load(tmp_path / "two.yaml").bodies
+    assert [list(small.position), list(big.position)] == [[0.5, 2, 0], [1, 2, 0]]
+
+
 WRONG = [
+    ("car", "y: track/2", "y.z: track/2", "car.yaml:4", 'gives the unknown parameter "y.z"; choose from y'),
     (
         "wheel",
         "radius: r",

@@ -14,6 +14,11 @@ from sarrus.model.file import schema
 from sarrus.model.file.load import read
 
 GUIDE = Path(__file__).parents[2] / "docs" / "model-file.md"
+EXAMPLES = [
+    path
+    for path in sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+    if "\nname:" in path.read_text()  # one is only included by others
+]
 FULL = """\
 name: all of it
 include: [a.yaml, {file: b.yaml, prefix: b_, parameters: {l: 2*l}}]
@@ -63,12 +68,23 @@ def test_all_forms_are_valid(tmp_path: Path, validator: Draft202012Validator) ->
         ("parameters: {l: 20 mm", "parameters: {l: [1]"),
         ("[[0 mm, 1], [1, 2 N]]", "[[0 mm, 1], [1]]"),
         ("length: 1 m,", ""),
+        ("name: all of it", "description: no name"),
     ],
 )
 def test_wrong_files_are_not(old: str, new: str, tmp_path: Path, validator: Draft202012Validator) -> None:
     assert old in FULL
     (tmp_path / "m.yaml").write_text(FULL.replace(old, new, 1))
     assert not validator.is_valid(plain(tmp_path / "m.yaml"))
+
+
+def test_bodies_may_come_from_included_files(validator: Draft202012Validator) -> None:
+    assert validator.is_valid({"name": "car", "include": ["axle.yaml"]})
+    assert not validator.is_valid({"name": "car"})
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_are_valid(path: Path, validator: Draft202012Validator) -> None:
+    validator.validate(plain(path))
 
 
 def test_the_schema_tells_editors_the_units() -> None:

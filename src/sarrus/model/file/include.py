@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any
 
@@ -175,16 +176,27 @@ def _override(
 ) -> None:
     """Replace parameters of an included file by the values that the include gives."""
     own = _section(part.data, "parameters")
-    for name, value in given.items():
-        full = inner.prefix + name
-        if full not in own:
-            known = [one.removeprefix(inner.prefix) for one in own]
-            told = f"gives the unknown parameter {quote(name)}; {suggest(name, known)}"
+    for place, value in _leaves(given):
+        name = ".".join(place)
+        path = f"{inner.prefix}{place[0]}", *place[1:]
+        holder = own.get(path[0]) if path[1:] else own
+        if not isinstance(holder, dict) or isinstance(holder.get(path[-1], {}), dict):
+            told = f"gives the unknown parameter {quote(name)}; {suggest(name, _names(own, inner.prefix))}"
             raise _wrong(document, (*at, "parameters", name), told)
-        own[full] = scoped(value, scope)
-        where = (*at, "parameters", name)
-        part.origin.lines["parameters", full] = document.origin.line(where)
-        part.origin.files["parameters", full] = document.origin.file
+        holder[path[-1]] = scoped(value, scope)
+        part.origin.lines["parameters", *path] = document.origin.line((*at, "parameters", *place))
+        part.origin.files["parameters", path[0]] = document.origin.file
+
+
+def _leaves(given: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield names and values; ``crank: {length: 3}`` and ``crank.length: 3`` are the same."""
+    for name, value in given.items():
+        group = value.items() if isinstance(value, dict) else ()
+        yield from (((name, one), number) for one, number in group) if group else [((*name.split("."),), value)]
+
+
+def _names(own: dict[str, Any], prefix: str) -> list[str]:
+    return [".".join(place).removeprefix(prefix) for place, _ in _leaves(own)]
 
 
 def _wrong(document: Document, path: Path, sentence: str) -> Exception:

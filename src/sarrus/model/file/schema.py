@@ -17,7 +17,9 @@ def schema() -> dict[str, Any]:
             return False
 
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return head | layout().model_json_schema(by_alias=True, schema_generator=Untitled)
+    whole = layout().model_json_schema(by_alias=True, schema_generator=Untitled)
+    whole["required"].remove("bodies")  # which may come from included files
+    return head | whole | {"anyOf": [{"required": ["bodies"]}, {"required": ["include"]}]}
 
 
 def schema_text() -> str:

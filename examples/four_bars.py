@@ -12,8 +12,13 @@ ACROSS = (0, 0, 1)
 
 def four_bars(n: int, speed: float = 1.0) -> sr.Model:
     """Return n mechanisms, upright, whose couplers have the given speed [m/s]."""
-    uprights, couplers = [upright(i, speed) for i in range(n + 1)], [coupler(i, speed) for i in range(1, n + 1)]
-    joints = [sr.Revolute(f"foot_{i}", sr.ground, uprights[i], point=(i, 0, 0), axis=ACROSS) for i in range(n + 1)]
+    uprights, couplers = (
+        [upright(i, speed) for i in range(n + 1)],
+        [coupler(i, speed) for i in range(1, n + 1)],
+    )
+    joints = [
+        sr.Revolute(f"foot_{i}", sr.ground, uprights[i], point=(i, 0, 0), axis=ACROSS) for i in range(n + 1)
+    ]
     for i, bar in enumerate(couplers, start=1):
         joints.append(sr.Revolute(f"knee_{i}", uprights[i - 1], bar, point=(i - 1, 1, 0), axis=ACROSS))
         joints.append(sr.PointOnLine(f"close_{i}", uprights[i], bar, point=(i, 1, 0), axis=ACROSS))

@@ -192,7 +192,9 @@ def _leaves(given: dict[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Yield names and values; ``crank: {length: 3}`` and ``crank.length: 3`` are the same."""
     for name, value in given.items():
         group = value.items() if isinstance(value, dict) else ()
-        yield from (((name, one), number) for one, number in group) if group else [((*name.split("."),), value)]
+        yield from (
+            (((name, one), number) for one, number in group) if group else [((*name.split("."),), value)]
+        )
 
 
 def _names(own: dict[str, Any], prefix: str) -> list[str]:

@@ -15,7 +15,7 @@ from ..model.joints import Cylindrical, Revolute, Translational
 from ..model.pose import GROUND_POSE
 from ..model.solid import GROUND
 from ..system import System
-from ..system.memory import GROUND as AT_REST
+from ..system.local import GROUND as AT_REST
 from .held import place_of, unknown
 
 Feature = Dot1 | Dot2

@@ -88,6 +88,11 @@ class Bushing(Force, rare=True):
     def _rate(self, x: Pair, v: Pair) -> Array:
         return self._six(lambda part: part.Phi_q_xi(x, v)[0])
 
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """½ Ξᵀ K Ξ - F₀ᵀΞ [J], for symmetric K."""
+        strain = self._strain(x)
+        return (strain @ (self.K.reshape(6, 6) @ strain) / 2 - self.preload @ strain,)
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
         F = self._force(x, v)
         return tuple(-(F @ block) for block in self._rows(lambda part: part.Phi_q(x)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..algebra import I3, Array, Row, column
-from ..euler import B, D, K
+from ..euler import B, D, K, rotate
 from .element import ZERO_SINGLE, Force, Grid, Scalar, Single, Vec3
 
 
@@ -12,6 +12,10 @@ class Gravity(Force, bodies=1):
 
     mass: Scalar  # [kg]
     g: Vec3  # [m/s²] in global axes
+
+    def potential(self, x: Single) -> tuple[Scalar, ...]:
+        """-m gᵀr [J]."""
+        return (-self.mass * (self.g @ x.r),)
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         return self.mass * self.g, None
@@ -35,6 +39,10 @@ class EccentricGravity(Force, bodies=1):
 
     def _weight(self) -> Array:
         return self.mass * self.g
+
+    def potential(self, x: Single) -> tuple[Scalar, ...]:
+        """-m gᵀ(r + A c) [J]."""
+        return (-(self._weight() @ (x.r + rotate(x.p, self.center))),)
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         return self._weight(), self._weight() @ B(x.p, self.center)

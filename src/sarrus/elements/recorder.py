@@ -13,7 +13,7 @@ from .._jit.emit import Output, Recording
 from .._jit.expression import Expression, Graph
 from ..algebra import Array
 from .element import Element
-from .evaluation import BODY_OPERANDS, element_from, grid
+from .evaluation import BODY_OPERANDS, element_from, grid, partition
 from .operators import ALIASES, OPERATORS, Axis, Operator
 
 SCALARS = ("t",)
@@ -81,6 +81,18 @@ def record(variant: Variant, names: tuple[str, ...]) -> Recording:
     for name in names:
         blocks = _blocks(variant, element, OPERATORS[name], operands)
         recording.outputs.append(Output(list(blocks.values()), OPERATORS[name].sums))
+    return recording
+
+
+def record_scalars(variant: Variant, method: str) -> Recording:
+    """Record a method of x that returns scalars, such as `remember`: one block for each."""
+    graph, kind = Graph(), variant.kind
+    element = element_from(kind, graph.inputs("numbers", kind.size()), t=graph.input("t"))
+    x = partition(kind, _symbols(graph, variant, "q"))
+    title = f"{variant.name}.{method}"
+    recording = Recording(title, graph, variant.moving, kind.size(), ("q",), ("t",))
+    blocks = [np.array([value], dtype=object) for value in getattr(element, method)(x)]
+    recording.outputs.append(Output(blocks, False))
     return recording
 
 

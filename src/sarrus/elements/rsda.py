@@ -96,6 +96,11 @@ class RSDA(TurningSpring, Force):
         turned = angle - self.angle
         return Law(self.k * turned + self.c * rate + self.torque, self.k, self.c, (turned, rate, -self.k, 1))
 
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """½ k (θ - angle)² [J]; the actuator's work is none of it."""
+        turned = self.angle_of(x) - self.angle
+        return (self.k * turned * turned / 2,)
+
 
 class NonlinearRSDA(TurningSpring, Force, rare=True):
     """Curves for stiffness, damping and actuator: n = k κ(θ) (θ - angle) + c χ(θ̇) θ̇ + torque φ(t)."""

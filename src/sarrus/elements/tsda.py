@@ -108,6 +108,12 @@ class TSDA(SpringDamper, Force):
         stretch = l - self.length
         return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c, (stretch, rate, -self.k, 1))
 
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """½ k (l - length)² [J]; the actuator's work is none of it."""
+        d = self.d(x)
+        stretch = sqrt(d @ d) - self.length
+        return (self.k * stretch * stretch / 2,)
+
 
 class NonlinearTSDA(SpringDamper, Force):
     """Curves for stiffness, damping and actuator: f = k κ(l) (l - length) + c χ(l̇) l̇ + force φ(t)."""

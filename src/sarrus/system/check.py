@@ -17,7 +17,7 @@ from ..algebra import Array
 from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
-from .memory import GROUND, firsts, local
+from .local import GROUND, firsts, local
 from .population import WIDTH, Population
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._jit.driver import COMPILING, Signature, compiled, driver
 from .._jit.emit import HEADER
+from .._jit.pointer import Entry, entry
 from ..algebra import Array
 from ..elements import BUILT_IN, GROUPS, OPERATORS
 from ..elements.recorder import SCALARS, Variant, operands_of, record, variants
@@ -79,6 +80,11 @@ class Group:
         name = "_".join(["bundle", *(run.py_func.__name__ for run in drivers)])
         function = compiled(name, lines, {f"driver_{n}": run for n, run in enumerate(drivers)})
         return function, (self.index, *(index for _, index in self._others))
+
+    def entry(self) -> Entry:
+        """All drivers by address, for compiled loops that call them with `_jit.pointer.run`."""
+        drivers = [self.compiled, *(run for run, _ in self._others)]
+        return entry(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
 
     def allocate(self) -> list[Array]:
         """Fresh outputs, one array per operator."""

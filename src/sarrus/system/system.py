@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,10 @@ from .forces import ForceOperators
 from .group import Group
 from .inertia import InertiaOperators
 from .joints import JointCoordinates, SystemJoint
-from .memory import places, refresh
 from .pattern import Layout, Pattern
 from .population import WIDTH, populate
 from .reactions import Wrench, wrench
+from .told import Told, memory_places
 
 
 class System(ConstraintOperators, InertiaOperators, ForceOperators):
@@ -40,6 +41,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     q0, v0 : coordinates and velocities as the model gives them, perhaps not yet assembled (nq,)
     b : the numbers of all elements (nb,), named by `number_names`
+    memory_places : places in `b` of what elements remember between accepted states
     rows : joint or driver name -> its equations' rows in Φ
     joint_coordinates : angles and travels of all joints, see `JointCoordinates`
 
@@ -64,6 +66,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         self._groups: dict[tuple[str, ...], Group] = {}
         self._patterns: dict[str, Pattern] = {}
         self.rows = self._rows_of_joints()
+        self.memory_places = memory_places(self.populations)
         self.joint_coordinates = JointCoordinates(plan.coordinates, len(plan.bodies))
 
     def _rows_of_joints(self) -> dict[str, Array]:
@@ -149,20 +152,28 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
 
     def remember(self, q: Array, b: Array, t: float = 0.0) -> None:
         """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""
-        for p in self.populations:
-            memory = [n for n, kind in enumerate(p.kind.fields.values()) if kind == "Memory"]
-            if memory:
-                refresh(p, memory, q, b, t)
+        if len(self.memory_places):
+            b[self.memory_places] = self.remembered(np.asarray(q, dtype=float), b, t)
 
-    @property
-    def memory_places(self) -> Array:
-        """Places in `b` of what elements remember."""
-        return np.array([place for p in self.populations for place in places(p)], dtype=np.int64)
+    @cached_property
+    def remembered(self) -> Told:
+        """What elements remember of a state; it belongs at `memory_places` in the numbers."""
+        return Told("remember", self.populations)
+
+    @cached_property
+    def potentials(self) -> Told:
+        """The potential energies of all elements that have one. [J]"""
+        return Told("potential", self.populations)
+
+    def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
+        """Potential energy of gravity, linear springs and bushings, and of users' elements with `potential`. [J]"""
+        numbers = self.b if b is None else b
+        return float(self.potentials(np.asarray(q, dtype=float), numbers, t).sum())
 
     @property
     def has_memory(self) -> bool:
         """Whether any element remembers something between steps."""
-        return any(p.count and "Memory" in p.kind.fields.values() for p in self.populations)
+        return bool(len(self.memory_places))
 
     @property
     def number_names(self) -> list[str]:

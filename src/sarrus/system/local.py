@@ -1,0 +1,21 @@
+"""A system's vectors as one element sees them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements import recorder
+from .population import WIDTH, Population
+
+GROUND = np.array(recorder.GROUND, dtype=float)
+
+
+def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
+    """A vector of the system as element k of a population sees it; `ground` stands for the fixed body's part."""
+    return np.concatenate([ground if f < 0 else vector[f : f + WIDTH] for f in firsts(p, k)])
+
+
+def firsts(p: Population, k: int) -> list[int]:
+    """First coordinate of each body of element k, negative for ground."""
+    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]

@@ -21,6 +21,7 @@ from .rank import independent_rows, rank_of, unit_rows
 
 SINGULAR = 1e-6  # a smallest singular value that counts as zero, rows scaled to unit length
 SAME = 1e-7  # of the length of the path: nearer ones are the same
+INWARD = 1e-5  # of an interval: how near to a grid point a minimum may be and still be seen
 SAMPLES = 5  # positions of the grid from which the regular rank is taken
 
 
@@ -138,7 +139,7 @@ def _inside(
     """A zero inside an interval: by Brent's method, or, without a change of sign, by minimization if |value| dips."""
     if left * right < 0:
         s = float(brentq(value, a, b, xtol=1e-13, rtol=1e-14))
-    elif abs(value(a + 0.01 * (b - a))) < abs(left) and abs(value(b - 0.01 * (b - a))) < abs(right):
+    elif abs(value(a + INWARD * (b - a))) < abs(left) and abs(value(b - INWARD * (b - a))) < abs(right):
         options = {"xatol": 1e-12 * (b - a)}
         s = float(
             minimize_scalar(lambda s: abs(value(s)), bounds=(a, b), method="bounded", options=options).x

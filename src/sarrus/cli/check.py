@@ -48,5 +48,5 @@ def run(chosen: argparse.Namespace) -> int:
 def _draw(model: Model, file: Path) -> None:
     from ..views import mechanism_figure
 
-    mechanism_figure(model).savefig(file, dpi=150)
+    mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
     print(f"wrote {file}", file=sys.stderr)

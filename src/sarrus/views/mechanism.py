@@ -18,6 +18,9 @@ BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
 JOINT, GROUND_COLOUR = "#222222", "#8a8f98"
 MOST_NAMES = 16  # of joints and forces
 MARGIN = 0.05  # of the largest extent, around the drawing
+FLAT = 1e-6  # of the largest extent: what is thinner is drawn from the front
+FRONT = {0: (0, 0), 1: (0, -90), 2: (90, -90)}  # elevation and azimuth [deg] of a view along x, y, z
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 class Mark(NamedTuple):
@@ -51,12 +54,16 @@ def mechanism_figure(model: Model) -> Any:
     marks = _marks(plan)
     figure = figure_of(8.5, 7.0)
     ax = figure.add_subplot(projection="3d")
-    for number, name in enumerate(plan.bodies, start=1):
-        _draw_body(ax, plan, number, name, [mark.place for mark in marks if mark.body == number])
+    centers = _centers(plan)
+    for number in range(1, len(plan.bodies) + 1):
+        places = [mark.place for mark in marks if mark.body == number]
+        _draw_body(ax, plan, number, [*places, centers[number]])
+    _write_bodies(ax, plan)
     _draw_joints(ax, [mark for mark in marks if mark.is_joint])
     _draw_forces(ax, [mark for mark in marks if not mark.is_joint])
     _write_names(ax, marks)
-    _fit(ax, [*(mark.place for mark in marks), *(_origin(plan, b + 1) for b in range(len(plan.bodies)))])
+    origins = [_origin(plan, number) for number in centers]
+    _fit(ax, [*(mark.place for mark in marks), *origins, *centers.values()])
     ax.set_title(model.name, loc="left", fontsize=11)
     return figure
 
@@ -71,24 +78,48 @@ def _marks(plan: Blueprint) -> list[Mark]:
 
 
 def _points(one: Placed) -> Iterable[tuple[int, Any]]:
-    fields = dict(zip(one.element.fields, one.values, strict=True))
+    given = [name for name, kind in one.element.fields.items() if kind != "Time"]
+    fields = dict(zip(given, one.values, strict=True))
     names = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j")
     return [(body, fields[name]) for name, body in zip(names, one.bodies, strict=False) if name in fields]
 
 
 def _origin(plan: Blueprint, body: int) -> Array:
-    return global_point(plan, body, (0.0, 0.0, 0.0))
+    return global_point(plan, body, ORIGIN)
 
 
-def _draw_body(ax: Any, plan: Blueprint, number: int, name: str, points: list[Array]) -> None:
-    origin, colour = _origin(plan, number), BODIES[(number - 1) % len(BODIES)]
+def _centers(plan: Blueprint) -> dict[int, Array]:
+    """Return the global centre of mass of every body by number."""
+    inertias = [
+        (one.bodies[0], one.element.fields, one.values) for one in plan.placed if one.label == "inertia"
+    ]
+    given = {body: dict(zip(fields, values, strict=True)) for body, fields, values in inertias}
+    return {body: global_point(plan, body, fields.get("center", ORIGIN)) for body, fields in given.items()}
+
+
+def _colour(number: int) -> str:
+    return BODIES[(number - 1) % len(BODIES)]
+
+
+def _draw_body(ax: Any, plan: Blueprint, number: int, points: list[Array]) -> None:
+    """Draw lines from the origin to all points, the last of which is the centre of mass, and a square there."""
+    origin, colour = _origin(plan, number), _colour(number)
     for point in points:
         _line(ax, origin, point, color=colour, linewidth=2.2)
-    if len(points) <= 4:
-        for one, other in combinations(points, 2):
+    if len(points) <= 5:
+        for one, other in combinations(points[:-1], 2):
             _line(ax, one, other, color=colour, linewidth=0.8, alpha=0.5)
-    ax.scatter(*origin, color=colour, s=26, marker="s", depthshade=False)
-    ax.text(*origin, f" {name}\n", color=colour, fontsize=9)
+    ax.scatter(*points[-1], color=colour, s=26, marker="s", depthshade=False)
+
+
+def _write_bodies(ax: Any, plan: Blueprint) -> None:
+    """Write the names of bodies at their origins, those at one place one above the other."""
+    lines: dict[tuple[float, ...], int] = {}
+    for number, name in enumerate(plan.bodies, start=1):
+        origin = _origin(plan, number)
+        place = tuple((np.round(origin, 3) + 0.0).tolist())
+        lines[place] = lines.get(place, 0) + 1
+        ax.text(*origin, f" {name}" + "\n" * lines[place], color=_colour(number), fontsize=9)
 
 
 def _draw_joints(ax: Any, marks: list[Mark]) -> None:
@@ -134,15 +165,32 @@ def _line(ax: Any, one: Array, other: Array, **style: Any) -> None:
 
 
 def _fit(ax: Any, places: list[Array]) -> None:
-    """Give all axes the same scale, around all places."""
+    """Give all axes the same scale, around all places; look at a flat mechanism from the front."""
     low, high = np.min(places, axis=0), np.max(places, axis=0)
-    pad = MARGIN * max(float(np.max(high - low)), 1e-3)
-    for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low - pad, high + pad, strict=True):
-        set_limits(a, b)
-    ax.set_box_aspect(high - low + 2 * pad, zoom=0.95)
-    ax.view_init(elev=20, azim=-60)
-    for label, set_label in zip("xyz", (ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), strict=True):
-        set_label(f"{label} [m]")
-    ax.tick_params(labelsize=7)
-    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+    largest = max(float(np.max(high - low)), 1e-3)
+    flat = [axis for axis in range(3) if high[axis] - low[axis] < FLAT * largest]
+    for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low, high, strict=True):
+        set_limits(a - MARGIN * largest, b + MARGIN * largest)
+    ax.set_box_aspect(high - low + 2 * MARGIN * largest, zoom=1.1 if len(flat) == 1 else 0.95)
+    _label(ax)
+    if len(flat) == 1:
+        _from_the_front(ax, flat[0])
+    else:
+        ax.view_init(elev=20, azim=-60)
+
+
+def _label(ax: Any) -> None:
+    for axis, name in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", strict=True):
+        axis.set_label_text(f"{name} [m]")
         axis.pane.set_visible(False)
+    ax.tick_params(labelsize=7)
+
+
+def _from_the_front(ax: Any, along: int) -> None:
+    """Look along an axis, of which nothing is to be seen then."""
+    ax.set_proj_type("ortho")
+    ax.view_init(*FRONT[along])
+    hidden = (ax.xaxis, ax.yaxis, ax.zaxis)[along]
+    hidden.set_ticks([])
+    hidden.set_label_text("")
+    hidden.line.set_visible(False)

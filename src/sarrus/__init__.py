@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
     from .analyses import JointSpace as JointSpace
     from .analyses import NoDerivative as NoDerivative
+    from .analyses import Radau as Radau
     from .analyses import assemble as assemble
     from .analyses import equilibrium as equilibrium
     from .analyses import inverse_dynamics as inverse_dynamics
@@ -106,8 +107,8 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE assemble equilibrium inverse_dynamics "
-        "kinematics linearize mobility modes simulate singularities"
+        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE Radau assemble equilibrium "
+        "inverse_dynamics kinematics linearize mobility modes simulate singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": "Assembly Equilibrium Mobility Modes Reaction Singularity Trajectory",

@@ -3,7 +3,7 @@
 from .assembly import assemble
 from .assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .degrees_of_freedom import mobility
-from .dynamics import HHT, ODE, GeneralizedAlpha, simulate
+from .dynamics import HHT, ODE, GeneralizedAlpha, Radau, simulate
 from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
@@ -19,6 +19,7 @@ __all__ = [
     "GeneralizedAlpha",
     "JointSpace",
     "NoDerivative",
+    "Radau",
     "assemble",
     "equilibrium",
     "inverse_dynamics",

@@ -36,7 +36,7 @@ class SparseLU:
     Parameters
     ----------
     indptr, indices : the pattern by columns, rows rising
-    data : the numbers of a typical matrix, from which the pivot order is chosen
+    data : the numbers of a typical matrix, real or complex, from which the pivot order is chosen
 
     Raises
     ------
@@ -56,7 +56,7 @@ class SparseLU:
         self._arrange()
         functions = compiled()
         self.pointers, self.rows, self.diagonal = functions["symbolic"](self.n, self.indptr, self.indices)
-        self.factors, self.work = np.zeros(len(self.rows)), np.zeros(self.n)
+        self.factors, self.work = np.zeros(len(self.rows), data.dtype), np.zeros(self.n, data.dtype)
         if not self._refactor(data) > 0.0:
             raise SingularMatrix("the matrix is singular to working precision")
 
@@ -100,15 +100,15 @@ class SparseLU:
 
     def solve(self, right: Array) -> Array:
         """x of A x = right."""
-        x = np.empty(self.n)
+        x = np.empty(self.n, self.factors.dtype)
         x[self.row_place] = right
         compiled()["solve"](self.pointers, self.rows, self.diagonal, self.factors, x)
-        result = np.empty(self.n)
+        result = np.empty(self.n, self.factors.dtype)
         result[self.column_order] = x
         return result
 
     def solve_transposed(self, right: Array) -> Array:
         """x of Aᵀ x = right."""
-        x = right[self.column_order].astype(float)
+        x = right[self.column_order].astype(self.factors.dtype)
         compiled()["solve_transposed"](self.pointers, self.rows, self.diagonal, self.factors, x)
         return x[self.row_place]

@@ -2,6 +2,7 @@
 
 from .alpha import HHT, GeneralizedAlpha
 from .ode import ODE
+from .radau import Radau
 from .simulation import simulate
 
-__all__ = ["HHT", "ODE", "GeneralizedAlpha", "simulate"]
+__all__ = ["HHT", "ODE", "GeneralizedAlpha", "Radau", "simulate"]

@@ -13,8 +13,9 @@ from ..assembly import assemble
 from .alpha import HHT, GeneralizedAlpha
 from .ode import ODE
 from .outcome import nothing
+from .radau import Radau
 
-Method = HHT | GeneralizedAlpha | ODE
+Method = HHT | GeneralizedAlpha | Radau | ODE
 
 
 def simulate(
@@ -38,7 +39,7 @@ def simulate(
     start : consistent state; by default the model's own, assembled
     until : end time [s]; the start is at 0
     t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
-    method : `HHT` (the default), `GeneralizedAlpha` or `ODE`
+    method : `HHT` (the default), `GeneralizedAlpha`, `Radau` or `ODE`
     rtol, atol : tolerances of the local error of q and v
     max_step : longest step [s]
     keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
@@ -82,9 +83,9 @@ def _refuse_tolerances(**given: float) -> None:
 def _method(given: Method | None) -> Method:
     if given is None:
         return HHT()
-    if not isinstance(given, HHT | GeneralizedAlpha | ODE):
+    if not isinstance(given, Method):
         raise TypeError(
-            f"method must be HHT(), GeneralizedAlpha() or ODE(), but is {given!r}; "
+            f"method must be HHT(), GeneralizedAlpha(), Radau() or ODE(), but is {given!r}; "
             'for a solver of SciPy give ODE("DOP853")'
         )
     return given

@@ -1,0 +1,562 @@
+"""The time loop of Radau IIA on the stabilized index-2 equations, compiled: many steps for one call from Python.
+
+Unknowns are the increments of q and v from the start of the step to its three stages, and λ and μ at the stages.
+Simplified Newton: with W = T⁻¹ Z the 3 N equations of a step fall apart into N real and N complex ones,
+
+    [ 1 I                 -I            0     Φ_qᵀ ] [ w_q     ]
+    [ (...)_q / s²    M + (...)_v / s   Φ_qᵀ  0    ] [ w_v / s ]
+    [ Φ_q                  0            0     0    ] [ w_λ / s²]
+    [ (Φ_q v + Φ_t)_q / s  Φ_q          0     0    ] [ w_μ / s ],     s = (γ or α + i β) / h,
+
+scaled so that their condition does not depend on h.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+RESIDUAL: Any = None  # drivers and solvers, put in place when this is compiled
+MOMENTUM: Any = None
+FORCE: Any = None
+VELOCITY: Any = None
+JACOBIAN: Any = None
+INERTIA: Any = None
+STIFFNESS: Any = None
+TURNING: Any = None
+BENDING: Any = None
+ASSEMBLE: Any = None
+REFACTOR: Any = None
+SOLVE: Any = None
+RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
+TRUSTED = 1e-9  # as for every use of `linear.SparseLU`
+NEWTON_LIMIT = 10  # iterations
+SLOW = 0.03  # contraction above which the matrices are renewed for the next step
+PROJECTIONS, PROJECTED = 25, 1e-14  # most iterations, and where they end
+SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
+KEEP = 1.2  # the step and the factors are kept for less than this
+
+
+class Scheme(NamedTuple):
+    """Nodes c, A⁻¹, the transformation T and its inverse, eigenvalues γ and α + iβ, weights of the error estimate."""
+
+    c: Any
+    inverse: Any
+    T: Any
+    T_inverse: Any
+    gamma: Any
+    pair: Any
+    error: Any
+
+
+class State(NamedTuple):
+    """Arrays at the start of a step (0), at its three stages, their increments, and those of the step before."""
+
+    q0: Any
+    v0: Any
+    a0: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    mu: Any
+    zq: Any
+    zv: Any
+    zq_before: Any
+    zv_before: Any
+    lam_before: Any
+
+
+class Memory(NamedTuple):
+    """Operators' outputs and work arrays."""
+
+    Phi: Any
+    Phi_qT_lam: Any
+    Phi_qT_mu: Any
+    M_a: Any
+    S: Any
+    Q: Any
+    rate: Any
+    Phi_t: Any
+    gamma: Any
+    residual: Any
+    real: Any
+    real_solution: Any
+    pair: Any
+    pair_solution: Any
+    right: Any
+    solution: Any
+    end: Any
+
+
+class Matrices(NamedTuple):
+    """The numbers of all operators, and the three matrices: of both Newton systems, and of the accelerations."""
+
+    values: Any
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    gamma_v: Any
+    row_of: Any
+    left_out: Any
+    real: Any
+    pair: Any
+    motion: Any
+
+
+class Indices(NamedTuple):
+    """Index tables of the operator groups."""
+
+    residual: Any
+    momentum: Any
+    force: Any
+    velocity: Any
+    jacobian: Any
+    inertia: Any
+    stiffness: Any
+    turning: Any
+    bending: Any
+
+
+class Control(NamedTuple):
+    """Scalars that change, and counters.
+
+    numbers : t, h, h of the factors (0: renew; -1: the pivots are new), last error, last h, whether the matrices are
+        old, h of the last stages
+    counts : steps, rejected, residuals, matrices, outputs written
+    """
+
+    numbers: Any
+    counts: Any
+
+
+class Output(NamedTuple):
+    """Times wanted, and room for the states there; history of the steps (t, h, error, iterations)."""
+
+    t: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    history: Any
+
+
+def stages(scheme: Any, h: Any, state: Any) -> None:
+    """q, v and a at the stages, of their increments."""
+    for i in range(3):
+        for k in range(len(state.q0)):
+            state.q[i, k] = state.q0[k] + state.zq[i, k]
+            state.v[i, k] = state.v0[k] + state.zv[i, k]
+            slope = 0.0
+            for j in range(3):
+                slope += scheme.inverse[i, j] * state.zv[j, k]
+            state.a[i, k] = slope / h
+
+
+def residual(
+    scheme: Any, index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, left_out: Any
+) -> None:
+    """[q' - v + Φ_qᵀμ; M a + Φ_qᵀλ - Q - S; Φ; Φ_q v + Φ_t] at every stage."""
+    n, m = len(state.q0), len(left_out)
+    stages(scheme, h, state)
+    for i in range(3):
+        t, q, v = t0 + scheme.c[i] * h, state.q[i], state.v[i]
+        RESIDUAL(index.residual, b, t, q, state.mu[i], memory.Phi, memory.Phi_qT_mu)
+        RESIDUAL(index.residual, b, t, q, state.lam[i], memory.Phi, memory.Phi_qT_lam)
+        MOMENTUM(index.momentum, b, q, v, state.a[i], memory.M_a, memory.S)
+        FORCE(index.force, b, t, q, v, memory.Q)
+        VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
+        for k in range(n):
+            slope = 0.0
+            for j in range(3):
+                slope += scheme.inverse[i, j] * state.zq[j, k]
+            memory.residual[i, k] = slope / h - v[k] + memory.Phi_qT_mu[k]
+            memory.residual[i, n + k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
+        for k in range(m):
+            kept = 1.0 - left_out[k]
+            memory.residual[i, 2 * n + k] = kept * memory.Phi[k]
+            memory.residual[i, 2 * n + m + k] = kept * (memory.rate[k] + memory.Phi_t[k])
+
+
+def evaluate(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrices: Any) -> None:
+    """All derivatives at one state."""
+    JACOBIAN(index.jacobian, b, t, q, lam, matrices.Phi_q, matrices.Phi_qT_lam_q)
+    INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
+    STIFFNESS(index.stiffness, b, t, q, v, matrices.Q_q, matrices.Q_v)
+    TURNING(index.turning, b, t, q, v, matrices.gamma_v)
+    for k in range(len(matrices.Phi_q)):
+        matrices.Phi_q[k] *= 1.0 - matrices.left_out[matrices.row_of[k]]
+
+
+def refactor(values: Any, placed: Any) -> Any:
+    """Assemble and factor one matrix; returns how far its pivots can be trusted."""
+    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.data)
+    return REFACTOR(
+        placed.pointers, placed.rows, placed.diagonal, placed.indptr, placed.indices, placed.data, placed.factors,
+        placed.work,
+    )  # fmt: skip
+
+
+def weigh(weights: Any, s: Any) -> None:
+    """The weights of the parts of a Newton matrix, in the order of `radau_run.newton_parts`."""
+    beta, gamma = 1.0 / (s * s), 1.0 / s
+    weights[1] = -1.0
+    weights[4], weights[5], weights[6], weights[7] = beta, beta, -beta, -beta
+    weights[9], weights[10] = -gamma, -gamma
+    weights[13] = -0.5 * gamma
+
+
+def factor(scheme: Any, h: Any, matrices: Any) -> Any:
+    """Factor the real and the complex Newton matrix of the derivatives at hand; returns their lesser trust."""
+    weigh(matrices.real.weights, scheme.gamma / h)
+    weigh(matrices.pair.weights, scheme.pair / h)
+    return min(refactor(matrices.values, matrices.real), refactor(matrices.values, matrices.pair))
+
+
+def backsolve(placed: Any, right: Any, solution: Any) -> None:
+    """solution = matrix⁻¹ right."""
+    work = placed.work
+    for k in range(len(right)):
+        work[placed.row_place[k]] = right[k]
+    SOLVE(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    for k in range(len(right)):
+        solution[placed.column_order[k]] = work[k]
+
+
+def scaled(right: Any, n: Any, m: Any, s: Any) -> None:
+    """The right side of a Newton system, its rows scaled as those of the matrix."""
+    for k in range(n):
+        right[k] /= s
+        right[n + k] /= s * s
+    for k in range(m):
+        right[2 * n + m + k] /= s
+
+
+def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
+    """Back from w_v / s, w_λ / s², w_μ / s."""
+    for k in range(n):
+        solution[n + k] *= s
+    for k in range(m):
+        solution[2 * n + k] *= s * s
+        solution[2 * n + m + k] *= s
+
+
+def size(change: Any, q: Any, v: Any, rtol: Any, atol: Any) -> Any:
+    """Root mean square of the changes of q and of v, the greater; each entry over its tolerance."""
+    n, in_q, in_v = len(q), 0.0, 0.0
+    for k in range(n):
+        in_q += (change[k] / (atol[k] + rtol * abs(q[k]))) ** 2
+        in_v += (change[n + k] / (atol[k] + rtol * abs(v[k]))) ** 2
+    return (max(in_q, in_v) / n) ** 0.5
+
+
+def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, rtol: Any, atol: Any) -> Any:
+    """One Newton step for all stages; returns its size."""
+    n, m, T, back = len(state.q0), len(matrices.left_out), scheme.T, scheme.T_inverse
+    for k in range(2 * (n + m)):
+        r0, r1, r2 = memory.residual[0, k], memory.residual[1, k], memory.residual[2, k]
+        memory.real[k] = back[0, 0] * r0 + back[0, 1] * r1 + back[0, 2] * r2
+        memory.pair[k] = (back[1, 0] * r0 + back[1, 1] * r1 + back[1, 2] * r2) + 1j * (
+            back[2, 0] * r0 + back[2, 1] * r1 + back[2, 2] * r2
+        )
+    scaled(memory.real, n, m, scheme.gamma / h)
+    scaled(memory.pair, n, m, scheme.pair / h)
+    backsolve(matrices.real, memory.real, memory.real_solution)
+    backsolve(matrices.pair, memory.pair, memory.pair_solution)
+    unscaled(memory.real_solution, n, m, scheme.gamma / h)
+    unscaled(memory.pair_solution, n, m, scheme.pair / h)
+    largest = 0.0
+    for i in range(3):
+        for k in range(2 * (n + m)):
+            w = memory.pair_solution[k]
+            memory.residual[i, k] = T[i, 0] * memory.real_solution[k] + T[i, 1] * w.real + T[i, 2] * w.imag
+        largest = max(largest, size(memory.residual[i], state.q0, state.v0, rtol, atol))
+        for k in range(n):
+            state.zq[i, k] -= memory.residual[i, k]
+            state.zv[i, k] -= memory.residual[i, n + k]
+        for k in range(m):
+            state.lam[i, k] -= memory.residual[i, 2 * n + k]
+            state.mu[i, k] -= memory.residual[i, 2 * n + m + k]
+    return largest
+
+
+def newton(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    t: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrices: Any,
+    control: Any,
+    rtol: Any,
+    atol: Any,
+    enough: Any,
+) -> Any:
+    """Solve the stages of one step. Returns (iterations, contraction): no iterations if it fails."""
+    before, rate = 0.0, 0.0
+    for iteration in range(NEWTON_LIMIT):
+        residual(scheme, index, b, t, h, state, memory, matrices.left_out)
+        control.counts[2] += 3
+        change = improve(scheme, h, state, memory, matrices, rtol, atol)
+        if not change < 1e30:
+            return 0, 2.0
+        if iteration > 0:
+            rate = max(0.5 * rate, change / before) if before > 0.0 else 0.0
+            if rate >= 0.99:
+                return 0, rate
+        if change <= 1e-3 * enough or (iteration > 0 and change * rate / (1.0 - rate) <= enough):
+            stages(scheme, h, state)
+            return iteration + 1, rate
+        before = change
+    return 0, 1.0
+
+
+def estimate(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    h: Any,
+    again: Any,
+    state: Any,
+    memory: Any,
+    matrices: Any,
+    rtol: Any,
+    atol: Any,
+) -> Any:
+    """Size of the error of a step; with `again` it is filtered twice, for stiff beginnings."""
+    n, m, s = len(state.q0), len(matrices.left_out), scheme.gamma / h
+    right, found = memory.real, memory.real_solution
+    right[:] = 0.0
+    for k in range(n):
+        in_q, in_v = 0.0, 0.0
+        for j in range(3):
+            in_q += scheme.error[j] * state.zq[j, k]
+            in_v += scheme.error[j] * state.zv[j, k]
+        right[k] = (in_q / h + state.v0[k]) / s
+        memory.end[k] = (in_v / h + state.a0[k]) / (s * s)
+    MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
+    right[n : 2 * n] = memory.M_a
+    backsolve(matrices.real, right, found)
+    unscaled(found, n, m, s)
+    error = size(found, state.q[2], state.v[2], rtol, atol)
+    if again and error >= 1.0:
+        right[:] = 0.0
+        right[:n] = found[:n]
+        memory.end[:] = found[n : 2 * n] / s
+        MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
+        right[n : 2 * n] = memory.M_a
+        backsolve(matrices.real, right, found)
+        unscaled(found, n, m, s)
+        error = size(found, state.q[2], state.v[2], rtol, atol)
+    return error
+
+
+def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
+    """The polynomial that is 1 at the node c_j and 0 at the others (and at 0), at x."""
+    c = scheme.c
+    value = x / c[j] if with_zero else 1.0
+    for i in range(3):
+        if i != j:
+            value *= (x - c[i]) / (c[j] - c[i])
+    return value
+
+
+def predict(scheme: Any, ratio: Any, state: Any) -> None:
+    """First guess of the stages: the polynomials of the last step go on; `ratio` is the new step over the last."""
+    for i in range(3):
+        state.zq[i], state.zv[i], state.lam[i], state.mu[i] = 0.0, 0.0, 0.0, 0.0
+        x = 1.0 + ratio * scheme.c[i]
+        for j in range(3):
+            w = lagrange(scheme, j, x, True) - lagrange(scheme, j, 1.0, True)
+            u = lagrange(scheme, j, x, False)
+            for k in range(len(state.q0)):
+                state.zq[i, k] += w * state.zq_before[j, k]
+                state.zv[i, k] += w * state.zv_before[j, k]
+            for k in range(state.lam.shape[1]):
+                state.lam[i, k] += u * state.lam_before[j, k]
+
+
+def first_guess(scheme: Any, h: Any, state: Any) -> None:
+    """The stages of the first step: v and a go on, and λ stays."""
+    for i in range(3):
+        x = scheme.c[i] * h
+        for k in range(len(state.q0)):
+            state.zq[i, k] = x * (state.v0[k] + 0.5 * x * state.a0[k])
+            state.zv[i, k] = x * state.a0[k]
+        state.lam[i] = state.lam_before[2]
+        state.mu[i] = 0.0
+
+
+def accept(state: Any) -> None:
+    """The end of the step is the start of the next."""
+    state.q0[:], state.v0[:], state.a0[:] = state.q[2], state.v[2], state.a[2]
+    state.zq_before[:], state.zv_before[:], state.lam_before[:] = state.zq, state.zv, state.lam
+
+
+def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory: Any, matrices: Any) -> Any:
+    """a and λ of the equations of motion at a state; returns how far the pivots can be trusted."""
+    n = len(q)
+    BENDING(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
+    for k in range(len(matrices.Phi_q)):
+        matrices.Phi_q[k] *= 1.0 - matrices.left_out[matrices.row_of[k]]
+    INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
+    memory.solution[:n] = 0.0
+    MOMENTUM(index.momentum, b, q, v, memory.solution[:n], memory.M_a, memory.S)
+    FORCE(index.force, b, t, q, v, memory.Q)
+    trust = refactor(matrices.values, matrices.motion)
+    memory.right[:n] = memory.Q + memory.S
+    memory.right[n:] = memory.gamma * (1.0 - matrices.left_out)
+    backsolve(matrices.motion, memory.right, memory.solution)
+    a[:], lam[:] = memory.solution[:n], memory.solution[n:]
+    return trust
+
+
+def project(index: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, memory: Any, matrices: Any) -> None:
+    """A state that is given out onto Φ = 0 and Φ_q v = -Φ_t, by the least change in the metric of M."""
+    n = len(q)
+    for attempt in range(2 * PROJECTIONS):
+        position = attempt < PROJECTIONS
+        if position:
+            RESIDUAL(index.residual, b, t, q, lam, memory.Phi, memory.Phi_qT_lam)
+        else:
+            VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
+        worst = 0.0
+        memory.right[:n] = 0.0
+        for k in range(len(lam)):
+            defect = memory.Phi[k] if position else memory.rate[k] + memory.Phi_t[k]
+            memory.right[n + k] = defect * (1.0 - matrices.left_out[k])
+            worst = max(worst, abs(memory.right[n + k]))
+        if worst < PROJECTED:
+            continue
+        backsolve(matrices.motion, memory.right, memory.solution)
+        for k in range(n):
+            if position:
+                q[k] -= memory.solution[k]
+            else:
+                v[k] -= memory.solution[k]
+
+
+def between(s: Any, h: Any, state: Any, end: Any, q: Any, v: Any) -> None:
+    """q and v inside a step, s = 0 to 1, by quintic Hermite interpolation of q, v, a."""
+    for k in range(len(q)):
+        slope0, slope1 = h * state.v0[k], h * state.v[2, k]
+        bend0, bend1 = 0.5 * h * h * state.a0[k], 0.5 * h * h * end[k]
+        rest = state.zq[2, k] - slope0 - bend0
+        c = 10.0 * rest - 4.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
+        d = -15.0 * rest + 7.0 * (slope1 - slope0 - 2.0 * bend0) - 2.0 * (bend1 - bend0)
+        e = 6.0 * rest - 3.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
+        q[k] = state.q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
+        v[k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
+
+
+def write(
+    index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, matrices: Any, control: Any, output: Any
+) -> Any:
+    """States at the wanted times of this step, projected, with a and λ of the equations of motion there."""
+    row, trust = control.counts[4], 1.0
+    if row == len(output.t) or output.t[row] > t0 + h * (1.0 + 1e-12):
+        return trust
+    lam = output.lam[row]
+    trust = motion(index, b, t0, state.q0, state.v0, state.a0, lam, memory, matrices)
+    trust = min(trust, motion(index, b, t0 + h, state.q[2], state.v[2], memory.end, lam, memory, matrices))
+    while trust > TRUSTED and row < len(output.t) and output.t[row] <= t0 + h * (1.0 + 1e-12):
+        t, q, v, lam = output.t[row], output.q[row], output.v[row], output.lam[row]
+        between((t - t0) / h, h, state, memory.end, q, v)
+        project(index, b, t, q, v, lam, memory, matrices)
+        trust = min(trust, motion(index, b, t, q, v, output.a[row], lam, memory, matrices))
+        row += 1
+    if trust > TRUSTED:
+        control.counts[4] = row
+    return trust
+
+
+def advance(
+    scheme: Any,
+    index: Any,
+    b: Any,
+    until: Any,
+    limit: Any,
+    h_max: Any,
+    state: Any,
+    memory: Any,
+    matrices: Any,
+    control: Any,
+    output: Any,
+    rtol: Any,
+    atol: Any,
+    enough: Any,
+) -> Any:
+    """Take steps until a time, at most `limit` of them. Returns a status."""
+    numbers, counts = control.numbers, control.counts
+    taken, rejected = 0, False
+    while numbers[0] < until and taken < limit:
+        t0, h = numbers[0], min(numbers[1], h_max)
+        if t0 + 1.0001 * h >= until:
+            h = until - t0
+        if h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
+            return TOO_SMALL
+        if numbers[6] > 0.0:
+            predict(scheme, h / numbers[6], state)
+        else:
+            first_guess(scheme, h, state)
+        if numbers[2] != h:
+            stages(scheme, h, state)  # the middle one, as predicted, stands for all
+            evaluate(
+                index, b, t0 + scheme.c[1] * h, state.q[1], state.v[1], state.a[1], state.lam[1], matrices
+            )
+            counts[3] += 1
+            if not factor(scheme, h, matrices) > TRUSTED:
+                if numbers[2] < 0.0:
+                    numbers[1] = 0.5 * h
+                    continue
+                numbers[1] = h
+                return REPIVOT
+            numbers[2], numbers[5] = h, 0.0
+        iterations, rate = newton(
+            scheme, index, b, t0, h, state, memory, matrices, control, rtol, atol, enough
+        )
+        if iterations == 0:
+            counts[1] += 1
+            if numbers[5] == 0.0:
+                numbers[1] = 0.5 * h
+            numbers[2] = 0.0
+            rejected = True
+            continue
+        first = rejected or counts[0] == 0
+        error = estimate(scheme, index, b, h, first, state, memory, matrices, rtol, atol)
+        error = max(error, 1e-10)
+        safety = SAFETY * (1 + 2 * NEWTON_LIMIT) / (iterations + 2 * NEWTON_LIMIT)
+        wanted = min(max(safety * error**-0.25, SHRINK), GROW)
+        if not error < 1.0:
+            counts[1] += 1
+            numbers[1] = h * (0.1 if counts[0] == 0 else wanted)
+            rejected = True
+            continue
+        if not write(index, b, t0, h, state, memory, matrices, control, output) > TRUSTED:
+            numbers[1], numbers[2] = h, 0.0
+            return REPIVOT
+        if counts[0] > 0:  # Gustafsson's prediction
+            trend = SAFETY * (h / numbers[4]) * (numbers[3] / (error * error)) ** 0.25
+            wanted = min(max(min(wanted, trend), SHRINK), GROW)
+        if rejected:
+            wanted = min(wanted, 1.0)
+        rejected = False
+        if counts[0] < len(output.history):
+            output.history[counts[0], 0], output.history[counts[0], 1] = t0 + h, h
+            output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
+        accept(state)
+        numbers[0] = until if h == until - t0 else t0 + h
+        numbers[3], numbers[4], numbers[6], numbers[5] = max(error, 1e-2), h, h, 1.0
+        counts[0] += 1
+        taken += 1
+        if wanted < 1.0 or wanted > KEEP:
+            numbers[1] = h * wanted
+        if rate > SLOW or iterations > 5:
+            numbers[2] = 0.0
+    return FINISHED if numbers[0] >= until else RUNNING

@@ -67,9 +67,9 @@ def simulate(
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
     chosen, told = _method(method), {"rtol": rtol, "atol": atol, "max_step": max_step, "progress": progress}
-    if isinstance(chosen, ODE):
+    if isinstance(chosen, ODE | Radau):
         if keep_steps:
-            raise ValueError("ODE() keeps no steps; choose HHT() or GeneralizedAlpha()")
+            raise ValueError(f"{type(chosen).__name__}() keeps no steps; choose HHT() or GeneralizedAlpha()")
         return chosen.run(system, begin, grid, **told).at(times)  # type: ignore[arg-type]
     return chosen.run(system, begin, grid, keep_steps=keep_steps, **told).at(times)  # type: ignore[arg-type]
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..._jit.driver import compiled_function
+from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
@@ -33,6 +34,17 @@ GROUPS = {
     "STIFFNESS": ("Q_q", "Q_v"),
     "TURNING": ("gamma_v",),
     "BENDING": ("Phi_q", "gamma"),
+}
+CALLS = {  # scalars and arrays that each takes
+    "RESIDUAL": (1, 4),
+    "MOMENTUM": (0, 5),
+    "FORCE": (1, 3),
+    "VELOCITY": (1, 4),
+    "JACOBIAN": (1, 4),
+    "INERTIA": (0, 7),
+    "STIFFNESS": (1, 4),
+    "TURNING": (1, 3),
+    "BENDING": (1, 4),
 }
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
 
@@ -67,11 +79,11 @@ def motion_parts(nq: int, m: int) -> list[Part]:
 
 
 @cache
-def _compiled(drivers: tuple[Any, ...]) -> Any:
-    """The time loop over the drivers of a kind of system."""
+def _compiled() -> Any:
+    """The time loop: the same code for every system; drivers are called by their address."""
     from ..linear import compiled as factors
 
-    known: dict[str, Any] = dict(zip(GROUPS, drivers, strict=True))
+    known: dict[str, Any] = {name: run(*CALLS[name]) for name in GROUPS}
     known |= {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
     known["ASSEMBLE"] = compiled_function(placed.assemble)
     inner = (
@@ -111,9 +123,8 @@ class Run:
         system.remember(start.q, self.b, float(times[0]))
         self.independence = Independence(system, start.q, float(times[0]))
         self.independence.check(start)
-        bundles = [system.group(*names).bundle() for names in GROUPS.values()]
-        self._loop = _compiled(tuple(function for function, _ in bundles))
-        self._index = loop.Indices(*(indices for _, indices in bundles))
+        self._loop = _compiled()
+        self._index = loop.Indices(*(system.group(*names).entry() for names in GROUPS.values()))
         self._make_matrices()
         self._state = self._start(start)
         nq, m = system.nq, system.m

@@ -116,12 +116,6 @@ WRONG = {
         18,
         ("back to it", "follow none"),
     ),
-    "mimic": Wrong(
-        '<axis xyz="0 1 0"/>\n  </joint>\n</robot>',
-        MIMIC.replace("shulder", "shoulder"),
-        18,
-        ("follows", 'mimic="free"'),
-    ),
 }
 
 
@@ -181,7 +175,7 @@ def test_a_bomb_of_entities_is_refused_at_once(tmp_path: Path) -> None:
 
 WISHES = {
     "base": ({"base": "flying"}, "base must be one of fixed, floating"),
-    "mimic": ({"mimic": "couple"}, "mimic must be one of"),
+    "mimic": ({"mimic": "refuse"}, "mimic must be one of"),
     "unknown joint": ({"q0": {"elbo": 1.0}}, 'did you mean "elbow"'),
     "no number": ({"q0": {"elbow": "1"}}, "must be a number"),
     "base without base": ({"q0": {"base": [0] * 7}}, "no joint that moves"),

@@ -199,15 +199,25 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
 ONE = '<body name="b"><joint name="j"/><geom size="1"/></body>'
 TWO = '<body name="b"><joint name="j"/><joint name="k" type="slide"/><joint name="l"/><geom size="1"/></body>'
 PAIR = ONE + '<body name="c"><joint name="k"/><geom size="1"/></body>'
+
+
+def test_a_joint_that_follows_another_is_coupled(tmp_path: Path) -> None:
+    path = tmp_path / "pair.xml"
+    equality = '<equality><joint joint1="j" joint2="k" polycoef="0.1 2 0 0 0"/></equality>'
+    path.write_text(f"<mujoco><worldbody>{PAIR}</worldbody>{equality}</mujoco>")
+    system = sr.System(sr.load_mjcf(path, q0={"k": 0.2}))
+    assert sr.mobility(system).degrees_of_freedom == 1
+    start = sr.assemble(system, rates={"k": 0.3})
+    follower, leader = system.joint("j")["angle"], system.joint("k")["angle"]
+    assert [one.value(start.q) for one in (leader, follower)] == pytest.approx([0.2, 0.5])
+    assert [one.rate(start.q, start.v) for one in (leader, follower)] == pytest.approx([0.3, 0.6])
+
+
 MALFORMED = {
     "no XML": ("<mujoco>", "cannot be read by MuJoCo"),
     "unknown element": ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "cannot be read by MuJoCo"),
     "no joint fits": (f"<mujoco><worldbody>{TWO}</worldbody></mujoco>", "no joint leaves just the motions"),
     "nothing moves": ("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", "nothing in it moves"),
-    "follows": (
-        f'<mujoco><worldbody>{PAIR}</worldbody><equality><joint joint1="j" joint2="k"/></equality></mujoco>',
-        'mimic="free"',
-    ),
     "polynomial": (
         f"<mujoco><worldbody>{PAIR}</worldbody>"
         '<equality><joint joint1="j" joint2="k" polycoef="0 1 1 0 0"/></equality></mujoco>',

@@ -22,7 +22,7 @@ class JointSpace:
 
     A turn or slide has one coordinate, the angle [rad] or displacement [m] from the description's zero. A ball has four
     Euler parameters, and its velocity is ω in body axes; a free body has [r; p], and its velocity is [ṙ; ω], ṙ in
-    the axes of what it hangs on and ω in body axes. Joints that close loops are not looked at.
+    the axes of what it hangs on and ω in body axes. Joints that close loops, and couplers, are not looked at.
 
     Parameters
     ----------

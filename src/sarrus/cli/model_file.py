@@ -16,7 +16,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", help="a .yaml or .json model file, a .urdf, or an MJCF .xml")
     parser.add_argument("--base", choices=("fixed", "floating"), help="of a URDF: its root link (fixed)")
     parser.add_argument(
-        "--mimic", choices=("refuse", "free", "lock"), help="joints that follow another (refuse)"
+        "--mimic", choices=("couple", "free", "lock"), help="joints that follow another (couple)"
     )
     parser.add_argument("--inertia", choices=("check", "given"), help="of imported links (check)")
     parser.add_argument("--loops", help="file of joints and forces that an imported robot lacks")

@@ -25,7 +25,7 @@ def load_mjcf(
     q0: Mapping[str, Any] | None = None,
     loops: str | os.PathLike[str] | None = None,
     lock: Sequence[str] = (),
-    mimic: MimicWish = "refuse",
+    mimic: MimicWish = "couple",
     inertia: InertiaWish = "check",
     keep_fixed: bool = False,
 ) -> Robot:

@@ -22,7 +22,7 @@ from .chains import fold
 from .description import WORLD, Description, Edge, Link
 from .joints import Hinge, joint
 from .merge import Merged, lock, merge
-from .mimics import followers, freed, refuse_mimics
+from .mimics import couplers, followers, freed, standing
 from .names import legal
 from .robot import Robot
 from .values import known, values_of
@@ -46,10 +46,11 @@ def build(told: Description, wishes: Wishes) -> Robot:
     locked = {known(name, motions, "lock") for name in wishes.lock}
     if wishes.mimic == "lock":
         locked |= set(told.mimics)
-    if wishes.mimic == "refuse":
-        refuse_mimics(told, locked)
+    if wishes.mimic == "couple":
+        locked = standing(told.mimics, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
-    told = replace(told, edges=lock(told.edges, stops), notes=[*told.notes, *freed(told, locked)])
+    notes = [*told.notes, *(freed(told, locked) if wishes.mimic == "free" else ())]
+    told = replace(told, edges=lock(told.edges, stops), notes=notes)
     merged = fold(merge(told, keep_fixed=wishes.keep_fixed))
     return _robot(told, wishes, merged, values)
 
@@ -71,11 +72,14 @@ def _robot(told: Description, wishes: Wishes, merged: Merged, values: Mapping[st
     bodies = bodies_of(told, wishes.inertia, merged, names, poses)
     joints = legal([edge.name for edge in merged.edges], set(names.values()), "_joint")
     solids: dict[str, Solid] = {GROUND: ground, **{body.name: body for body in bodies}}
+    held = list(_joints(told, merged, names, joints, solids))
+    if wishes.mimic == "couple":
+        held += couplers(told, merged, joints, {*names.values(), *joints.values()})
     left = {motion.name for branch in branches for motion in branch.motions}
     return Robot(
         told.name,
         bodies,
-        tuple(_joints(told, merged, names, joints, solids)),
+        tuple(held),
         gravity=told.gravity,
         origin=_origin(told, merged, names, joints),
         branches=branches,

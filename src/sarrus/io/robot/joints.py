@@ -56,6 +56,18 @@ def joint(hinge: Hinge, motions: Motions) -> Joint | None:
     return make(hinge, motions)
 
 
+def coordinate_of(motions: Motions, name: str) -> tuple[str, float] | None:
+    """Return which coordinate of the joint a motion is, and its sign; None where the joint does not have it as one."""
+    one = next(motion for motion in motions if motion.name == name)
+    if len(motions) == 1 and isinstance(one, Turn | Slide):
+        return ("angle" if isinstance(one, Turn) else "travel"), 1.0
+    if len(motions) == 2 and isinstance(one, Turn) and _slides(motions):
+        return "angle", 1.0
+    if len(motions) == 2 and isinstance(one, Slide) and _turns(motions):
+        return "travel", float(np.sign(one.axis @ _turns(motions)[0].axis))
+    return None
+
+
 def _fixed(hinge: Hinge, motions: Motions) -> Joint:
     return hinge.about(Fixed, np.zeros(3), np.array([0.0, 0.0, 1.0]))
 

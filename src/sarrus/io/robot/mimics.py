@@ -1,15 +1,19 @@
-"""Joints that follow another joint: where they start, and what is done about them."""
+"""Joints that follow another joint: where they start, which stand still, and what couples the others."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from ...model.errors import ModelError
+from ...model.joints import Coupler
 from ...model.quantity import Array
 from ...model.show import quote
-from .description import Description
+from .description import Description, Edge
+from .joints import coordinate_of
+from .merge import Merged
+from .names import legal
 from .robot import Mimic
 
 
@@ -21,24 +25,50 @@ def followers(told: Description, values: Mapping[str, Array]) -> dict[str, Array
     return found
 
 
-def refuse_mimics(told: Description, locked: set[str]) -> None:
-    """Raise a ModelError for the first following joint that can still move.
+def standing(mimics: Mapping[str, Mimic], locked: set[str]) -> set[str]:
+    """Return the joints that follow one that does not move, or follow by nothing."""
+    still = set(locked)
+    for _ in mimics:
+        still |= {name for name, mimic in mimics.items() if mimic.joint in still or not mimic.multiplier}
+    return still
 
-    A coordinate coupler is the place to fill: one for each entry of ``told.mimics``, between the two joints it names.
+
+def couplers(
+    told: Description, merged: Merged, joints: Mapping[str, str], taken: set[str]
+) -> Iterator[Coupler]:
+    """Yield a coupler for each following joint that moves; ``joints`` are the joints' names by edge.
+
+    Raises
+    ------
+    ModelError
+        If a joint of which one is a part cannot tell its value.
     """
-    lines = {motion.name: edge.line for edge in told.edges for motion in edge.motions}
-    for name, mimic in told.mimics.items():
-        if name not in locked:
-            sentence = f"follows joint {quote(mimic.joint)}, which is not coupled here yet"
-            remedy = 'import it with mimic="free" as a joint of its own, or with mimic="lock" as a fixed one'
-            where = told.where(lines.get(name, 0))
-            raise ModelError(f"{sentence}; {remedy}", part=f"joint {quote(name)}", where=where)
+    edges = {motion.name: edge for edge in merged.edges for motion in edge.motions}
+    moving = {name: mimic for name, mimic in told.mimics.items() if name in edges}
+    names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
+    for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
+        (leader, one), (follower, other) = (
+            _place(told, name, motion, edges[motion], joints) for motion in (mimic.joint, name)
+        )
+        yield Coupler(made, leader, follower, mimic.multiplier * one * other, mimic.offset * other)
 
 
 def freed(told: Description, locked: set[str]) -> list[str]:
     """Return the sentence that says how many following joints move on their own."""
     n = len(set(told.mimics) - locked)
     return [f"{n} joints that follow another move freely"] if n else []
+
+
+def _place(
+    told: Description, name: str, motion: str, edge: Edge, joints: Mapping[str, str]
+) -> tuple[str, float]:
+    """Return the coordinate of a motion, such as ``hook.angle``, and its sign."""
+    found = coordinate_of(edge.motions, motion)
+    if found is None:
+        sentence = f"cannot follow: {quote(motion)} is one of several motions between two bodies"
+        remedy = 'put a body with a small mass between them, or import it with mimic="free" or mimic="lock"'
+        raise ModelError(f"{sentence}; {remedy}", part=f"joint {quote(name)}", where=told.where(edge.line))
+    return f"{joints[edge.name]}.{found[0]}", found[1]
 
 
 def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:

@@ -10,12 +10,12 @@ from ...model.errors import ModelError
 from ...model.show import show
 
 Base: TypeAlias = Literal["fixed", "floating"]
-MimicWish: TypeAlias = Literal["refuse", "free", "lock"]
+MimicWish: TypeAlias = Literal["couple", "free", "lock"]
 InertiaWish: TypeAlias = Literal["check", "given"]
 
 CHOICES = {
     "base": ("fixed", "floating"),
-    "mimic": ("refuse", "free", "lock"),
+    "mimic": ("couple", "free", "lock"),
     "inertia": ("check", "given"),
 }
 
@@ -27,7 +27,7 @@ class Wishes:
     base: Base = "fixed"
     q0: Mapping[str, Any] = field(default_factory=dict)
     lock: Sequence[str] = ()
-    mimic: MimicWish = "refuse"
+    mimic: MimicWish = "couple"
     inertia: InertiaWish = "check"
     keep_fixed: bool = False
 

@@ -23,7 +23,7 @@ def load_urdf(
     q0: Mapping[str, Any] | None = None,
     loops: str | os.PathLike[str] | None = None,
     lock: Sequence[str] = (),
-    mimic: MimicWish = "refuse",
+    mimic: MimicWish = "couple",
     inertia: InertiaWish = "check",
     keep_fixed: bool = False,
     gravity: Vector = GRAVITY,
@@ -48,7 +48,7 @@ def load_urdf(
     lock
         Joints that are stopped where they start.
     mimic
-        Joints that follow another: ``"refuse"``, take as ``"free"``, or ``"lock"`` as well.
+        Joints that follow another: ``"couple"`` them, take them as ``"free"``, or ``"lock"`` them as well.
     inertia
         ``"check"`` refuses what no distribution of mass has; ``"given"`` takes the numbers as they are.
     keep_fixed

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .analyses import HHT as HHT
+    from .analyses import IDA as IDA
     from .analyses import ODE as ODE
     from .analyses import AssemblyDerivatives as AssemblyDerivatives
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
@@ -107,7 +108,7 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives GeneralizedAlpha HHT JointSpace NoDerivative ODE Radau assemble equilibrium "
+        "AssemblyDerivatives GeneralizedAlpha HHT IDA JointSpace NoDerivative ODE Radau assemble equilibrium "
         "inverse_dynamics kinematics linearize mobility modes simulate singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",

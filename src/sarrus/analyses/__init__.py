@@ -3,7 +3,7 @@
 from .assembly import assemble
 from .assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .degrees_of_freedom import mobility
-from .dynamics import HHT, ODE, GeneralizedAlpha, Radau, simulate
+from .dynamics import HHT, IDA, ODE, GeneralizedAlpha, Radau, simulate
 from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
@@ -14,6 +14,7 @@ from .vibration import modes
 
 __all__ = [
     "HHT",
+    "IDA",
     "ODE",
     "AssemblyDerivatives",
     "GeneralizedAlpha",

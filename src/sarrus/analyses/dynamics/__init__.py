@@ -1,8 +1,9 @@
 """Integration in time: one method in one file, behind one `simulate`."""
 
 from .alpha import HHT, GeneralizedAlpha
+from .ida import IDA
 from .ode import ODE
 from .radau import Radau
 from .simulation import simulate
 
-__all__ = ["HHT", "ODE", "GeneralizedAlpha", "Radau", "simulate"]
+__all__ = ["HHT", "IDA", "ODE", "GeneralizedAlpha", "Radau", "simulate"]

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from ...algebra import Array
 from ...system import System
@@ -101,12 +102,10 @@ class PlacedMatrix:
         assemble(self.parts, self._place, self.weights, self._numbers.values, data)
         return data
 
-    def dense(self) -> Array:
-        """The matrix (n, n)."""
-        matrix = np.zeros((self.n, self.n), dtype=self.weights.dtype)
-        columns = np.repeat(np.arange(self.n), np.diff(self._indptr))
-        matrix[self._indices, columns] = self.assembled()
-        return matrix
+    def pattern(self) -> csc_array:
+        """1 wherever a number may stand (n, n)."""
+        places = self._indices.astype(np.int32), self._indptr.astype(np.int32)
+        return csc_array((np.ones(len(self._indices)), *places), shape=(self.n, self.n))
 
     def placed(self) -> Placed:
         """Choose the pivot order for the numbers and weights that are there now.

@@ -28,7 +28,8 @@ ASSEMBLE: Any = None
 REFACTOR: Any = None
 SOLVE: Any = None
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
-TRUSTED = 1e-9  # as for every use of `linear.SparseLU`
+TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
+PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 PROJECTIONS, PROJECTED = 25, 1e-14  # most iterations, and where they end
@@ -125,8 +126,8 @@ class Indices(NamedTuple):
 class Control(NamedTuple):
     """Scalars that change, and counters.
 
-    numbers : t, h, h of the factors (0: renew; -1: the pivots are new), last error, last h, whether the matrices are
-        old, h of the last stages
+    numbers : t, h, h of the factors (0: renew), last error, last h, whether the matrices are old, h of the last stages,
+        whether the pivots are new
     counts : steps, rejected, residuals, matrices, outputs written
     """
 
@@ -456,22 +457,34 @@ def between(s: Any, h: Any, state: Any, end: Any, q: Any, v: Any) -> None:
 
 
 def write(
-    index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, matrices: Any, control: Any, output: Any
+    index: Any,
+    b: Any,
+    t0: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrices: Any,
+    control: Any,
+    output: Any,
+    needed: Any,
 ) -> Any:
-    """States at the wanted times of this step, projected, with a and λ of the equations of motion there."""
+    """States at the wanted times of this step, projected, with a and λ of the equations of motion there.
+
+    Nothing is written if the pivots of their matrix are trusted less than `needed`; returned is how far they are.
+    """
     row, trust = control.counts[4], 1.0
     if row == len(output.t) or output.t[row] > t0 + h * (1.0 + 1e-12):
         return trust
     lam = output.lam[row]
     trust = motion(index, b, t0, state.q0, state.v0, state.a0, lam, memory, matrices)
     trust = min(trust, motion(index, b, t0 + h, state.q[2], state.v[2], memory.end, lam, memory, matrices))
-    while trust > TRUSTED and row < len(output.t) and output.t[row] <= t0 + h * (1.0 + 1e-12):
+    while trust > needed and row < len(output.t) and output.t[row] <= t0 + h * (1.0 + 1e-12):
         t, q, v, lam = output.t[row], output.q[row], output.v[row], output.lam[row]
         between((t - t0) / h, h, state, memory.end, q, v)
         project(index, b, t, q, v, lam, memory, matrices)
         trust = min(trust, motion(index, b, t, q, v, output.a[row], lam, memory, matrices))
         row += 1
-    if trust > TRUSTED:
+    if trust > needed:
         control.counts[4] = row
     return trust
 
@@ -512,7 +525,7 @@ def advance(
             )
             counts[3] += 1
             if not factor(scheme, h, matrices) > TRUSTED:
-                if numbers[2] < 0.0:
+                if numbers[7] > 0.0:
                     numbers[1] = 0.5 * h
                     continue
                 numbers[1] = h
@@ -538,7 +551,11 @@ def advance(
             numbers[1] = h * (0.1 if counts[0] == 0 else wanted)
             rejected = True
             continue
-        if not write(index, b, t0, h, state, memory, matrices, control, output) > TRUSTED:
+        needed = TRUSTED if numbers[7] > 0.0 else PRECISE
+        if not write(index, b, t0, h, state, memory, matrices, control, output, needed) > needed:
+            if numbers[7] > 0.0:
+                numbers[1] = 0.5 * h
+                continue
             numbers[1], numbers[2] = h, 0.0
             return REPIVOT
         if counts[0] > 0:  # Gustafsson's prediction
@@ -552,7 +569,7 @@ def advance(
             output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
         accept(state)
         numbers[0] = until if h == until - t0 else t0 + h
-        numbers[3], numbers[4], numbers[6], numbers[5] = max(error, 1e-2), h, h, 1.0
+        numbers[3], numbers[4], numbers[5], numbers[6], numbers[7] = max(error, 1e-2), h, 1.0, h, 0.0
         counts[0] += 1
         taken += 1
         if wanted < 1.0 or wanted > KEEP:

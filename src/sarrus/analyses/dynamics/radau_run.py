@@ -130,7 +130,7 @@ class Run:
         nq, m = system.nq, system.m
         wanted = [np.zeros((len(times), width)) for width in (nq, nq, nq, m)]
         self._output = loop.Output._make([times, *wanted, np.zeros((HISTORY, 4))])
-        self._control = loop.Control(np.zeros(7), np.zeros(6, dtype=np.int64))
+        self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
         self._memory = _memory(nq, m)
 
     @classmethod
@@ -236,7 +236,7 @@ class Run:
             self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT],
             self.real.placed(), self.pair.placed(), self.motion.placed(),
         ])  # fmt: skip
-        self._control.numbers[2] = -1.0
+        self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
     def _first_step(self) -> float:
         """A step whose estimated error, of order h⁴, is below the tolerance; a change of slope gives the scale."""

@@ -11,11 +11,12 @@ from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
 from .alpha import HHT, GeneralizedAlpha
+from .ida import IDA
 from .ode import ODE
 from .outcome import nothing
 from .radau import Radau
 
-Method = HHT | GeneralizedAlpha | Radau | ODE
+Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
 
 def simulate(
@@ -39,7 +40,7 @@ def simulate(
     start : consistent state; by default the model's own, assembled
     until : end time [s]; the start is at 0
     t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
-    method : `HHT` (the default), `GeneralizedAlpha`, `Radau` or `ODE`
+    method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE` or `IDA`
     rtol, atol : tolerances of the local error of q and v
     max_step : longest step [s]
     keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
@@ -67,7 +68,7 @@ def simulate(
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
     chosen, told = _method(method), {"rtol": rtol, "atol": atol, "max_step": max_step, "progress": progress}
-    if isinstance(chosen, ODE | Radau):
+    if isinstance(chosen, ODE | IDA | Radau):
         if keep_steps:
             raise ValueError(f"{type(chosen).__name__}() keeps no steps; choose HHT() or GeneralizedAlpha()")
         return chosen.run(system, begin, grid, **told).at(times)  # type: ignore[arg-type]
@@ -85,7 +86,7 @@ def _method(given: Method | None) -> Method:
         return HHT()
     if not isinstance(given, Method):
         raise TypeError(
-            f"method must be HHT(), GeneralizedAlpha(), Radau() or ODE(), but is {given!r}; "
+            f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE() or IDA(), but is {given!r}; "
             'for a solver of SciPy give ODE("DOP853")'
         )
     return given

@@ -176,3 +176,131 @@ def test_kinematics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "force up to" in told
     assert figure.exists()
     assert len(table.read_text().splitlines()) == 22
+
+
+def test_every_verb_answers_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = {
+        "demo": ["--output", str(tmp_path)],
+        "run": [SLIDER_CRANK, "--until", "0.1", "--csv", str(tmp_path / "run.csv")],
+        "kinematics": [SLIDER_CRANK],
+        "statics": [SLIDER_CRANK],
+        "modes": [SLIDER_CRANK],
+        "check": [SLIDER_CRANK],
+        "schema": [],
+        "completion": ["bash"],
+    }
+    assert set(lines) | {"paper"} == set(VERBS)  # paper takes its time
+    for verb, words in lines.items():
+        code = main([verb, *words, "--json", "-q"])
+        told = capsys.readouterr()
+        found = json.loads(told.out)
+        assert (found["verb"], found["exit_code"], found["success"]) == (verb, code, code == 0)
+        assert told.err == ""
+        assert verb in ("schema", "completion") or found["message"]
+
+
+def test_json_of_a_run_holds_what_people_read(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["run", SLIDER_CRANK, "--until", "0.1", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    main(["run", SLIDER_CRANK, "--until", "0.1"])
+    assert f"x = {found['bodies']['slider']['position'][0]:+.9f}" in capsys.readouterr().out
+
+
+def test_json_of_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "none.yaml", "--json"]) == 2
+    told = capsys.readouterr()
+    assert json.loads(told.out)["error"] in told.err
+
+
+def test_what_json_lacks_is_null() -> None:
+    import numpy as np
+
+    from sarrus.cli.answer import plain
+
+    found = plain({"x": np.array([1.0, np.nan]), "z": 1 + 2j, "path": Path("a"), "ok": np.True_})
+    assert found == {"x": [1.0, None], "z": [1.0, 2.0], "path": "a", "ok": True}
+
+
+def test_a_defect_is_one_sentence_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sarrus.analyses.assemble", lambda system: system.nonsense)
+    assert main(["run", SLIDER_CRANK]) == 3
+    told = capsys.readouterr().err
+    assert "this is a defect of Sarrus" in told
+    assert "Traceback" not in told
+
+
+def test_levels_of_notes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["run", SLIDER_CRANK, "--until", "0.1", "--csv", str(tmp_path / "run.csv")]
+    told = []
+    for extra in (["-q"], [], ["-v"]):
+        main([*line, *extra])
+        told.append(capsys.readouterr().err)
+    assert told[0] == ""
+    assert "wrote" in told[1]
+    assert "run took" not in told[1]
+    assert "run took" in told[2]
+
+
+def test_colours_only_on_terminals(monkeypatch: pytest.MonkeyPatch) -> None:
+    from io import StringIO
+
+    from sarrus.cli.terminal import painted
+
+    class Terminal(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    for name in ("NO_COLOR", "FORCE_COLOR", "TERM"):
+        monkeypatch.delenv(name, raising=False)
+    assert painted("no", "red", StringIO()) == "no"
+    assert painted("no", "red", Terminal()) == "\033[31mno\033[0m"
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert painted("no", "red", Terminal()) == "no"
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_has_examples_that_parse(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    import shlex
+    from importlib import import_module
+
+    from sarrus.cli.parser import build
+
+    for line in import_module(f"sarrus.cli.{verb}").EXAMPLES:
+        words = shlex.split(line.removeprefix('eval "$(').replace(')"', ""), comments=True)
+        words = words[: words.index(">")] if ">" in words else words
+        assert build([verb]).parse_args(words[1:]).verb == verb
+
+
+def test_bash_completes(capsys: pytest.CaptureFixture[str]) -> None:
+    import shutil
+    import subprocess
+
+    bash = shutil.which("bash")
+    if bash is None:
+        pytest.skip("there is no bash")
+    main(["completion", "bash"])
+    script = capsys.readouterr().out
+
+    def completed(*words: str) -> list[str]:
+        line = " ".join(f"'{word}'" for word in words)
+        ask = (
+            f"COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _sarrus; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+        )
+        done = subprocess.run([bash, "-c", script + ask], capture_output=True, text=True, check=True)
+        return done.stdout.split()
+
+    assert completed("sarrus", "ki") == ["kinematics"]
+    assert completed("sarrus", "run", "--un") == ["--until"]
+    assert completed("sarrus", "run", "--base", "") == ["fixed", "floating"]
+    assert completed("sarrus", "run", "cra") == []  # files are left to the shell
+
+
+def test_zsh_and_fish_know_every_option(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["completion", "zsh"])
+    assert "'--until[end time (s) (1)]:value:_files'" in capsys.readouterr().out
+    main(["completion", "fish"])
+    told = capsys.readouterr().out
+    assert "'__fish_seen_subcommand_from run' -l until -r -d 'end time [s] (1)'" in told
+    assert "-l base -r -a 'fixed floating'" in told

@@ -1,90 +1,91 @@
-"""The command line: one verb, one analysis."""
+"""The command line: one verb, one analysis.
+
+A verb is a module with ``EXAMPLES``, lines for its help; ``arguments(parser)``; and ``run(chosen, answer)``, which says
+and puts what it found and returns the exit code. What it imports at the top is light; all else it imports in ``run``.
+"""
 
 from __future__ import annotations
 
 import argparse
+import logging
+import os
 import sys
+import time
 import traceback
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
 
-VERBS = {
-    "demo": "assemble, check, simulate and plot the shipped slider-crank",
-    "run": "assemble and simulate a model file",
-    "kinematics": "follow the drivers of a model file, with the forces that this takes",
-    "statics": "find where a model file comes to rest, and what its joints bear",
-    "modes": "print the vibration modes of a model file about its rest",
-    "check": "explain a model in words, and compare every derivative with an independent one",
-    "paper": "print the numerical experiments of the paper, Tables 1 to 6",
-    "schema": "print the JSON Schema of the model file",
-}
+from .answer import Answer
+from .parser import VERBS as VERBS
+from .parser import Misuse, build
+from .terminal import listen, painted
 
+FAILED, WRONG, DEFECT, STOPPED, NO_READER = 1, 2, 3, 130, 141
 
-class Misuse(Exception):
-    """The command line itself is wrong."""
-
-
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, like everything else."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise the sentence, with the way to the help."""
-        raise Misuse(f"{message.replace('argument ', '', 1)}; see {self.prog} --help")
+log = logging.getLogger("sarrus.cli")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one verb; 0 if all went well, 1 if an analysis failed, 2 for wrong input."""
+    """Run one verb; 0 if all went well, 1 if an analysis failed, 2 for wrong input, 3 for a defect, 130 for Ctrl-C."""
+    words = sys.argv[1:] if argv is None else argv
     try:
-        return _run(_parser(argv).parse_args(argv))
+        chosen = build([word for word in words if word in VERBS][:1]).parse_args(words)
     except Misuse as misuse:
-        return _refuse(str(misuse))
+        return _refuse(str(misuse), WRONG)
+    listen(chosen.level)
+    answer = Answer(chosen.verb, as_json=chosen.json)
+    code = _run(chosen, answer)
+    return _closed(answer, code)
 
 
-def _parser(argv: Sequence[str] | None) -> Parser:
-    from .. import __version__
-
-    parser = Parser("sarrus", description="Multibody system analysis with exact derivatives.")
-    parser.add_argument("--version", action="version", version=f"sarrus {__version__}")
-    verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    wanted = next((word for word in (sys.argv[1:] if argv is None else argv) if word in VERBS), None)
-    for verb, told in VERBS.items():
-        child = verbs.add_parser(verb, help=told, description=told.capitalize() + ".")
-        child.add_argument("--debug", action="store_true", help="show where in the program an error arose")
-        if verb == wanted:
-            import_module(f".{verb}", __name__).arguments(child)
-    return parser
-
-
-def _run(chosen: argparse.Namespace) -> int:
+def _run(chosen: argparse.Namespace, answer: Answer) -> int:
+    began = time.perf_counter()
     try:
-        return int(import_module(f".{chosen.verb}", __name__).run(chosen))
-    except (ImportError, OSError, ValueError, MemoryError, _sarrus_error()) as trouble:
-        if chosen.debug:
-            traceback.print_exception(trouble)
-        return _refuse(_sentence(trouble))
+        code = int(import_module(f".{chosen.verb}", __name__).run(chosen, answer))
+        log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)
+        return code
     except KeyboardInterrupt:
         print("sarrus: stopped", file=sys.stderr)
-        return 130
+        return STOPPED
+    except BrokenPipeError:
+        return NO_READER
+    except Exception as trouble:
+        if chosen.debug:
+            traceback.print_exception(trouble)
+        sentence, code = _told(trouble)
+        answer.put(error=sentence)
+        return _refuse(sentence, code)
 
 
-def _sarrus_error() -> type[Exception]:
+def _closed(answer: Answer, code: int) -> int:
+    """Print what is left; where nobody reads it (``sarrus ... | head``), end without a word."""
+    try:
+        answer.close(code)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        code = NO_READER
+    if code == NO_READER:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return code
+
+
+def _told(trouble: Exception) -> tuple[str, int]:
+    """One sentence for an error, and the exit code."""
     from ..model.errors import SarrusError
 
-    return SarrusError
-
-
-def _sentence(trouble: BaseException) -> str:
+    if isinstance(trouble, SarrusError | ImportError):
+        return str(trouble), WRONG
     if isinstance(trouble, MemoryError):
-        return "there is not enough memory; ask for fewer --steps, or take a smaller model"
+        return "there is not enough memory; ask for fewer --steps, or take a smaller model", WRONG
     if isinstance(trouble, OSError) and trouble.strerror:
         told = f"{trouble.filename}: " if trouble.filename else ""
-        return f"{told}{trouble.strerror.lower()}; check the path, its permissions and the space left"
-    if isinstance(trouble, ValueError) and not isinstance(trouble, _sarrus_error()):
-        return f"{trouble} (--debug shows where)"
-    return str(trouble)
+        return f"{told}{trouble.strerror.lower()}; check the path, its permissions and the space left", WRONG
+    if isinstance(trouble, ValueError | OSError):
+        return f"{trouble} (--debug shows where)", WRONG
+    told = f"unexpected {type(trouble).__name__}: {trouble}"
+    return f"{told}; this is a defect of Sarrus, please report it with what --debug shows", DEFECT
 
 
-def _refuse(told: str) -> int:
-    print(f"sarrus: {told}", file=sys.stderr)
-    return 2
+def _refuse(told: str, code: int) -> int:
+    print(f"{painted('sarrus:', 'red', sys.stderr)} {told}", file=sys.stderr)
+    return code

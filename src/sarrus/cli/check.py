@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import model_file
+from .answer import Answer
 from .progress import Bar
 from .values import figure_file, natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..model import Model
+    from ..system.check import Report
+
+EXAMPLES = (
+    "sarrus check crank.yaml",
+    "sarrus check crank.yaml --draw crank.png --seed 3",
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--draw", type=figure_file, metavar="FILE", help="draw the model, .png, .svg or .pdf")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Print the words and the table; 1 if something does not agree."""
     from ..analyses import assemble, mobility
     from ..elements import OPERATORS
@@ -36,17 +42,28 @@ def run(chosen: argparse.Namespace) -> int:
     system = System(model)
     start = assemble(system)
     found = str(mobility(system, start.q)) if start.success else start.message
-    print(describe(model), found, sep="\n", end="\n\n", flush=True)
+    told = describe(model)
+    answer.say(f"{told}\n{found}\n")
+    answer.put(model=system.name, description=told, mobility=found, counts=system.counts())
     if chosen.draw:
-        _draw(model, chosen.draw)
+        _draw(model, chosen.draw, answer)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
-    print(report)
+    answer.say(report)
+    answer.put(message=str(report).splitlines()[-1], derivatives_agree=report.ok, derivatives=_table(report))
     return 0 if report.ok else 1
 
 
-def _draw(model: Model, file: Path) -> None:
+def _table(report: Report) -> list[dict[str, Any]]:
+    """The findings, one mapping for each operator."""
+    return [
+        {"operator": one.operator.name, "entries": one.entries, "error": one.error, "ok": one.ok}
+        for one in report.findings
+    ]
+
+
+def _draw(model: Model, file: Path, answer: Answer) -> None:
     from ..views import mechanism_figure
 
     mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
-    print(f"wrote {file}", file=sys.stderr)
+    answer.wrote(file)

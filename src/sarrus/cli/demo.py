@@ -7,10 +7,12 @@ import time
 from pathlib import Path
 from typing import Any
 
+from .answer import Answer
 from .progress import Bar
 from .values import refuse_unwritable
 
 UNTIL = 10.0
+EXAMPLES = ("sarrus demo", "sarrus demo --output plots")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +22,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Load, assemble, check, simulate, plot, and print what was done and how fast."""
     from ..analyses import ODE, assemble, simulate
     from ..mechanisms import path
@@ -31,7 +33,7 @@ def run(chosen: argparse.Namespace) -> int:
     folder = _folder(chosen.output)
     system = System(load(path("slider_crank")))
     counts = system.counts()
-    print(
+    answer.say(
         f"{system.name}: {counts['bodies']} bodies, {counts['coordinates']} coordinates, "
         f"{counts['joint_equations']} + {counts['normalizations']} constraint equations, "
         f"degrees of freedom: {counts['degrees_of_freedom']}"
@@ -39,23 +41,26 @@ def run(chosen: argparse.Namespace) -> int:
     with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
         system.compile(bar.step)
     start = assemble(system)
-    print(start.message)
+    answer.say(start.message)
     report = system.check_derivatives()
-    print(report)
+    answer.say(report)
     simulated = time.perf_counter()
     with Bar(f"simulating {UNTIL:g} s", UNTIL) as bar:
         motion = simulate(
             system, start, until=UNTIL, method=ODE(), rtol=1e-10, atol=1e-12, progress=bar.reach
         )
     simulated = time.perf_counter() - simulated
-    print(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
-    print(
+    answer.say(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
+    answer.say(
         f"constraints kept to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
     )
-    print(_times(system, start))
+    answer.say(_times(system, start))
     for file in _plots(folder, motion, report):
-        print(f"wrote {file}")
-    print(f"all in {time.perf_counter() - began:.1f} s")
+        answer.wrote(file)
+    seconds = time.perf_counter() - began
+    answer.say(f"all in {seconds:.1f} s")
+    answer.put(model=system.name, counts=counts, message=motion.message, seconds=seconds)
+    answer.put(violation=motion.violation.max(), derivatives_agree=report.ok, nsteps=motion.nsteps)
     return 0 if start.success and report.ok and motion.success else 1
 
 

@@ -3,31 +3,43 @@
 from __future__ import annotations
 
 import argparse
-import sys
+
+from . import model_file
+from .answer import Answer
+from .statics import rest
+from .values import figure_file, refuse_unwritable
+
+EXAMPLES = ("sarrus modes crank.yaml", "sarrus modes crank.yaml --figure modes.svg")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, which equilibrium is wanted, and what to write."""
-    parser.add_argument("model", help="a .yaml or .json model file")
-    parser.add_argument("--time", type=float, default=0.0, help="time at which drivers are held [s] (0)")
-    parser.add_argument("--nearest", action="store_true", help="the nearest equilibrium, be it stable or not")
-    parser.add_argument("--figure", help="file for the eigenvalues in the complex plane, .png or .svg")
+    model_file.arguments(parser)
+    rest(parser)
+    parser.add_argument(
+        "--figure",
+        type=figure_file,
+        help="file for the eigenvalues in the complex plane, .png, .svg or .pdf",
+    )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Find the equilibrium and print the modes; 1 if there is none."""
     from ..analyses import equilibrium, modes
-    from ..model import load
     from ..system import System
 
-    system = System(load(chosen.model))
-    rest = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
-    print(rest.message)
-    if not rest.success:
+    refuse_unwritable([chosen.figure])
+    system = System(model_file.read(chosen))
+    at = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
+    answer.say(at.message)
+    answer.put(model=system.name, equilibrium=at.message, message=at.message)
+    if not at.success:
         return 1
-    found = modes(system, rest.q, t=chosen.time)
-    print(found)
+    found = modes(system, at.q, t=chosen.time)
+    answer.say(found)
+    answer.put(message=found.message, stability=found.stability, eigenvalues=found.eigenvalues)
+    answer.put(frequencies=found.frequencies, damping_ratios=found.damping_ratios)
     if chosen.figure:
         found.plot().figure.savefig(chosen.figure, dpi=150)
-        print(f"wrote {chosen.figure}", file=sys.stderr)
+        answer.wrote(chosen.figure)
     return 0 if found.success else 1

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import json
 
+from .answer import Answer
 from .progress import Bar
 from .values import natural
 
 MECHANISMS = ("slider_crank", "hmmwv")
+EXAMPLES = ("sarrus paper", "sarrus paper --json --seed 7")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """JSON, and the seed of the random state."""
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    """The seed of the random state."""
     parser.add_argument(
         "--seed", type=natural, default=1, help="of the random velocity, multipliers and accelerations"
     )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Print the tables."""
     from ..analyses.paper import STEPS, experiment
     from ..mechanisms import path
@@ -32,8 +32,6 @@ def run(chosen: argparse.Namespace) -> int:
         for name in MECHANISMS:
             bar.step(name)
             found[name] = experiment(System(load(path(name))), seed=chosen.seed)
-    if chosen.json:
-        print(json.dumps({name: one.as_json() for name, one in found.items()}))
-    else:
-        print(paper_tables(list(found.values()), STEPS))
+    answer.put(**{name: one.as_json() for name, one in found.items()})
+    answer.say(paper_tables(list(found.values()), STEPS))
     return 0

@@ -6,6 +6,8 @@ import sys
 import time
 from types import TracebackType
 
+from .terminal import is_quiet
+
 WIDTH = 28
 
 
@@ -15,17 +17,20 @@ class Bar:
     def __init__(self, title: str, total: float) -> None:
         self.title, self.total = title, total
         self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
-        self._live = sys.stderr.isatty()
+        self._quiet = is_quiet()
+        self._live = sys.stderr.isatty() and not self._quiet
 
     def __enter__(self) -> Bar:
         self._show("")
-        if not self._live:
+        if not self._live and not self._quiet:
             print(f"  {self.title} ...", file=sys.stderr, flush=True)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
         if self._live:
             print("\r\033[K", end="", file=sys.stderr)
+        if self._quiet:
+            return
         taken = time.perf_counter() - self._start
         print(
             f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s",

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import model_file
+from .answer import Answer
 from .progress import Bar
 from .values import figure_file, intervals, positive, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..results import Trajectory
     from ..system import System
+
+EXAMPLES = (
+    "sarrus run crank.yaml --until 5",
+    "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
+    "sarrus run panda.urdf --base floating --json",
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Simulate; 1 if the assembly or the run failed (what was computed is still written)."""
     import numpy as np
 
@@ -46,7 +52,8 @@ def run(chosen: argparse.Namespace) -> int:
     system = System(model_file.read(chosen))
     _refuse_unknown(chosen.plot or (), system)
     start = assemble(system)
-    print(start.message)
+    answer.put(model=system.name, assembly=start.message, message=start.message)
+    answer.say(start.message)
     if not start.success:
         return 1
     began = time.perf_counter()
@@ -54,12 +61,26 @@ def run(chosen: argparse.Namespace) -> int:
         times = np.linspace(0.0, chosen.until, chosen.steps + 1)
         tolerances = {"rtol": chosen.rtol, "atol": chosen.atol}
         motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **tolerances)
-    print(f"{system.name}: {motion.message}; {motion.nsteps} steps in {time.perf_counter() - began:.2f} s")
-    for body in motion.bodies:
-        for x, y, z in motion[body].position[-1:]:  # none, if it failed at the start
-            print(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
-    _write(chosen, motion)
+    seconds = time.perf_counter() - began
+    answer.say(f"{system.name}: {motion.message}; {motion.nsteps} steps in {seconds:.2f} s")
+    answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
+    _tell_end(motion, answer)
+    _write(chosen, motion, answer)
     return 0 if motion.success else 1
+
+
+def _tell_end(motion: Trajectory, answer: Answer) -> None:
+    """Where the bodies are at the last time that was reached; nowhere, if it failed at the start."""
+    for body in motion.bodies if len(motion.t) else ():
+        x, y, z = motion[body].position[-1]
+        answer.say(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+    names = ("position", "euler", "velocity", "angular_velocity")
+    end = {
+        body: {name: getattr(motion[body], name)[-1] for name in names}
+        for body in motion.bodies
+        if len(motion.t)
+    }
+    answer.put(t=motion.t[-1] if len(motion.t) else None, bodies=end)
 
 
 def _refuse_unknown(names: Sequence[str], system: System) -> None:
@@ -77,14 +98,14 @@ def _refuse_unknown(names: Sequence[str], system: System) -> None:
             raise SarrusError(unknown.args[0]) from None
 
 
-def _write(chosen: argparse.Namespace, motion: Trajectory) -> None:
+def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
     from ..views.plots import figure_of, plot
 
     if chosen.csv:
         motion.to_csv(chosen.csv)
-        print(f"wrote {chosen.csv}", file=sys.stderr)
+        answer.wrote(chosen.csv)
     if chosen.plot:
         figure = figure_of(7, 3.2)
         plot(motion, *chosen.plot, ax=figure.subplots())
         figure.savefig(chosen.figure, dpi=150)
-        print(f"wrote {chosen.figure}", file=sys.stderr)
+        answer.wrote(chosen.figure)

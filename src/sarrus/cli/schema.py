@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import argparse
 
+from .answer import Answer
+
+EXAMPLES = ("sarrus schema > model-schema.json",)
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """It takes none."""
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Print the schema."""
-    from ..model.file.schema import print_schema
+    from ..model.file.schema import schema, schema_text
 
-    print_schema()
+    answer.put(schema=schema())
+    answer.say(schema_text().rstrip())
     return 0

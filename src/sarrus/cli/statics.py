@@ -3,31 +3,62 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING, Any
+
+from . import model_file
+from .answer import Answer
+from .values import finite
+
+if TYPE_CHECKING:
+    from ..results import Equilibrium
+    from ..system import System
+
+EXAMPLES = ("sarrus statics crank.yaml", "sarrus statics crank.yaml --nearest --json")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, and which equilibrium is wanted."""
-    parser.add_argument("model", help="a .yaml or .json model file")
-    parser.add_argument("--time", type=float, default=0.0, help="time at which drivers are held [s] (0)")
+    model_file.arguments(parser)
+    rest(parser)
+
+
+def rest(parser: argparse.ArgumentParser) -> None:
+    """Which equilibrium is wanted."""
+    parser.add_argument("--time", type=finite, default=0.0, help="time at which drivers are held [s] (0)")
     parser.add_argument("--nearest", action="store_true", help="the nearest equilibrium, be it stable or not")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Print the equilibrium, its poses and reactions; 1 if there is none."""
-    import numpy as np
-
     from ..analyses import equilibrium
-    from ..model import load
     from ..system import System
 
-    system = System(load(chosen.model))
+    system = System(model_file.read(chosen))
     found = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
-    print(found.message)
-    for body in system.bodies:
-        x, y, z = found.q[system.coordinates_of(body)][:3]
-        print(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
-    for joint in system.rows if found.success else ():
-        action = system.reaction(joint, found.q, found.lam, chosen.time)
-        force, torque = np.linalg.norm(action.force), np.linalg.norm(action.torque)
-        print(f"  {joint:<24} force {force:.6g} N, torque {torque:.6g} N m")
+    answer.say(found.message)
+    answer.put(model=system.name, message=found.message, stability=found.stability)
+    answer.put(bodies=_poses(system, found, answer))
+    answer.put(reactions=_reactions(system, found, chosen.time, answer) if found.success else {})
     return 0 if found.success else 1
+
+
+def _poses(system: System, found: Equilibrium, answer: Answer) -> dict[str, Any]:
+    poses = {}
+    for body in system.bodies:
+        pose = found.q[system.coordinates_of(body)]
+        x, y, z = pose[:3]
+        answer.say(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+        poses[body] = {"position": pose[:3], "euler": pose[3:]}
+    return poses
+
+
+def _reactions(system: System, found: Equilibrium, t: float, answer: Answer) -> dict[str, Any]:
+    import numpy as np
+
+    reactions = {}
+    for joint in system.rows:
+        action = system.reaction(joint, found.q, found.lam, t)
+        force, torque = np.linalg.norm(action.force), np.linalg.norm(action.torque)
+        answer.say(f"  {joint:<24} force {force:.6g} N, torque {torque:.6g} N m")
+        reactions[joint] = {"force": action.force, "torque": action.torque}
+    return reactions

@@ -23,6 +23,17 @@ def positive(text: str) -> float:
     return value
 
 
+def finite(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not isfinite(value):
+        raise argparse.ArgumentTypeError(f"must be a finite number, but is {text}")
+    return value
+
+
 def natural(text: str) -> int:
     """A whole number that is not negative."""
     return _whole(text, 0, None)

@@ -1,0 +1,61 @@
+"""What a verb answers: lines for people, or with ``--json`` one object for programs."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+log = logging.getLogger("sarrus.cli")
+
+
+class Answer:
+    """The standard output of one verb.
+
+    ``say`` is for people, ``put`` for programs; a verb does both, and one of them is heard.
+    """
+
+    def __init__(self, verb: str, *, as_json: bool = False) -> None:
+        self.as_json = as_json
+        self._facts: dict[str, Any] = {"verb": verb}
+        self._files: list[str] = []
+
+    def say(self, text: object = "") -> None:
+        """Print a line at once, unless the answer is JSON."""
+        if not self.as_json:
+            print(text, flush=True)
+
+    def put(self, **facts: Any) -> None:
+        """Keep facts for the JSON object: plain values, arrays, and mappings and lists of them, in SI units."""
+        self._facts |= facts
+
+    def wrote(self, file: str | Path) -> None:
+        """Tell that a file was written."""
+        self._files.append(str(file))
+        log.info("wrote %s", file)
+
+    def close(self, code: int) -> None:
+        """Print the JSON object, with the exit code and the files written."""
+        if self.as_json:
+            ending = {"success": code == 0, "exit_code": code, "files": self._files}
+            print(json.dumps(plain(self._facts | ending), ensure_ascii=False))
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON has it: arrays as lists, complex numbers as pairs, what is no finite number as null."""
+    if isinstance(value, str | bool) or value is None:
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if hasattr(value, "tolist"):  # an array or scalar of NumPy
+        return plain(value.tolist())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(entry) for entry in value]
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    if isinstance(value, int | float):
+        return value if isfinite(value) else None
+    return str(value)

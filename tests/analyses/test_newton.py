@@ -1,0 +1,131 @@
+"""Newton's method with the matrices of the implicit methods converges quadratically, and not if any term is missing."""
+
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import splu
+
+import sarrus as sr
+from sarrus.analyses.dynamics.newton_matrix import NewtonMatrix
+from sarrus.analyses.dynamics.placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from sarrus.analyses.dynamics.radau_loop import weigh
+from sarrus.analyses.dynamics.radau_run import MATRICES, newton_parts
+from sarrus.analyses.linear import SingularMatrix
+from sarrus.analyses.motion import Motion
+
+H = 0.05
+GROUPS = (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v"))
+TERMS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_q", "Phi_qT_lam_q")
+
+
+@cache
+def top() -> sr.System:
+    """A spinning top on a spring with a damper."""
+    body = sr.Body(
+        "top",
+        2.0,
+        (0.08, 0.1, 0.05),
+        position=(0.1, 0.2, 0.4),
+        velocity=(0.2, -1.1, 0.5),
+        angular_velocity=(2, 1, 8),
+    )
+    spring = sr.TSDA("spring", sr.ground.point(1, 0, 1), body.point(0.3, 0.1, 0), k=80.0, c=5.0, length=1.0)
+    tip = sr.Spherical("tip", sr.ground, body, point=(0, 0, 0))
+    return sr.System(sr.Model("top", [body], joints=[tip], forces=[spring], gravity=(0, 0, -9.81)))
+
+
+@cache
+def moving() -> tuple[np.ndarray, ...]:
+    """Its start, with everything in motion: q, v, a, lam."""
+    start = sr.assemble(top())
+    return start.q, start.v, *Motion(top()).acceleration(0.0, start.q, start.v)
+
+
+def evaluate(views: dict[str, np.ndarray], without: str, **state: np.ndarray) -> None:
+    """Write the operators' numbers at a state; those of the missing term are zero."""
+    system = top()
+    for names in GROUPS if "gamma_v" not in views else (*GROUPS, ("gamma_v",)):
+        group = system.group(*names)
+        operands = ({"t": 0.0, **state}[name] for name in group.operands)
+        group.run(system.b, *operands, *(views[name] for name in names))
+    if without:
+        views[without][:] = 0.0
+
+
+def alpha_steps(without: str = "") -> list[float]:
+    """Sizes of the Newton steps of one step of HHT, from a disturbed start."""
+    system, (q0, v0, a0, lam) = top(), moving()
+    matrix, scheme, a, sizes = (
+        NewtonMatrix(system, None),
+        sr.HHT().scheme(),
+        a0 + 20 * np.cos(np.arange(7)),
+        [],
+    )
+    kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+    beta, gamma = scheme.beta * H * H * kappa, scheme.gamma * H * kappa
+    for _ in range(7):
+        x = (1 - scheme.alpha_f) * a + scheme.alpha_f * a0
+        q = q0 + H * v0 + H * H * ((0.5 - scheme.beta) * a0 + scheme.beta * x)
+        v = v0 + H * ((1 - scheme.gamma) * a0 + scheme.gamma * x)
+        evaluate(matrix.views, without, q=q, v=v, a=a, lam=lam)
+        matrix.weigh(beta, gamma)
+        matrix.choose_pivots()
+        upper = system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
+        step = matrix.lu.solve(np.concatenate([upper, system.Phi(q) / beta]))
+        a, lam = a - step[: system.nq], lam - step[system.nq :]
+        sizes.append(float(np.linalg.norm(beta * step[: system.nq])))
+    return sizes
+
+
+def radau_steps(without: str = "") -> list[float]:
+    """The same for a stage of the stabilized equations with the real matrix of Radau; its solution is known, μ = 0."""
+    system, (q1, v1, a1, lam), s = top(), moving(), 1 / H
+    nq, m, sizes = system.nq, system.m, list[float]()
+    numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
+    matrix = PlacedMatrix(numbers, 2 * (nq + m), newton_parts(nq, m))
+    q0, v0, wave = q1 - v1 / s, v1 - a1 / s, np.cos(np.arange(nq))
+    q, v, mu = q1 + 0.01 * wave, v1 + 0.1 * wave, np.zeros(m)
+    for _ in range(7):
+        a = s * (v - v0)
+        evaluate(numbers.views, without, q=q, v=v, a=a, lam=lam)
+        weigh(matrix.weights, s)
+        first = s * (q - q0) - v + system.Phi_qT_lam(q, mu)
+        second = system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
+        rows = [first / s, second / s**2, system.Phi(q), system.Phi_q_xi(q, v) / s]
+        place = matrix.pattern()
+        place.data[:] = matrix.assembled()
+        with np.errstate(all="ignore"):
+            step = splu(place).solve(np.concatenate(rows))
+        step *= np.repeat([1, s, s * s, s], [nq, nq, m, m])
+        dq, dv, dlam, dmu = np.split(step, [nq, 2 * nq, 2 * nq + m])
+        q, v, lam, mu = q - dq, v - dv, lam - dlam, mu - dmu
+        sizes.append(float(np.linalg.norm(dq)))
+    return sizes
+
+
+CASES = [*((alpha_steps, term) for term in TERMS), *((radau_steps, term) for term in (*TERMS, "gamma_v"))]
+
+
+def quadratic(sizes: list[float]) -> bool:
+    """Each step is at most ten times the square of the one before, down to round-off, which is reached."""
+    return sizes[-1] < 1e-14 and all(after < 10 * before**2 + 1e-14 for before, after in pairwise(sizes))
+
+
+@pytest.mark.parametrize("steps", [alpha_steps, radau_steps])
+def test_quadratic_with_the_exact_matrix(steps: Callable[..., list[float]]) -> None:
+    sizes = steps()
+    assert sizes[0] > 0.01
+    assert quadratic(sizes), sizes
+
+
+@pytest.mark.parametrize(("steps", "term"), CASES)
+def test_not_quadratic_without_a_term(steps: Callable[..., list[float]], term: str) -> None:
+    """Each term of the matrix counts: M, (M q'')_q, (Φ_qᵀλ)_q, Q_q, Q_v, S_q, S_v, Φ_q, and (Φ_q v)_q for Radau."""
+    try:
+        sizes = steps(term)
+    except (SingularMatrix, RuntimeError):
+        return  # without M or Φ_q there may be no matrix
+    assert not quadratic(sizes), sizes

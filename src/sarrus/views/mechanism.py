@@ -169,12 +169,15 @@ def _fit(ax: Any, places: list[Array]) -> None:
     low, high = np.min(places, axis=0), np.max(places, axis=0)
     largest = max(float(np.max(high - low)), 1e-3)
     flat = [axis for axis in range(3) if high[axis] - low[axis] < FLAT * largest]
-    for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low, high, strict=True):
-        set_limits(a - MARGIN * largest, b + MARGIN * largest)
-    ax.set_box_aspect(high - low + 2 * MARGIN * largest, zoom=1.1 if len(flat) == 1 else 0.95)
+    pad = np.full(3, MARGIN * largest)
+    pad[flat] = 3 * MARGIN * largest
+    for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low - pad, high + pad, strict=True):
+        set_limits(a, b)
+    front = 0 < len(flat) < 3
+    ax.set_box_aspect(high - low + 2 * pad, zoom=1.1 if len(flat) == 1 else 0.95)
     _label(ax)
-    if len(flat) == 1:
-        _from_the_front(ax, flat[0])
+    if front:
+        _from_the_front(ax, flat[-1])
     else:
         ax.view_init(elev=20, azim=-60)
 

@@ -108,7 +108,9 @@ def show(name: str, folder: Path) -> None:
     shipped = name in mechanisms.names()
     entry, model = ENTRIES[name], sr.load(mechanisms.path(name) if shipped else HERE / f"{name}.yaml")
     if model.joints:
-        mechanism_figure(model).savefig(folder / f"{name}.png", dpi=DPI - 8 * (name == "hmmwv"), bbox_inches="tight")
+        mechanism_figure(model).savefig(
+            folder / f"{name}.png", dpi=DPI - 8 * (name == "hmmwv"), bbox_inches="tight"
+        )
     times = np.linspace(0, entry.until, 501)
     run = sr.simulate(sr.System(model), until=entry.until, t_eval=times, **PRECISE)
     run.plot(*entry.plotted).figure.savefig(folder / f"{name}-motion.png", dpi=DPI)

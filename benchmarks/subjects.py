@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from sarrus.system.memory import firsts
 
 import sarrus.mechanisms
 from sarrus.elements import OPERATORS, Operator
@@ -19,7 +20,6 @@ from sarrus.elements.operators import Axis
 from sarrus.elements.recorder import structure, variants
 from sarrus.model import load
 from sarrus.system import System
-from sarrus.system.memory import firsts
 
 HERE = Path(__file__).resolve().parent
 _built = Path(tempfile.gettempdir()) / "sarrus-benchmarks"

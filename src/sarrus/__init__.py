@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from .analyses import IDA as IDA
     from .analyses import ODE as ODE
     from .analyses import AssemblyDerivatives as AssemblyDerivatives
+    from .analyses import Event as Event
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
+    from .analyses import Impact as Impact
     from .analyses import JointSpace as JointSpace
     from .analyses import NoDerivative as NoDerivative
     from .analyses import Radau as Radau
@@ -88,10 +90,12 @@ if TYPE_CHECKING:
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
     from .results import Equilibrium as Equilibrium
+    from .results import Happened as Happened
     from .results import Mobility as Mobility
     from .results import Modes as Modes
     from .results import Reaction as Reaction
     from .results import Singularity as Singularity
+    from .results import Solution as Solution
     from .results import Trajectory as Trajectory
     from .system import System as System
 
@@ -108,11 +112,11 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives GeneralizedAlpha HHT IDA JointSpace NoDerivative ODE Radau assemble equilibrium "
-        "inverse_dynamics kinematics linearize mobility modes simulate singularities"
+        "AssemblyDerivatives Event GeneralizedAlpha HHT IDA Impact JointSpace NoDerivative ODE Radau assemble "
+        "equilibrium inverse_dynamics kinematics linearize mobility modes simulate singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Equilibrium Mobility Modes Reaction Singularity Trajectory",
+    "results": "Assembly Equilibrium Happened Mobility Modes Reaction Singularity Solution Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

@@ -3,7 +3,7 @@
 from .assembly import assemble
 from .assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .degrees_of_freedom import mobility
-from .dynamics import HHT, IDA, ODE, GeneralizedAlpha, Radau, simulate
+from .dynamics import HHT, IDA, ODE, Event, GeneralizedAlpha, Impact, Radau, simulate
 from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
@@ -17,7 +17,9 @@ __all__ = [
     "IDA",
     "ODE",
     "AssemblyDerivatives",
+    "Event",
     "GeneralizedAlpha",
+    "Impact",
     "JointSpace",
     "NoDerivative",
     "Radau",

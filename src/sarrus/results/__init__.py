@@ -2,11 +2,13 @@
 
 from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
+from .happened import Happened
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
 from .modes import Modes
 from .reaction import Reaction
 from .singularity import Singularity
+from .solution import Solution, State
 from .steps import Steps
 from .trajectory import BodyMotion, Trajectory
 
@@ -15,12 +17,15 @@ __all__ = [
     "Assembly",
     "BodyMotion",
     "Equilibrium",
+    "Happened",
     "JointMotion",
     "Mobility",
     "Modes",
     "Reaction",
     "Repetition",
     "Singularity",
+    "Solution",
+    "State",
     "Steps",
     "Trajectory",
 ]

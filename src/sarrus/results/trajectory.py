@@ -12,9 +12,14 @@ import numpy as np
 from ..algebra import Array
 from ..euler import G
 from ..system import JointCoordinates
+from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
+from .solution import Solution
 from .steps import Steps
+
+ENERGIES = ("kinetic_energy", "potential_energy")
+COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +51,15 @@ class Trajectory:
     lam : (nt, m) joint multipliers, then those of the normalizations
     success, status, message : whether the end was reached; if not, why, in one sentence
     nfev : evaluations of the equations of motion
-    njev : Newton matrices formed and factored
+    njev, nlu : matrices of their derivatives formed, matrices factored
     nsteps, nrejected : steps accepted and rejected
-    history : (nsteps, 4) end time, length, error estimate (1 is the tolerance) and Newton iterations of each step
+    history : (nsteps, 5) end time, length, error estimate (1 is the tolerance), Newton iterations, and steps rejected
+        before it, of each step
+    events : what was found on the way, in the order of time
+    sol : the motion at any time, where it was asked for: `Solution`
     joints : the system's angles and travels, which `joint` evaluates
-    violation : (nt,) largest entry of |Φ|
+    violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
+    kinetic_energy, potential_energy : (nt,) potential of gravity, linear springs and bushings [J]
     singular : times at which a driven motion passed a singular configuration [s]
     system : the system that moved, for its reactions
     steps : all steps, where they were kept
@@ -70,9 +79,15 @@ class Trajectory:
     message: str = ""
     nfev: int = 0
     njev: int = 0
+    nlu: int = 0
     nsteps: int = 0
     nrejected: int = 0
-    history: Array = field(default_factory=lambda: np.zeros((0, 4)), repr=False)
+    history: Array = field(default_factory=lambda: np.zeros((0, 5)), repr=False)
+    events: tuple[Happened, ...] = ()
+    sol: Solution | None = field(default=None, repr=False, compare=False)
+    velocity_violation: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    kinetic_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    potential_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
@@ -112,8 +127,13 @@ class Trajectory:
     def at(self, times: Array) -> Trajectory:
         """Only the states at the times given (those among `t`)."""
         keep = np.isin(self.t, times)
-        arrays = {n: getattr(self, n)[keep] for n in ("t", "q", "v", "a", "lam", "violation")}
+        arrays = {n: getattr(self, n)[keep] for n in COLUMNS if len(getattr(self, n)) == len(self.t)}
         return replace(self, **arrays)
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic and potential (nt,). [J]"""
+        return self.kinetic_energy + self.potential_energy
 
     def coordinate(self, name: str) -> Array:
         """One coordinate over time (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, or a full name.

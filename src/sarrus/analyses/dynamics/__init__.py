@@ -1,9 +1,10 @@
 """Integration in time: one method in one file, behind one `simulate`."""
 
 from .alpha import HHT, GeneralizedAlpha
+from .events import Event, Impact
 from .ida import IDA
 from .ode import ODE
 from .radau import Radau
 from .simulation import simulate
 
-__all__ = ["HHT", "IDA", "ODE", "GeneralizedAlpha", "Radau", "simulate"]
+__all__ = ["HHT", "IDA", "ODE", "Event", "GeneralizedAlpha", "Impact", "Radau", "simulate"]

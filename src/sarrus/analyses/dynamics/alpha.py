@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from ..._jit import pointer
 from ..._jit.driver import compiled_function
 from ...algebra import Array
-from ...results import Assembly, Steps, Trajectory
+from ...results import Assembly, Trajectory
 from ...system import System
-from ..independence import Inconsistent, Independence
 from ..linear import SingularMatrix
+from ..linear import compiled as factors
 from ..motion import Motion
 from ..saddle import SingularSystem
 from . import alpha_loop as loop
 from .keeping import Keeping
+from .march import CHUNK, March, Plan
 from .newton_matrix import NewtonMatrix
-from .outcome import nothing, trajectory_of
+from .nodes import Nodes
+from .outcome import nothing
+from .started import independence_at
+from .stepper import Settings, Tally, Trouble
+from .tolerance import Tolerances
+from .trouble import dependent_rows, singular, trouble_of
 
-CHUNK = 400  # steps for one call of the compiled loop
-HISTORY = 100_000  # steps whose history is kept
+ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
+PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
+DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 GROUPS = {
     "RESIDUAL": ("Phi", "Phi_qT_lam"),
     "MOMENTUM": ("M_a", "S"),
@@ -32,6 +39,12 @@ GROUPS = {
     "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
     "STIFFNESS": ("Q_q", "Q_v"),
     "VELOCITY": ("Phi_q_xi", "Phi_t"),
+}
+REASONS = {
+    loop.NEWTON: "Newton's method did not converge: a law with a corner or a very stiff contact may be the cause; "
+    "smooth it, or give a larger atol",
+    loop.ERROR: "the error control asked for ever smaller steps: a force is very stiff or not smooth; give a larger "
+    "atol, or name the times of its jumps in breakpoints",
 }
 
 
@@ -42,6 +55,10 @@ class _Alpha:
         """The coefficients of the method."""
         raise NotImplementedError
 
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> AlphaStepper:
+        """The method at work, see `Stepper`."""
+        return AlphaStepper(system, self.scheme(), start, settings)
+
     def run(
         self,
         system: System,
@@ -50,27 +67,21 @@ class _Alpha:
         *,
         rtol: float,
         atol: float,
-        progress: Callable[[float], None] | None = None,
-        max_step: float = np.inf,
         keep_steps: bool = False,
         given: Array | None = None,
         b: Array | None = None,
     ) -> Trajectory:
-        """Integrate over the times `t_eval`; see `sarrus.simulate`.
+        """Integrate over the times `t_eval` without events, as it is differentiated.
 
         `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
         """
-        scheme = self.scheme()
-        room = CHUNK if keep_steps else 0
+        settings = Settings(Tolerances.of(system, rtol, atol), keep_steps=keep_steps, given=given, b=b)
+        none = np.zeros(0)
         try:
-            run = Run(system, scheme, start, t_eval, rtol, atol, max_step, b)
-            return run.go(progress, Keeping(system, room, given))
-        except Inconsistent as trouble:
-            return nothing(system, "inconsistent", str(trouble))
-        except SingularSystem:
-            return nothing(
-                system, "singular configuration", f"the constraints are dependent at t = {t_eval[0]:g} s"
-            )
+            stepper = self.stepper(system, start, settings)
+        except Trouble as trouble:
+            return nothing(system, trouble.status, trouble.sentence)
+        return March(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
 
 
 @dataclass(frozen=True)
@@ -109,137 +120,156 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
 
 
 @cache
-def _compiled(drivers: tuple[Any, ...]) -> Any:
-    """The time loop over the drivers of a kind of system."""
-    from ..linear import compiled as factors
-
-    named = dict(zip(GROUPS, drivers, strict=True))
-    solver = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-    residual = compiled_function(loop.residual, **{k: named[k] for k in ("RESIDUAL", "MOMENTUM", "FORCE")})
-    matrices = {k: named[k] for k in ("JACOBIAN", "INERTIA", "STIFFNESS")}
-    factor = compiled_function(loop.factor, **matrices, REFACTOR=solver["REFACTOR"])
-    backsolve = compiled_function(loop.backsolve, SOLVE=solver["SOLVE"])
-    size = compiled_function(loop.size)
-    update = compiled_function(loop.update)
-    correct = compiled_function(loop.correct, backsolve=backsolve, size=size, update=update)
-    parts = {"residual": residual, "factor": factor, "correct": correct}
-    newton = compiled_function(loop.newton, update=update, **parts)
-    polish = compiled_function(loop.polish, **parts)
-    constraints = {k: named[k] for k in ("RESIDUAL", "VELOCITY")}
-    project = compiled_function(loop.project, **constraints, backsolve=backsolve)
-    write = compiled_function(loop.write, project=project)
-    velocity = {"VELOCITY": named["VELOCITY"], "factor": factor, "backsolve": backsolve}
-    steps = {name: compiled_function(getattr(loop, name)) for name in ("predict", "accept", "keep")}
-    steps |= {"newton": newton, "polish": polish, "rescale": compiled_function(loop.rescale, **velocity)}
-    return compiled_function(loop.advance, write=write, size=size, **steps)
+def compiled_parts() -> dict[str, Any]:
+    """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
+    run = pointer.run
+    calls = {"RESIDUAL": run(1, 4), "MOMENTUM": run(0, 5), "FORCE": run(1, 3), "JACOBIAN": run(1, 4)}
+    calls |= {"INERTIA": run(0, 7), "STIFFNESS": run(1, 4), "VELOCITY": run(1, 4), "REMEMBER": run(1, 2)}
+    calls |= {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
+    order = "residual factor backsolve size update correct newton polish predict accept keep rescale remember advance"
+    made: dict[str, Any] = {}
+    for name in order.split():
+        made[name] = compiled_function(getattr(loop, name), **calls, **made)
+    return made
 
 
-class Run:
-    """One integration: its memory, and the calls of the compiled loop."""
+class AlphaStepper:
+    """HHT or generalized-α at work on one system: its memory, and the calls of the compiled loop.
 
-    def __init__(
-        self,
-        system: System,
-        scheme: loop.Scheme,
-        start: Assembly,
-        times: Array,
-        rtol: float,
-        atol: float,
-        max_step: float,
-        b: Array | None = None,
-    ) -> None:
-        self.system, self.scheme, self.times, self.begin = system, scheme, times, start
-        self.b, self.rtol, self.atol = (system.b if b is None else b).copy(), rtol, np.full(system.nq, atol)
-        self.max_step = max_step
+    Attributes
+    ----------
+    t, b, independence, tally : see `Stepper`
+    """
+
+    def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
+        self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
+        self.b = (system.b if settings.b is None else settings.b).copy()
+        self.t, self.tally = 0.0, Tally()
         self._numbers = self.b.copy()
-        system.remember(start.q, self.b, float(times[0]))
-        self.independence = Independence(system, start.q, float(times[0]))
-        self.independence.check(start)
+        system.remember(start.q, self.b, 0.0)
+        self.independence = independence_at(system, start)
         self.matrix = NewtonMatrix(system, self.independence.kept)
-        bundles = [system.group(*names).bundle() for names in GROUPS.values()]
-        self._loop = _compiled(tuple(function for function, _ in bundles))
-        self._index = loop.Indices(*(indices for _, indices in bundles))
-        self._state = self._start(start)
+        self._advance = compiled_parts()["advance"]
+        entries = [system.group(*names).entry() for names in GROUPS.values()]
+        self._entries = loop.Entries._make([*entries, system.remembered.entry()])
         nq, m = system.nq, system.m
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
-        wanted = [np.zeros((len(times), width)) for width in (nq, nq, nq, m)]
-        self._output = loop.Output._make([times, *wanted, np.zeros((HISTORY, 4))])
-        self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
-        self._control.numbers[7] = 1.0
+        self._state = loop.State(
+            *(np.zeros(length) for length in (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m))
+        )
+        self._control = loop.Control(np.zeros(9), np.zeros(5, dtype=np.int64))
+        self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
+        self.keeping = Keeping(system, self._chunk, settings)
+        self._tolerance = settings.tolerances.for_loop()
+        self._arrays: loop.Matrix | None = None
+        self._vain = 0
 
-    def _start(self, start: Assembly) -> loop.State:
-        """Consistent accelerations and multipliers at the start."""
-        a, lam = self._motion().acceleration(float(self.times[0]), start.q, start.v)
-        first = [np.array(x, dtype=float) for x in (start.q, start.v, a, a, lam)]
-        return loop.State._make([*first, *(x.copy() for x in first), np.zeros(len(a)), np.zeros(len(lam))])
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state: a and λ of the equations of motion, ã = a, a first step of its own."""
+        self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
+        try:
+            a, lam = self._motion().acceleration(t, q, v)
+        except SingularSystem:
+            raise singular(t, self._dependent(t, q)) from None
+        if not np.all(np.isfinite(a)):
+            told = Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s")
+            raise self._explained(t, q, v, told)
+        values = (q, v, a, a, lam, q, v, a, a, lam, 0 * a, 0 * lam)
+        for place, value in zip(self._state, values, strict=True):
+            place[:] = value
+        numbers, given = self._control.numbers, self.keeping.given()
+        numbers[:] = 0.0
+        numbers[0], numbers[7] = t, 1.0
+        numbers[1] = numbers[4] = given[0] if len(given) else self._first_step()
+        self.keeping.begin(t, self._state, self.matrix.left_out)
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Steps towards a time, see `Stepper`."""
+        if self.independence.kept is not None:
+            self._renew_equations()
+        state, control, before = self._state, self._control, self._control.counts.copy()
+        memory = self.b[self.system.memory_places]
+        first = [
+            np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, state.a0, state.lam0, memory)
+        ]
+        if self._arrays is None:
+            self._renew_pivots()
+        limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
+        status, taken = self._advance(
+            self.scheme, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
+            self._memory, self._arrays, control, self.keeping.record(), self.settings.keep_steps, self._tolerance,
+        )  # fmt: skip
+        self.t = float(control.numbers[0])
+        self._count(before)
+        self.tally.history.append(self.keeping.history(taken))
+        self._look(status, taken)
+        return Nodes._make(
+            np.concatenate(x) for x in zip(first, self.keeping.collect(taken, memory), strict=True)
+        )
+
+    def _look(self, status: int, taken: int) -> None:
+        """What comes of a call of the loop."""
+        self._vain = 0 if taken else self._vain + 1
+        state = self._state
+        if status == loop.REPIVOT:
+            self._arrays = None
+            if self._vain > 1:  # new pivots did not help: a shorter step may
+                self._control.numbers[1] *= 0.25
+            if self._vain > PATIENCE:
+                raise singular(self.t, self._dependent(self.t, state.q0))
+        if status == loop.TOO_SMALL and not taken:
+            reason = REASONS[float(self._control.numbers[8])]
+            told = Trouble("step too small", f"steps become too small near t = {self.t:.6g} s: {reason}")
+            raise self._explained(self.t, state.q0, state.v0, told)
 
     def _motion(self) -> Motion:
         motion = Motion(self.system, self.independence.kept)
         motion.b[:] = self.b
         return motion
 
-    def go(self, progress: Callable[[float], None] | None, keeping: Keeping) -> Trajectory:
-        """Integrate to the last time; whatever happens, what was computed is returned."""
-        numbers, state = self._control.numbers, self._state
-        self._keeping = keeping
-        self._first = {"t": self.times[0], "left_out": self.matrix.left_out.copy()}
-        self._first |= {n: getattr(state, f"{n}0").copy() for n in ("q", "v", "a", "x", "lam")}
-        given = keeping.record().given
-        numbers[0], numbers[1] = self.times[0], given[0] if len(given) else self._first_step()
-        numbers[4] = numbers[1]
-        status = loop.REPIVOT
-        try:
-            while status in (loop.RUNNING, loop.REPIVOT):
-                if status == loop.REPIVOT:
-                    self._renew_equations()
-                    self._renew_pivots()
-                status = self._advance()
-                keeping.collect(int(self._control.counts[0]), self.matrix.left_out, self.b)
-                self.system.remember(self._state.q0, self.b, numbers[0])
-                if self.independence.kept is not None and status == loop.RUNNING:
-                    status = loop.REPIVOT
-                if progress:
-                    progress(float(numbers[0]))
-        except SingularMatrix:
-            return self._result("singular configuration", "the constraints become dependent")
-        except KeyboardInterrupt:
-            return self._result("stopped", "stopped by the user")
-        if status == loop.TOO_SMALL:
-            return self._result(
-                "step too small", "Newton's method or the error control asked for ever smaller steps"
-            )
-        return self._result("finished", "reached the end")
+    def _count(self, before: Array) -> None:
+        steps, rejected, residuals, matrices, _ = (int(x) for x in self._control.counts - before)
+        tally = self.tally
+        tally.nsteps, tally.nrejected = tally.nsteps + steps, tally.nrejected + rejected
+        tally.nfev, tally.njev, tally.nlu = (
+            tally.nfev + residuals,
+            tally.njev + matrices,
+            tally.nlu + matrices,
+        )
 
-    def _advance(self) -> int:
-        """One chunk of steps; one step where elements remember something."""
-        limit = 1 if self.system.has_memory else 20 if self.independence.kept is not None else CHUNK
-        status = self._loop(
-            self.scheme, self._index, self.b, float(self.times[-1]), limit, self.max_step, self._state, self._memory,
-            self._arrays, self._control, self._output, self._keeping.record(), self.rtol, self.atol,
-        )  # fmt: skip
-        return int(status)
+    def _dependent(self, t: float, q: Array) -> list[str]:
+        kept = self.independence.kept
+        return dependent_rows(self.system, q, t, 0 if kept is None else self.system.m - len(kept))
+
+    def _explained(self, t: float, q: Array, v: Array, otherwise: Trouble) -> Trouble:
+        kept = self.independence.kept
+        known = 0 if kept is None else self.system.m - len(kept)
+        return trouble_of(self.system, self.b, t, q, v, span=self._span, known=known, otherwise=otherwise)
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
-        state, t = self._state, float(self._control.numbers[0])
-        if self.independence.renew(t, state.q0):
+        state = self._state
+        if self.independence.renew(self.t, state.q0):
             self.matrix.keep(self.independence.kept)
-            motion = self._motion()
-            state.lam0[:] = motion.acceleration(t, state.q0, state.v0)[1]
+            state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             state.lam_change[:] = 0.0
+            self._arrays = None
 
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
         system, state, views = self.system, self._state, self.matrix.views
-        t, h, scheme = self._control.numbers[0], self._control.numbers[1], self.scheme
+        h, scheme = self._control.numbers[1], self.scheme
         kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-        operands = {"t": t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0}
+        operands = {"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0}
         for kind in ("JACOBIAN", "INERTIA", "STIFFNESS"):
             group = system.group(*GROUPS[kind])
             group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
         self.matrix.weigh(scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
-        self.matrix.choose_pivots()
+        try:
+            self.matrix.choose_pivots()
+        except SingularMatrix:
+            raise singular(self.t, self._dependent(self.t, state.q0)) from None
         self._control.numbers[2] = 0.0
         lu, matrix = self.matrix.lu, self.matrix
         self._arrays = loop.Matrix._make([
@@ -252,44 +282,25 @@ class Run:
 
     def _first_step(self) -> float:
         """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
-        state, span = self._state, float(self.times[-1] - self.times[0])
+        if self.settings.first_step:
+            return min(self.settings.first_step, self.settings.max_step)
+        state, span = self._state, self._span
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
-        a, _ = self._motion().acceleration(float(self.times[0]) + ahead, q, v)
-        jerk = self.scheme.error * (a - state.a0) / ahead / (self.atol + self.rtol * abs(state.q0))
+        try:
+            a, _ = self._motion().acceleration(self.t + ahead, q, v)
+        except SingularSystem:
+            a = state.a0
+        tolerances = self.settings.tolerances
+        jerk = self.scheme.error * (a - state.a0) / ahead / tolerances.of_q(state.q0)
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
-        return float(min(max(guess, 1e-7 * span), 0.01 * span, self.max_step))
+        return float(min(max(guess, 1e-7 * span), 0.01 * span, self.settings.max_step))
 
-    def _multipliers(self, rows: int) -> Array:
-        """Those given out: the shortest, where equations are dependent."""
-        out = self._output
-        if self.independence.kept is not None:
-            for k in range(rows):
-                out.lam[k] = self.independence.shortest(float(self.times[k]), out.q[k], out.lam[k])
-        kept: Array = out.lam[:rows]
-        return kept
-
-    def _steps(self) -> Steps | None:
-        told = {"scheme": self.scheme, "start": self.begin, "b": self._numbers, "rtol": self.rtol}
-        first = {name: np.array(value) for name, value in self._first.items()}
-        return self._keeping.steps(first, atol=float(self.atol[0]), **told)
-
-    def _result(self, status: str, message: str) -> Trajectory:
-        count, numbers = self._control.counts, self._control.numbers
-        rows = int(count[4])
-        if status != "finished":
-            message = f"{message} near t = {numbers[0]:.6g} s"
-        out = self._output
-        return trajectory_of(
-            self.system,
-            (self.times[:rows], out.q[:rows], out.v[:rows], out.a[:rows], self._multipliers(rows)),
-            status=status,
-            message=message,
-            nfev=int(count[2]),
-            njev=int(count[3]),
-            nsteps=int(count[0]),
-            nrejected=int(count[1]),
-            history=out.history[: min(int(count[0]), len(out.history))].copy(),
-            steps=self._steps(),
+    def steps(self) -> Any:
+        """What was kept for derivatives, or None."""
+        tolerances = self.settings.tolerances
+        told = {"scheme": self.scheme, "start": self.begin, "b": self._numbers}
+        return self.keeping.steps(
+            rtol=float(tolerances.rtol_q.max()), atol=float(tolerances.atol_q.max()), **told
         )

@@ -16,22 +16,23 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RESIDUAL: Any = None  # drivers and solvers, put in place when this is compiled
+RESIDUAL: Any = None  # calls of kernels by address, and solvers, put in place when this is compiled
 MOMENTUM: Any = None
 FORCE: Any = None
 JACOBIAN: Any = None
 INERTIA: Any = None
 STIFFNESS: Any = None
 VELOCITY: Any = None
+REMEMBER: Any = None
 REFACTOR: Any = None
 SOLVE: Any = None
-RUNNING, FINISHED, REPIVOT, TOO_SMALL, NOT_FINITE = 0, 1, 2, 3, 4
+RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
+NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
 NEWTON_LIMIT = 8  # iterations
 NEWTON_SHARE = (
     0.03  # of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
 )
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
-PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 EXACT = 1e-6  # of the tolerance: change of an iterate at which a step that is kept has converged
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
@@ -110,8 +111,8 @@ class Matrix(NamedTuple):
     column_order: Any
 
 
-class Indices(NamedTuple):
-    """Index tables of the operator groups."""
+class Entries(NamedTuple):
+    """The kernels of the groups of operators, see `_jit.pointer`."""
 
     residual: Any
     momentum: Any
@@ -120,36 +121,38 @@ class Indices(NamedTuple):
     inertia: Any
     stiffness: Any
     velocity: Any
+    remember: Any
+
+
+class Tolerance(NamedTuple):
+    """Relative and absolute, of each coordinate and of each velocity; `speed`: 1 if velocities are controlled too."""
+
+    rtol_q: Any
+    atol_q: Any
+    rtol_v: Any
+    atol_v: Any
+    speed: Any
 
 
 class Control(NamedTuple):
     """Scalars that change, and counters.
 
-    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h, what is
-        left of the velocities' defect since the last step
-    counts : steps, rejected, residuals, matrices, outputs written, solves
+    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h (0: this is
+        a start), what is left of the velocities' defect since the last step, why a step was last rejected
+    counts : steps, rejected, residuals, matrices, rejected since the last step
     """
 
     numbers: Any
     counts: Any
 
 
-class Output(NamedTuple):
-    """Times wanted, and room for the states there; history of the steps (t, h, error, iterations)."""
-
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    history: Any
-
-
 class Record(NamedTuple):
     """Steps that are kept, row by row, as many as there is room for; and lengths of steps that are prescribed.
 
     h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
+    told : error (1 is the tolerance), Newton iterations, and how many steps were rejected before it
     t, q, v, a, x, lam : its end
+    memory : what elements remember there
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
 
@@ -161,6 +164,8 @@ class Record(NamedTuple):
     a: Any
     x: Any
     lam: Any
+    memory: Any
+    told: Any
     given: Any
 
 
@@ -175,12 +180,12 @@ def update(scheme: Any, h: Any, state: Any) -> Any:
         state.v1[k] = state.v0[k] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x1)
 
 
-def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> Any:
+def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> Any:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step."""
     n = len(state.q0)
-    RESIDUAL(index.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
-    MOMENTUM(index.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
-    FORCE(index.force, b, t, state.q1, state.v1, memory.Q)
+    RESIDUAL(entries.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
+    MOMENTUM(entries.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
+    FORCE(entries.force, b, t, state.q1, state.v1, memory.Q)
     for k in range(n):
         memory.right[k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
     for k in range(len(memory.Phi)):
@@ -188,15 +193,15 @@ def residual(index: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any,
 
 
 def factor(
-    index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
+    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
 ) -> Any:
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted.
 
     With β' = γ' = 0 it is [M, Φ_qᵀ; Φ_q, 0].
     """
-    JACOBIAN(index.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
-    INERTIA(index.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
-    STIFFNESS(index.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
+    JACOBIAN(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
+    INERTIA(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
+    STIFFNESS(entries.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
     for k in range(len(matrix.Phi_q)):
         matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
     weights = matrix.weights
@@ -229,7 +234,7 @@ def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> An
     """Root mean square of factor x change, each entry over its tolerance."""
     total = 0.0
     for k in range(len(q0)):
-        entry = factor * change[k] / (atol[k] + rtol * max(abs(q0[k]), abs(q1[k])))
+        entry = factor * change[k] / (atol[k] + rtol[k] * max(abs(q0[k]), abs(q1[k])))
         total += entry * entry
     return (total / len(q0)) ** 0.5
 
@@ -242,8 +247,7 @@ def correct(
     matrix: Any,
     beta: Any,
     gamma: Any,
-    rtol: Any,
-    atol: Any,
+    tol: Any,
 ) -> Any:
     """One correction of a₁ and λ₁ by the residual and the factors at hand; returns its size."""
     n = len(state.q0)
@@ -253,13 +257,13 @@ def correct(
     for k in range(len(state.lam0)):
         state.lam1[k] -= memory.solution[n + k]
     update(scheme, h, state)
-    change = size(memory.solution, beta, state.q0, state.q1, rtol, atol)
-    return max(change, size(memory.solution, gamma, state.v0, state.v1, rtol, atol))
+    change = size(memory.solution, beta, state.q0, state.q1, tol.rtol_q, tol.atol_q)
+    return max(change, size(memory.solution, gamma, state.v0, state.v1, tol.rtol_v, tol.atol_v))
 
 
 def polish(
     scheme: Any,
-    index: Any,
+    entries: Any,
     b: Any,
     t: Any,
     h: Any,
@@ -267,22 +271,21 @@ def polish(
     memory: Any,
     matrix: Any,
     control: Any,
-    rtol: Any,
-    atol: Any,
+    tol: Any,
 ) -> Any:
     """Newton's method with the exact matrix to the end, for steps whose derivatives are wanted; false if it fails."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
     control.counts[3] += 1
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
-    if not factor(index, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
+    if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
         return False
     control.numbers[2] = beta
     before = 1e30
     for _ in range(POLISHES):
-        residual(index, b, t, state, memory, matrix.left_out, beta)
+        residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
-        change = correct(scheme, h, state, memory, matrix, beta, gamma, rtol, atol)
+        change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if change <= EXACT or change > 0.3 * before:
             break
         before = change
@@ -291,7 +294,7 @@ def polish(
 
 def newton(
     scheme: Any,
-    index: Any,
+    entries: Any,
     b: Any,
     t: Any,
     h: Any,
@@ -299,8 +302,7 @@ def newton(
     memory: Any,
     matrix: Any,
     control: Any,
-    rtol: Any,
-    atol: Any,
+    tol: Any,
 ) -> Any:
     """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
@@ -308,15 +310,15 @@ def newton(
     rate, before = 0.0, 0.0
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
-        residual(index, b, t, state, memory, matrix.left_out, beta)
+        residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
         if control.numbers[2] != beta:
             control.counts[3] += 1
             q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
-            if not factor(index, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
+            if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
                 return -1, 0.0
             control.numbers[2] = beta
-        change = correct(scheme, h, state, memory, matrix, beta, gamma, rtol, atol)
+        change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
             return 0, 2.0
         if iteration > 0:
@@ -329,61 +331,6 @@ def newton(
             return iteration + 1, rate
         before = change
     return 0, 1.0
-
-
-def project(index: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, memory: Any, matrix: Any) -> Any:
-    """A state that is given out back onto Φ = 0 and Φ_q v = -Φ_t, with the factors at hand.
-
-    The integration itself goes on from the unprojected velocities: their defect stays of the order of the error, and
-    feeding projected ones back costs the method an order (measured on the slider-crank).
-    """
-    n = len(q)
-    for attempt in range(2 * PROJECTIONS):
-        position = attempt < PROJECTIONS
-        if position:
-            RESIDUAL(index.residual, b, t, q, lam, memory.Phi, memory.Phi_qT_lam)
-        else:
-            VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
-        worst = 0.0
-        for k in range(n):
-            memory.right[k] = 0.0
-        for k in range(len(memory.rate)):
-            defect = memory.Phi[k] if position else memory.rate[k] + memory.Phi_t[k]
-            memory.right[n + k] = defect * (1.0 - matrix.left_out[k])
-            worst = max(worst, abs(memory.right[n + k]))
-        if worst < PROJECTED:
-            continue
-        backsolve(matrix, memory.right, memory.solution)
-        for k in range(n):
-            if position:
-                q[k] -= memory.solution[k]
-            else:
-                v[k] -= memory.solution[k]
-
-
-def write(
-    index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, output: Any
-) -> Any:
-    """States at the wanted times of this step, by quintic Hermite interpolation of q, v, a, then projected."""
-    while control.counts[4] < len(output.t) and output.t[control.counts[4]] <= t0 + h * (1.0 + 1e-12):
-        row = control.counts[4]
-        s = (output.t[row] - t0) / h
-        for k in range(len(state.q0)):
-            slope0, slope1 = h * state.v0[k], h * state.v1[k]
-            bend0, bend1 = 0.5 * h * h * state.a0[k], 0.5 * h * h * state.a1[k]
-            rest = state.q1[k] - state.q0[k] - slope0 - bend0
-            c = 10.0 * rest - 4.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
-            d = -15.0 * rest + 7.0 * (slope1 - slope0 - 2.0 * bend0) - 2.0 * (bend1 - bend0)
-            e = 6.0 * rest - 3.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
-            output.q[row, k] = state.q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
-            velocity = slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))
-            output.v[row, k] = velocity / h
-            output.a[row, k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
-        for k in range(len(state.lam0)):
-            output.lam[row, k] = (1.0 - s) * state.lam0[k] + s * state.lam1[k]
-        time = output.t[row]
-        project(index, b, time, output.q[row], output.v[row], output.lam[row], memory, matrix)
-        control.counts[4] += 1
 
 
 def predict(ratio: Any, state: Any) -> Any:
@@ -406,7 +353,7 @@ def accept(state: Any) -> Any:
 
 
 def rescale(
-    index: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
+    entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
 ) -> None:
     """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h².
 
@@ -417,11 +364,11 @@ def rescale(
     for k in range(n):
         state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
     control.numbers[2] = 0.0
-    if control.counts[0] == 0:
+    if control.numbers[6] == 0.0:
         return
-    if not factor(index, b, t, state.q0, state.v0, state.a0, state.lam0, matrix, 0.0, 0.0) > TRUSTED:
+    if not factor(entries, b, t, state.q0, state.v0, state.a0, state.lam0, matrix, 0.0, 0.0) > TRUSTED:
         return
-    VELOCITY(index.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
+    VELOCITY(entries.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
     for k in range(n):
         memory.right[k] = 0.0
     for k in range(len(memory.rate)):
@@ -435,6 +382,7 @@ def rescale(
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.numbers[7]
+    record.told[row, 2] = control.counts[4]
     for k in range(len(state.q0)):
         record.q[row, k], record.v[row, k] = state.q1[k], state.v1[k]
         record.a[row, k], record.x[row, k] = state.a1[k], state.x1[k]
@@ -442,10 +390,19 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> Non
         record.lam[row, k] = state.lam1[k]
 
 
+def remember(entries: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> None:
+    """Let the elements remember an accepted state."""
+    if len(places):
+        REMEMBER(entries.remember, b, t, q, memory)
+        for k in range(len(places)):
+            b[places[k]] = memory[k]
+
+
 def advance(
     scheme: Any,
-    index: Any,
+    entries: Any,
     b: Any,
+    places: Any,
     until: Any,
     limit: Any,
     h_max: Any,
@@ -453,64 +410,76 @@ def advance(
     memory: Any,
     matrix: Any,
     control: Any,
-    output: Any,
     record: Any,
-    rtol: Any,
-    atol: Any,
+    exact: Any,
+    tol: Any,
 ) -> Any:
-    """Take steps until a time, at most `limit` of them. Returns a status."""
+    """Take steps until a time, at most `limit` of them.
+
+    Returns
+    -------
+    a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
+    """
     numbers, counts = control.numbers, control.counts
-    n, free, kept = len(state.q0), len(record.given) == 0, len(record.t) > 0
+    n, free = len(state.q0), len(record.given) == 0
     taken = 0
-    last = until if free else 1e300
-    while numbers[0] < last and taken < (limit if free else min(limit, len(record.given))):
+    while numbers[0] < until and taken < limit and (free or taken < len(record.given)):
         t0 = numbers[0]
         h = min(numbers[1], h_max) if free else record.given[taken]
         if t0 + 1.0001 * h >= until and free:
             h = until - t0
-        if h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
-            return TOO_SMALL
+        elif t0 + 1.9 * h > until and free:  # two equal steps to the end
+            h = 0.5 * (until - t0)
+        if numbers[1] <= 1e-14 * max(abs(t0), until - t0, 1e-3) and free:
+            return TOO_SMALL, taken
         if h != numbers[4]:
-            rescale(index, b, t0, h / numbers[4], state, memory, matrix, control)
+            rescale(entries, b, t0, h / numbers[4], state, memory, matrix, control)
             numbers[4] = h
-        predict(h / numbers[6] if counts[0] > 0 else 0.0, state)
-        iterations, rate = newton(scheme, index, b, t0 + h, h, state, memory, matrix, control, rtol, atol)
+        predict(h / numbers[6] if numbers[6] > 0.0 else 0.0, state)
+        iterations, rate = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
-            return REPIVOT
+            return REPIVOT, taken
         if iterations == 0:
             counts[1] += 1
+            counts[4] += 1
+            numbers[8] = NEWTON
             if numbers[5] > 0.0:  # with an old matrix: once more with a new one
                 numbers[2], numbers[5] = 0.0, 0.0
             elif free:
                 numbers[1], numbers[2] = 0.25 * h, 0.0
             else:
-                return TOO_SMALL
+                return TOO_SMALL, taken
             continue
         for k in range(n):
             memory.previous[k] = state.x1[k] - state.x0[k]
-        error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, rtol, atol)
+        error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, tol.rtol_q, tol.atol_q)
+        if tol.speed > 0.0:
+            speed = size(memory.previous, scheme.error * h, state.v0, state.v1, tol.rtol_v, tol.atol_v)
+            error = max(error, speed * speed**0.5)  # it falls with h²: as if it fell with h³
         wanted = SAFETY * max(error, 1e-8) ** (-1.0 / 3.0)
         if error > 1.0 and free:
             counts[1] += 1
+            counts[4] += 1
+            numbers[8] = ERROR
             numbers[1] = h * max(SHRINK, wanted)
             continue
-        if kept:
-            if not polish(scheme, index, b, t0 + h, h, state, memory, matrix, control, rtol, atol):
-                return REPIVOT
-            keep(record, taken, t0 + h, h, state, control)
-        write(index, b, t0, h, state, memory, matrix, control, output)
-        if counts[0] < len(output.history):
-            output.history[counts[0], 0], output.history[counts[0], 1] = t0 + h, h
-            output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
+        if exact and not polish(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol):
+            return REPIVOT, taken
+        ended = h == until - t0 if free else taken + 1 == len(record.given)
+        numbers[0] = until if ended else t0 + h
+        keep(record, taken, numbers[0], h, state, control)
+        record.told[taken, 0], record.told[taken, 1] = error, iterations
         accept(state)
         numbers[6], numbers[7] = h, 1.0
-        numbers[0] = until if h == until - t0 else t0 + h
+        remember(entries, b, places, numbers[0], state.q0, record.memory[taken])
         numbers[3], numbers[5] = error, 1.0
         counts[0] += 1
+        counts[4] = 0
         taken += 1
-        if wanted > KEEP or wanted < 0.8:
-            numbers[1] = h * min(max(wanted, SHRINK), GROW)
-        if rate > SLOW and not kept:
+        if wanted < 0.8:
+            numbers[1] = h * max(wanted, SHRINK)
+        elif wanted > KEEP:
+            numbers[1] = max(numbers[1], h * min(wanted, GROW))
+        if rate > SLOW and not exact:
             numbers[2], numbers[5] = 0.0, 0.0
-    done = numbers[0] >= until if free else taken == len(record.given)
-    return FINISHED if done else RUNNING
+    return (FINISHED if numbers[0] >= until else RUNNING), taken

@@ -8,22 +8,25 @@ Multipliers are the derivatives of unknowns Λ and Μ, λ = Λ', μ = Μ', which
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly
 from ...system import System
-from ..independence import Inconsistent, Independence
+from ..independence import Independence
 from ..motion import Motion
+from ..projection import Projection
 from ..saddle import SingularSystem
-from .ode import Recorder
-from .outcome import nothing
+from .nodes import Nodes
+from .ode import PARTS
 from .placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from .radau_run import MATRICES, newton_parts
+from .started import independence_at
+from .stepper import Settings, Tally, Trouble
+from .trouble import dependent_rows, singular
 
 UNMEASURED = 1e100  # tolerance of Λ and Μ, of which only the derivatives mean anything
 LIMIT = 1_000_000  # steps between two outputs
@@ -33,89 +36,98 @@ LIMIT = 1_000_000  # steps between two outputs
 class IDA:
     """Lawrence Livermore's IDA, with exact Jacobians; needs the extra `ida`, which installs scikit-sundae."""
 
-    def run(
-        self,
-        system: System,
-        start: Assembly,
-        t_eval: Array,
-        *,
-        rtol: float,
-        atol: float,
-        progress: Callable[[float], None] | None = None,
-        max_step: float = np.inf,
-    ) -> Trajectory:
-        """Integrate over the times `t_eval`; see `sarrus.simulate`.
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> IDAStepper:
+        """The method at work, see `Stepper`.
 
         Raises
         ------
         ImportError
             If scikit-sundae is not installed.
         """
+        if settings.keep_steps:
+            raise ValueError("IDA() keeps no steps; choose HHT() or GeneralizedAlpha()")
+        return IDAStepper(system, start, settings)
+
+
+class IDAStepper:
+    """IDA at work on one system, see `Stepper`."""
+
+    def __init__(self, system: System, start: Assembly, settings: Settings) -> None:
+        self.system, self.settings, self.t, self.tally = system, settings, 0.0, Tally()
+        self.independence = independence_at(system, start)
+        self._equations = Equations(system, self.independence, start)
+        self.b = self._equations.motion.b
+        self._projection = Projection(system, self.b, self.independence.kept)
+        self._solver: Any = None
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state."""
+        self.t, self._q, self._v = t, q.copy(), v.copy()
+        motion, nothing_yet = self._equations.motion, np.zeros(2 * self.system.m)
         try:
-            equations = Equations(system, start, float(t_eval[0]))
-            solver = _solver(equations, rtol, atol, max_step)
-            return _followed(equations, solver, start, t_eval, progress)
-        except Inconsistent as trouble:
-            return nothing(system, "inconsistent", str(trouble))
+            a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
-            told = f"the constraints are dependent at t = {t_eval[0]:g} s"
-            return nothing(system, "singular configuration", told)
+            raise singular(t, dependent_rows(self.system, q, t, 0)) from None
+        self._solver = _solver(self._equations, self.settings)
+        rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
+        self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """One step towards a time, see `Stepper`."""
+        rows = [self._node(self.t, self._q, self._v)]
+        step, before, nq = self._solver.step(stop, method="onestep", tstop=stop), self.t, self.system.nq
+        if not step.success:
+            raise Trouble("step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}")
+        self.t = float(step.t)
+        y = step.y.copy()
+        times = self.settings.times[(self.settings.times > before) & (self.settings.times < self.t)]
+        inner = np.linspace(before, self.t, PARTS + 1)[1:-1] if self.settings.dense else times[:0]
+        wanted = np.union1d(times, inner)
+        rows += [self._node(t, *self._at(t, self._solver.step(t).y[: 2 * nq])) for t in wanted]
+        self._q, self._v = self._at(self.t, y[: 2 * nq])
+        rows.append(self._node(self.t, self._q, self._v))
+        self.system.remember(self._q, self.b, self.t)
+        self.tally.add(1, 0, 0, 0, 0)
+        self.tally.nfev = self._equations.evaluations
+        self.tally.history.append(np.array([[self.t, self.t - before, np.nan, 0, 0]]))
+        return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
+
+    def _at(self, t: float, y: Array) -> tuple[Array, Array]:
+        """q and v on the constraints."""
+        q, v = np.split(np.array(y), 2)
+        return self._projection(float(t), q, v)
+
+    def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
+        a, lam = self._equations.motion.acceleration(float(t), q, v)
+        return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
+
+    def steps(self) -> None:
+        """No steps are kept."""
 
 
-def _solver(equations: Equations, rtol: float, atol: float, max_step: float) -> Any:
+def _solver(equations: Equations, settings: Settings) -> Any:
     try:
         from sksundae.ida import IDA as Solver
     except ImportError:
         raise ImportError("IDA() needs scikit-sundae; install it with: pip install 'sarrus[ida]'") from None
-    nq, m = equations.system.nq, equations.system.m
-    told = {"rtol": rtol, "atol": np.repeat([atol, UNMEASURED], [2 * nq, 2 * m]), "max_num_steps": LIMIT}
-    told["max_step"] = 0.0 if np.isinf(max_step) else max_step
+    m = equations.system.m
+    tolerances, max_step = settings.tolerances, settings.max_step
+    told: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}
+    told["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+    told["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v, np.full(2 * m, UNMEASURED)])
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Custom sparse Jacobian approximation")
         sparse = {"linsolver": "sparse", "sparsity": equations.matrix.pattern()}
         return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **told)
 
 
-def _followed(
-    equations: Equations,
-    solver: Any,
-    start: Assembly,
-    times: Array,
-    progress: Callable[[float], None] | None,
-) -> Trajectory:
-    """The states at the times, each projected onto the constraints."""
-    system, independence, motion = equations.system, equations.independence, equations.motion
-    recorder = Recorder(system, times, independence, motion.b)
-    nq, steps, status, message = system.nq, 0, "finished", "reached the end"
-    a, lam = motion.acceleration(times[0], start.q, start.v)
-    nothing_yet = np.zeros(2 * system.m)
-    y = np.concatenate([start.q, start.v])
-    solver.init_step(
-        times[0], np.concatenate([y, nothing_yet]), np.concatenate([start.v, a, lam, nothing_yet[system.m :]])
-    )
-    recorder.record(motion, times[0], lambda t: y, up_to=times[0])
-    while recorder.last < times[-1]:
-        step = solver.step(times[-1], method="onestep", tstop=times[-1])
-        if not step.success:
-            status, message = "step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}"
-            break
-        steps += 1
-        recorder.record(motion, step.t, lambda t: solver.step(t).y[: 2 * nq], up_to=step.t)
-        system.remember(step.y[:nq].copy(), motion.b, float(step.t))
-        if progress:
-            progress(float(step.t))
-    return recorder.trajectory(status, message, equations.evaluations, steps)
-
-
 class Equations:
     """F(t, y, y') = 0 for y = [q; v; Λ; Μ], and F_y + c F_y'."""
 
-    def __init__(self, system: System, start: Assembly, t: float) -> None:
-        self.system, self.evaluations = system, 0
-        self.independence = Independence(system, start.q, t)
-        self.independence.check(start)
-        self.motion = Motion(system, self.independence.kept)
-        system.remember(start.q, self.motion.b, t)
+    def __init__(self, system: System, independence: Independence, start: Assembly) -> None:
+        self.system, self.independence, self.evaluations = system, independence, 0
+        self.motion = Motion(system, independence.kept)
+        system.remember(start.q, self.motion.b, 0.0)
         self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         nq, m = system.nq, system.m
         self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), newton_parts(nq, m))

@@ -30,9 +30,9 @@ class NewtonMatrix:
     places : for each number (those of Φ_q twice) its place in the factored arrangement
     """
 
-    def __init__(self, system: System, kept: Array | None) -> None:
+    def __init__(self, system: System, kept: Array | None, blocks: tuple[str, ...] = BLOCKS) -> None:
         self.n = system.nq + system.m
-        parts = [_entries(system, name) for name in BLOCKS]
+        parts = [_entries(system, name) for name in blocks]
         self.row_of, columns = _entries(system, "Phi_q")
         below, above = (self.row_of + system.nq, columns), (columns, self.row_of + system.nq)
         unit = np.arange(system.nq, self.n)
@@ -42,7 +42,7 @@ class NewtonMatrix:
         self.values = np.zeros(starts[-2])
         self.views = {
             name: self.values[starts[k] : starts[k + 1]]
-            for k, name in enumerate((*BLOCKS, "left_out", "Phi_q"))
+            for k, name in enumerate((*blocks, "left_out", "Phi_q"))
         }
         self.segments = np.column_stack([starts[:-1], starts[1:]]).astype(np.int64)
         keys = np.concatenate([c * self.n + r for r, c in everywhere])
@@ -62,11 +62,11 @@ class NewtonMatrix:
     def weigh(self, beta: float, gamma: float) -> Array:
         """The weights of the operators for a scheme's β' and γ'."""
         self.weights[: len(BLOCKS)] = [1.0, beta, -beta, -gamma, -beta, -gamma, beta]
-        self.views["Phi_q"][self.left_out[self.row_of] > 0] = 0.0
         return self.weights
 
     def assembled(self) -> Array:
         """The numbers of the matrix, by columns."""
+        self.views["Phi_q"][self.left_out[self.row_of] > 0] = 0.0
         weights = np.repeat(self.weights, np.diff(self.segments, axis=1)[:, 0])
         values = np.concatenate([self.values, self.views["Phi_q"]])
         return np.bincount(self._place, weights=weights * values, minlength=len(self.indices))

@@ -5,23 +5,25 @@ For systems that are not stiff, and as an independent check of other methods.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly
 from ...system import System
-from ..independence import Inconsistent, Independence
 from ..motion import Motion
 from ..projection import Projection
 from ..saddle import SingularSystem
-from .outcome import trajectory_of
+from .nodes import Nodes
+from .started import independence_at
+from .stepper import Settings, Tally, Trouble
+from .trouble import dependent_rows, singular, trouble_of
 
 TINY = 1e-6  # of the whole time: steps so short are given up on
 PATIENCE = 20  # after so many of them in a row
+PARTS = 8  # pieces of a step between which there are nodes, if states are wanted at any time
 SOLVERS = ("DOP853", "RK45", "RK23")
 
 
@@ -35,93 +37,119 @@ class ODE:
         if self.name not in SOLVERS:
             raise ValueError(f"there is no ODE solver {self.name!r}; choose from {', '.join(SOLVERS)}")
 
-    def run(
-        self,
-        system: System,
-        start: Assembly,
-        t_eval: Array,
-        *,
-        rtol: float,
-        atol: float,
-        progress: Callable[[float], None] | None = None,
-        max_step: float = np.inf,
-    ) -> Trajectory:
-        """Integrate over the times `t_eval`; see `sarrus.simulate`."""
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> ODEStepper:
+        """The method at work, see `Stepper`."""
+        if settings.keep_steps:
+            raise ValueError("ODE() keeps no steps; choose HHT() or GeneralizedAlpha()")
+        return ODEStepper(system, self.name, start, settings)
+
+
+class ODEStepper:
+    """An explicit solver at work on one system, see `Stepper`."""
+
+    def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:
+        self.system, self._name, self._settings = system, name, settings
+        self.t, self.tally, self._tiny = 0.0, Tally(), 0
+        self.independence = independence_at(system, start)
+        self.motion = Motion(system, self.independence.kept)
+        self.b = self.motion.b
+        system.remember(start.q, self.b, 0.0)
+        self._projection = Projection(system, self.b, self.independence.kept)
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin anew; SciPy's solver chooses its first step."""
         from scipy import integrate
 
-        independence = Independence(system, start.q, t_eval[0])
-        motion = Motion(system, independence.kept)
-        system.remember(start.q, motion.b, float(t_eval[0]))
-        recorder = Recorder(system, t_eval, independence, motion.b)
-        y = np.concatenate([start.q, start.v])
-        status, message, steps = "finished", "reached the end", 0
-        tiny = 0
+        self.t, self._span, self._tiny = t, until - t, 0
+        tolerances, settings = self._settings.tolerances, self._settings
+        told: dict[str, Any] = {"max_step": settings.max_step, "first_step": settings.first_step or None}
+        told["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+        told["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
         try:
-            independence.check(start)
-            solver = getattr(integrate, self.name)(
-                motion.rate, t_eval[0], y, t_eval[-1], rtol=rtol, atol=atol, max_step=max_step
+            self._solver = getattr(integrate, self._name)(
+                self.motion.rate, t, np.concatenate([q, v]), until, **told
             )
-            recorder.record(motion, t_eval[0], lambda t: y, up_to=t_eval[0])
-            while solver.status == "running":
-                trouble = solver.step()
-                if trouble:
-                    status, message = "step too small", f"{trouble} at t = {solver.t:.6g} s"
-                    break
-                steps += 1
-                tiny = tiny + 1 if solver.step_size < TINY * (t_eval[-1] - t_eval[0]) else 0
-                if tiny >= PATIENCE:
-                    status, message = "step too small", _stuck(solver.t)
-                    break
-                recorder.record(motion, solver.t, solver.dense_output(), up_to=solver.t)
-                solver.y = np.concatenate(recorder.projection(solver.t, *np.split(solver.y, 2)))
-                if independence.renew(solver.t, solver.y[: system.nq]):
-                    motion.keep(independence.kept)
-                    recorder.projection.keep(independence.kept)
-                system.remember(solver.y[: system.nq], motion.b, solver.t)
-                solver.f = motion.rate(solver.t, solver.y)
-                if progress:
-                    progress(float(solver.t))
-        except Inconsistent as contradiction:
-            status, message = "inconsistent", str(contradiction)
         except SingularSystem:
-            status = "singular configuration"
-            message = f"the constraints become dependent near t = {recorder.last:.6g} s; change the start or the model"
-        return recorder.trajectory(status, message, motion.evaluations, steps)
+            raise singular(t, self._dependent(q)) from None
+        if not np.all(np.isfinite(self._solver.f)):
+            raise self._explained(Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s"))
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Steps towards a time, see `Stepper`."""
+        self._renew(self.t, self._solver.y[: self.system.nq])
+        rows = [self._node(self.t, *np.split(self._solver.y, 2))]
+        try:
+            self._solver.t_bound, self._solver.status = stop, "running"
+            for _ in range(min(limit, PATIENCE) if self.independence.kept is None else 1):
+                rows += self._step()
+                if self.t == stop:
+                    break
+        except SingularSystem:
+            if len(rows) == 1:
+                raise singular(self.t, self._dependent(self._solver.y[: self.system.nq])) from None
+        except Trouble as trouble:
+            if len(rows) == 1:
+                raise self._explained(trouble) from None
+        finally:
+            self.tally.nfev = self.motion.evaluations
+            self.tally.nlu = self.tally.nfev
+        return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
+
+    def _step(self) -> list[tuple[Any, ...]]:
+        """One step, and its nodes: some of the solver's own interpolant, then the projected end."""
+        solver, before = self._solver, self.t
+        sentence = solver.step()
+        if sentence:
+            raise Trouble("step too small", f"{sentence} at t = {solver.t:.6g} s: {WHY}")
+        self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
+        if self._tiny >= PATIENCE:
+            raise Trouble("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
+        interpolant, h = solver.dense_output(), solver.t - before
+        nodes = [
+            self._node(t, *self._projection(t, *np.split(interpolant(t), 2))) for t in self._inner(before, h)
+        ]
+        q, v = self._projection(solver.t, *np.split(solver.y, 2))
+        self.system.remember(q, self.b, solver.t)
+        solver.y = np.concatenate([q, v])
+        solver.f = self.motion.rate(solver.t, solver.y)
+        self.t, self.tally.nsteps = float(solver.t), self.tally.nsteps + 1
+        self.tally.history.append(np.array([[solver.t, h, np.nan, 0, 0]]))
+        return [*nodes, self._node(self.t, q, v)]
+
+    def _inner(self, before: float, h: float) -> list[float]:
+        """Times within a step at which there are nodes: those wanted, and some between."""
+        settings = self._settings
+        inner = settings.times[(settings.times > before) & (settings.times < before + h)]
+        if settings.dense:
+            inner = np.union1d(inner, before + np.arange(1, PARTS) / PARTS * h)
+        return [float(t) for t in inner]
+
+    def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
+        a, lam = self.motion.acceleration(t, q, v)
+        return t, q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
+
+    def _renew(self, t: float, q: Array) -> None:
+        if self.independence.renew(t, q):
+            self.motion.keep(self.independence.kept)
+            self._projection.keep(self.independence.kept)
+
+    def _known(self) -> int:
+        kept = self.independence.kept
+        return 0 if kept is None else self.system.m - len(kept)
+
+    def _dependent(self, q: Array) -> list[str]:
+        return dependent_rows(self.system, q, self.t, self._known())
+
+    def _explained(self, otherwise: Trouble) -> Trouble:
+        q, v = np.split(self._solver.y, 2)
+        told = {"span": self._span, "known": self._known(), "otherwise": otherwise}
+        return trouble_of(self.system, self.b, self.t, q, v, **told)  # type: ignore[arg-type]
+
+    def steps(self) -> None:
+        """No steps are kept."""
 
 
-def _stuck(t: float) -> str:
-    return (
-        f"steps become ever shorter near t = {t:.6g} s: a force is very stiff, or the mechanism comes to a singular "
-        "position, where motions branch; `singularities` locates such positions along a motion"
-    )
-
-
-class Recorder:
-    """Collects states at given times from a solver's interpolants, each projected onto the constraints."""
-
-    def __init__(self, system: System, times: Array, independence: Independence, b: Array) -> None:
-        self.system, self.times, self._independence = system, times, independence
-        self.projection = Projection(system, b, independence.kept)
-        self.last = float(times[0])
-        self._rows: list[tuple[Any, ...]] = []
-
-    def record(self, motion: Motion, t: float, interpolant: Callable[[float], Array], up_to: float) -> None:
-        """Take all times not yet taken up to `up_to`."""
-        while len(self._rows) < len(self.times) and self.times[len(self._rows)] <= up_to * (1 + 1e-15):
-            time = float(self.times[len(self._rows)])
-            q, v = self.projection(time, *np.split(np.asarray(interpolant(time)), 2))
-            a, lam = motion.acceleration(time, q, v)
-            lam = self._independence.shortest(time, q, lam)
-            self._rows.append((time, q, v, a, lam))
-        self.last = float(t)
-
-    def trajectory(self, status: str, message: str, evaluations: int, steps: int) -> Trajectory:
-        """All that was recorded."""
-        nq, m = self.system.nq, self.system.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,))
-        columns = zip(*self._rows, strict=True) if self._rows else ([] for _ in shapes)
-        t, q, v, a, lam = (
-            np.array(list(column)).reshape(-1, *shape) for column, shape in zip(columns, shapes, strict=True)
-        )
-        told = {"message": message, "nfev": evaluations, "nsteps": steps}
-        return trajectory_of(self.system, (t, q, v, a, lam), status=status, **told)
+WHY = (
+    "a force is very stiff, or the mechanism comes to a singular position, where motions branch; `singularities` "
+    "locates such positions along a motion, and HHT() takes stiff forces"
+)

@@ -7,16 +7,15 @@ Gear, Gupta and Leimkuhler (1985); Hairer and Wanner, Solving Ordinary Different
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly
 from ...system import System
 from .radau_loop import Scheme
-from .radau_run import Run
+from .radau_run import RadauStepper
+from .stepper import Settings
 
 
 @dataclass(frozen=True)
@@ -26,19 +25,11 @@ class Radau:
     All stages are solved together by Newton's method; one real and one complex matrix are factored for them.
     """
 
-    def run(
-        self,
-        system: System,
-        start: Assembly,
-        t_eval: Array,
-        *,
-        rtol: float,
-        atol: float,
-        progress: Callable[[float], None] | None = None,
-        max_step: float = np.inf,
-    ) -> Trajectory:
-        """Integrate over the times `t_eval`; see `sarrus.simulate`."""
-        return Run.started(system, SCHEME, start, t_eval, rtol, atol, max_step, progress)
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> RadauStepper:
+        """The method at work, see `Stepper`."""
+        if settings.keep_steps:
+            raise ValueError("Radau() keeps no steps; choose HHT() or GeneralizedAlpha()")
+        return RadauStepper(system, SCHEME, start, settings)
 
 
 def _scheme() -> Scheme:

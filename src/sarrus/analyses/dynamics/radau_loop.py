@@ -24,6 +24,7 @@ INERTIA: Any = None
 STIFFNESS: Any = None
 TURNING: Any = None
 BENDING: Any = None
+REMEMBER: Any = None
 ASSEMBLE: Any = None
 REFACTOR: Any = None
 SOLVE: Any = None
@@ -32,7 +33,6 @@ TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chos
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
-PROJECTIONS, PROJECTED = 25, 1e-14  # most iterations, and where they end
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
 KEEP = 1.2  # the step and the factors are kept for less than this
 
@@ -121,6 +121,7 @@ class Indices(NamedTuple):
     stiffness: Any
     turning: Any
     bending: Any
+    remember: Any
 
 
 class Control(NamedTuple):
@@ -128,22 +129,30 @@ class Control(NamedTuple):
 
     numbers : t, h, h of the factors (0: renew), last error, last h, whether the matrices are old, h of the last stages,
         whether the pivots are new
-    counts : steps, rejected, residuals, matrices, outputs written
+    counts : steps, rejected, residuals, matrices, rejected since the last step
     """
 
     numbers: Any
     counts: Any
 
 
-class Output(NamedTuple):
-    """Times wanted, and room for the states there; history of the steps (t, h, error, iterations)."""
+class Record(NamedTuple):
+    """Accepted steps, row by row, as many as there is room for.
+
+    t, h : end and length of each
+    q, v, a, lam : the state at its end, with the accelerations of the equations of motion
+    memory : what elements remember there
+    told : error (1 is the tolerance), Newton iterations, and how many steps were rejected before it
+    """
 
     t: Any
+    h: Any
     q: Any
     v: Any
     a: Any
     lam: Any
-    history: Any
+    memory: Any
+    told: Any
 
 
 def stages(scheme: Any, h: Any, state: Any) -> None:
@@ -246,16 +255,16 @@ def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
         solution[2 * n + m + k] *= s
 
 
-def size(change: Any, q: Any, v: Any, rtol: Any, atol: Any) -> Any:
+def size(change: Any, q: Any, v: Any, tol: Any) -> Any:
     """Root mean square of the changes of q and of v, the greater; each entry over its tolerance."""
     n, in_q, in_v = len(q), 0.0, 0.0
     for k in range(n):
-        in_q += (change[k] / (atol[k] + rtol * abs(q[k]))) ** 2
-        in_v += (change[n + k] / (atol[k] + rtol * abs(v[k]))) ** 2
+        in_q += (change[k] / (tol.atol_q[k] + tol.rtol_q[k] * abs(q[k]))) ** 2
+        in_v += (change[n + k] / (tol.atol_v[k] + tol.rtol_v[k] * abs(v[k]))) ** 2
     return (max(in_q, in_v) / n) ** 0.5
 
 
-def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, rtol: Any, atol: Any) -> Any:
+def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: Any) -> Any:
     """One Newton step for all stages; returns its size."""
     n, m, T, back = len(state.q0), len(matrices.left_out), scheme.T, scheme.T_inverse
     for k in range(2 * (n + m)):
@@ -275,7 +284,7 @@ def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, rtol: A
         for k in range(2 * (n + m)):
             w = memory.pair_solution[k]
             memory.residual[i, k] = T[i, 0] * memory.real_solution[k] + T[i, 1] * w.real + T[i, 2] * w.imag
-        largest = max(largest, size(memory.residual[i], state.q0, state.v0, rtol, atol))
+        largest = max(largest, size(memory.residual[i], state.q0, state.v0, tol))
         for k in range(n):
             state.zq[i, k] -= memory.residual[i, k]
             state.zv[i, k] -= memory.residual[i, n + k]
@@ -295,8 +304,7 @@ def newton(
     memory: Any,
     matrices: Any,
     control: Any,
-    rtol: Any,
-    atol: Any,
+    tol: Any,
     enough: Any,
 ) -> Any:
     """Solve the stages of one step. Returns (iterations, contraction): no iterations if it fails."""
@@ -304,7 +312,7 @@ def newton(
     for iteration in range(NEWTON_LIMIT):
         residual(scheme, index, b, t, h, state, memory, matrices.left_out)
         control.counts[2] += 3
-        change = improve(scheme, h, state, memory, matrices, rtol, atol)
+        change = improve(scheme, h, state, memory, matrices, tol)
         if not change < 1e30:
             return 0, 2.0
         if iteration > 0:
@@ -327,8 +335,7 @@ def estimate(
     state: Any,
     memory: Any,
     matrices: Any,
-    rtol: Any,
-    atol: Any,
+    tol: Any,
 ) -> Any:
     """Size of the error of a step; with `again` it is filtered twice, for stiff beginnings."""
     n, m, s = len(state.q0), len(matrices.left_out), scheme.gamma / h
@@ -345,7 +352,7 @@ def estimate(
     right[n : 2 * n] = memory.M_a
     backsolve(matrices.real, right, found)
     unscaled(found, n, m, s)
-    error = size(found, state.q[2], state.v[2], rtol, atol)
+    error = size(found, state.q[2], state.v[2], tol)
     if again and error >= 1.0:
         right[:] = 0.0
         right[:n] = found[:n]
@@ -354,7 +361,7 @@ def estimate(
         right[n : 2 * n] = memory.M_a
         backsolve(matrices.real, right, found)
         unscaled(found, n, m, s)
-        error = size(found, state.q[2], state.v[2], rtol, atol)
+        error = size(found, state.q[2], state.v[2], tol)
     return error
 
 
@@ -418,81 +425,25 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
     return trust
 
 
-def project(index: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, memory: Any, matrices: Any) -> None:
-    """A state that is given out onto Φ = 0 and Φ_q v = -Φ_t, by the least change in the metric of M."""
-    n = len(q)
-    for attempt in range(2 * PROJECTIONS):
-        position = attempt < PROJECTIONS
-        if position:
-            RESIDUAL(index.residual, b, t, q, lam, memory.Phi, memory.Phi_qT_lam)
-        else:
-            VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
-        worst = 0.0
-        memory.right[:n] = 0.0
-        for k in range(len(lam)):
-            defect = memory.Phi[k] if position else memory.rate[k] + memory.Phi_t[k]
-            memory.right[n + k] = defect * (1.0 - matrices.left_out[k])
-            worst = max(worst, abs(memory.right[n + k]))
-        if worst < PROJECTED:
-            continue
-        backsolve(matrices.motion, memory.right, memory.solution)
-        for k in range(n):
-            if position:
-                q[k] -= memory.solution[k]
-            else:
-                v[k] -= memory.solution[k]
+def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
+    """Write an accepted step into the record."""
+    record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
+    record.q[row], record.v[row], record.a[row] = state.q[2], state.v[2], end
 
 
-def between(s: Any, h: Any, state: Any, end: Any, q: Any, v: Any) -> None:
-    """q and v inside a step, s = 0 to 1, by quintic Hermite interpolation of q, v, a."""
-    for k in range(len(q)):
-        slope0, slope1 = h * state.v0[k], h * state.v[2, k]
-        bend0, bend1 = 0.5 * h * h * state.a0[k], 0.5 * h * h * end[k]
-        rest = state.zq[2, k] - slope0 - bend0
-        c = 10.0 * rest - 4.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
-        d = -15.0 * rest + 7.0 * (slope1 - slope0 - 2.0 * bend0) - 2.0 * (bend1 - bend0)
-        e = 6.0 * rest - 3.0 * (slope1 - slope0 - 2.0 * bend0) + (bend1 - bend0)
-        q[k] = state.q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
-        v[k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
-
-
-def write(
-    index: Any,
-    b: Any,
-    t0: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrices: Any,
-    control: Any,
-    output: Any,
-    needed: Any,
-) -> Any:
-    """States at the wanted times of this step, projected, with a and λ of the equations of motion there.
-
-    Nothing is written if the pivots of their matrix are trusted less than `needed`; returned is how far they are.
-    """
-    row, trust = control.counts[4], 1.0
-    if row == len(output.t) or output.t[row] > t0 + h * (1.0 + 1e-12):
-        return trust
-    lam = output.lam[row]
-    trust = motion(index, b, t0, state.q0, state.v0, state.a0, lam, memory, matrices)
-    trust = min(trust, motion(index, b, t0 + h, state.q[2], state.v[2], memory.end, lam, memory, matrices))
-    while trust > needed and row < len(output.t) and output.t[row] <= t0 + h * (1.0 + 1e-12):
-        t, q, v, lam = output.t[row], output.q[row], output.v[row], output.lam[row]
-        between((t - t0) / h, h, state, memory.end, q, v)
-        project(index, b, t, q, v, lam, memory, matrices)
-        trust = min(trust, motion(index, b, t, q, v, output.a[row], lam, memory, matrices))
-        row += 1
-    if trust > needed:
-        control.counts[4] = row
-    return trust
+def remember(index: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> None:
+    """Let the elements remember an accepted state."""
+    if len(places):
+        REMEMBER(index.remember, b, t, q, memory)
+        for k in range(len(places)):
+            b[places[k]] = memory[k]
 
 
 def advance(
     scheme: Any,
     index: Any,
     b: Any,
+    places: Any,
     until: Any,
     limit: Any,
     h_max: Any,
@@ -500,20 +451,21 @@ def advance(
     memory: Any,
     matrices: Any,
     control: Any,
-    output: Any,
-    rtol: Any,
-    atol: Any,
+    record: Any,
+    tol: Any,
     enough: Any,
 ) -> Any:
-    """Take steps until a time, at most `limit` of them. Returns a status."""
+    """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
     numbers, counts = control.numbers, control.counts
     taken, rejected = 0, False
     while numbers[0] < until and taken < limit:
         t0, h = numbers[0], min(numbers[1], h_max)
         if t0 + 1.0001 * h >= until:
             h = until - t0
-        if h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
-            return TOO_SMALL
+        elif t0 + 1.9 * h > until:  # two equal steps to the end
+            h = 0.5 * (until - t0)
+        if numbers[1] <= 1e-14 * max(abs(t0), until - t0, 1e-3):
+            return TOO_SMALL, taken
         if numbers[6] > 0.0:
             predict(scheme, h / numbers[6], state)
         else:
@@ -529,51 +481,55 @@ def advance(
                     numbers[1] = 0.5 * h
                     continue
                 numbers[1] = h
-                return REPIVOT
+                return REPIVOT, taken
             numbers[2], numbers[5] = h, 0.0
-        iterations, rate = newton(
-            scheme, index, b, t0, h, state, memory, matrices, control, rtol, atol, enough
-        )
+        iterations, rate = newton(scheme, index, b, t0, h, state, memory, matrices, control, tol, enough)
         if iterations == 0:
             counts[1] += 1
+            counts[4] += 1
             if numbers[5] == 0.0:
                 numbers[1] = 0.5 * h
             numbers[2] = 0.0
             rejected = True
             continue
-        first = rejected or counts[0] == 0
-        error = estimate(scheme, index, b, h, first, state, memory, matrices, rtol, atol)
+        first = rejected or numbers[4] == 0.0
+        error = estimate(scheme, index, b, h, first, state, memory, matrices, tol)
         error = max(error, 1e-10)
         safety = SAFETY * (1 + 2 * NEWTON_LIMIT) / (iterations + 2 * NEWTON_LIMIT)
         wanted = min(max(safety * error**-0.25, SHRINK), GROW)
         if not error < 1.0:
             counts[1] += 1
-            numbers[1] = h * (0.1 if counts[0] == 0 else wanted)
+            counts[4] += 1
+            numbers[1] = h * (0.1 if numbers[4] == 0.0 else wanted)
             rejected = True
             continue
-        needed = TRUSTED if numbers[7] > 0.0 else PRECISE
-        if not write(index, b, t0, h, state, memory, matrices, control, output, needed) > needed:
+        needed, end = TRUSTED if numbers[7] > 0.0 else PRECISE, memory.end
+        if (
+            not motion(index, b, t0 + h, state.q[2], state.v[2], end, record.lam[taken], memory, matrices)
+            > needed
+        ):
             if numbers[7] > 0.0:
                 numbers[1] = 0.5 * h
                 continue
             numbers[1], numbers[2] = h, 0.0
-            return REPIVOT
-        if counts[0] > 0:  # Gustafsson's prediction
+            return REPIVOT, taken
+        if numbers[4] > 0.0:  # Gustafsson's prediction
             trend = SAFETY * (h / numbers[4]) * (numbers[3] / (error * error)) ** 0.25
             wanted = min(max(min(wanted, trend), SHRINK), GROW)
         if rejected:
             wanted = min(wanted, 1.0)
         rejected = False
-        if counts[0] < len(output.history):
-            output.history[counts[0], 0], output.history[counts[0], 1] = t0 + h, h
-            output.history[counts[0], 2], output.history[counts[0], 3] = error, iterations
-        accept(state)
         numbers[0] = until if h == until - t0 else t0 + h
+        keep(record, taken, numbers[0], h, state, end, control)
+        record.told[taken, 0], record.told[taken, 1] = error, iterations
+        remember(index, b, places, numbers[0], state.q[2], record.memory[taken])
+        accept(state)
         numbers[3], numbers[4], numbers[5], numbers[6], numbers[7] = max(error, 1e-2), h, 1.0, h, 0.0
         counts[0] += 1
+        counts[4] = 0
         taken += 1
         if wanted < 1.0 or wanted > KEEP:
             numbers[1] = h * wanted
         if rate > SLOW or iterations > 5:
             numbers[2] = 0.0
-    return FINISHED if numbers[0] >= until else RUNNING
+    return (FINISHED if numbers[0] >= until else RUNNING), taken

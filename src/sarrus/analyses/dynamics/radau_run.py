@@ -1,8 +1,7 @@
-"""One integration by the compiled loop of `radau_loop`: its memory, its matrices, and the calls of the loop."""
+"""Radau IIA at work on one system: its memory, its matrices, and the calls of the compiled loop of `radau_loop`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -11,19 +10,25 @@ import numpy as np
 from ..._jit.driver import compiled_function
 from ..._jit.pointer import run
 from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly
 from ...system import System
-from ..independence import Inconsistent, Independence
 from ..linear import SingularMatrix
 from ..motion import Motion
 from ..saddle import SingularSystem
 from . import placed
 from . import radau_loop as loop
-from .outcome import nothing, trajectory_of
+from .alpha_loop import Tolerance
+from .nodes import Nodes
 from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
+from .started import independence_at
+from .stepper import Settings, Tally, Trouble
+from .tolerance import Tolerances
+from .trouble import dependent_rows, singular, trouble_of
 
 CHUNK = 200  # steps for one call of the compiled loop
-HISTORY = 100_000  # steps whose history is kept
+DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
+ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
+PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
 GROUPS = {
     "RESIDUAL": ("Phi", "Phi_qT_lam"),
     "MOMENTUM": ("M_a", "S"),
@@ -45,6 +50,7 @@ CALLS = {  # scalars and arrays that each takes
     "STIFFNESS": (1, 4),
     "TURNING": (1, 3),
     "BENDING": (1, 4),
+    "REMEMBER": (1, 2),
 }
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
 
@@ -83,7 +89,7 @@ def _compiled() -> Any:
     """The time loop: the same code for every system; drivers are called by their address."""
     from ..linear import compiled as factors
 
-    known: dict[str, Any] = {name: run(*CALLS[name]) for name in GROUPS}
+    known: dict[str, Any] = {name: run(*counts) for name, counts in CALLS.items()}
     known |= {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
     known["ASSEMBLE"] = compiled_function(placed.assemble)
     inner = (
@@ -99,60 +105,108 @@ def _compiled() -> Any:
         "size",
     )
     outer = ("improve", "newton", "estimate", "lagrange", "predict", "first_guess", "accept")
-    for name in (*inner, *outer, "motion", "project", "between", "write", "advance"):
+    for name in (*inner, *outer, "motion", "keep", "remember", "advance"):
         known[name] = compiled_function(getattr(loop, name), **known)
     return known["advance"]
 
 
-class Run:
-    """One integration."""
+class RadauStepper:
+    """Radau IIA at work, see `Stepper`."""
 
-    def __init__(
-        self,
-        system: System,
-        scheme: loop.Scheme,
-        start: Assembly,
-        times: Array,
-        rtol: float,
-        atol: float,
-        max_step: float,
-    ) -> None:
-        self.system, self.scheme, self.times, self.max_step = system, scheme, times, max_step
-        self.rtol, self.atol, self.enough = inner_tolerances(system.nq, rtol, atol)
+    def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
+        self.system, self.scheme, self.settings = system, scheme, settings
+        self.tolerance, self.enough = inner_tolerances(settings.tolerances)
+        self.t, self.tally, self._vain = 0.0, Tally(), 0
         self.b = system.b.copy()
-        system.remember(start.q, self.b, float(times[0]))
-        self.independence = Independence(system, start.q, float(times[0]))
-        self.independence.check(start)
+        system.remember(start.q, self.b, 0.0)
+        self.independence = independence_at(system, start)
         self._loop = _compiled()
-        self._index = loop.Indices(*(system.group(*names).entry() for names in GROUPS.values()))
+        entries = [*(system.group(*names).entry() for names in GROUPS.values()), system.remembered.entry()]
+        self._index = loop.Indices._make(entries)
         self._make_matrices()
-        self._state = self._start(start)
-        nq, m = system.nq, system.m
-        wanted = [np.zeros((len(times), width)) for width in (nq, nq, nq, m)]
-        self._output = loop.Output._make([times, *wanted, np.zeros((HISTORY, 4))])
+        nq, m, places = system.nq, system.m, len(system.memory_places)
+        widths = [nq] * 3 + [m] * 2 + [nq] * 4 + [m]
+        shapes = [(nq,)] * 3 + [(3, width) for width in widths]
+        self._state = loop.State._make(np.zeros(shape) for shape in shapes)
+        self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
+        room = self._chunk
+        rows = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places, 3)]
+        self._record = loop.Record._make(np.zeros(shape) for shape in rows)
         self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
         self._memory = _memory(nq, m)
+        self._arrays: loop.Matrices | None = None
 
-    @classmethod
-    def started(
-        cls,
-        system: System,
-        scheme: loop.Scheme,
-        start: Assembly,
-        times: Array,
-        rtol: float,
-        atol: float,
-        max_step: float,
-        progress: Callable[[float], None] | None,
-    ) -> Trajectory:
-        """The trajectory, or an empty one that says why there is none."""
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state."""
+        self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
         try:
-            return cls(system, scheme, start, times, rtol, atol, max_step).go(progress)
-        except Inconsistent as trouble:
-            return nothing(system, "inconsistent", str(trouble))
+            a, lam = self._motion().acceleration(t, q, v)
         except SingularSystem:
-            told = f"the constraints are dependent at t = {times[0]:g} s"
-            return nothing(system, "singular configuration", told)
+            raise singular(t, dependent_rows(self.system, q, t, self._known())) from None
+        if not np.all(np.isfinite(a)):
+            told = Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s")
+            raise self._explained(q, v, told)
+        for place in self._state:
+            place[:] = 0.0
+        state, numbers = self._state, self._control.numbers
+        state.q0[:], state.v0[:], state.a0[:], state.lam_before[:] = q, v, a, lam
+        self._last = a.copy(), lam.copy()
+        numbers[:] = 0.0
+        numbers[0], numbers[1] = t, self._first_step()
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Steps towards a time, see `Stepper`."""
+        self._renew_equations()
+        if self._arrays is None:
+            self._renew_pivots()
+        state, control, before = self._state, self._control, self._control.counts.copy()
+        memory = self.b[self.system.memory_places]
+        first = [np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, *self._last, memory)]
+        limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
+        status, taken = self._loop(
+            self.scheme, self._index, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
+            self._memory, self._arrays, control, self._record, self.tolerance, self.enough,
+        )  # fmt: skip
+        self.t, record = float(control.numbers[0]), self._record
+        steps, rejected, residuals, matrices = (int(x) for x in (control.counts - before)[:4])
+        self.tally.add(steps, rejected, residuals, matrices, 3 * matrices)
+        self.tally.history.append(np.column_stack([record.t[:taken], record.h[:taken], record.told[:taken]]))
+        self._look(status, taken)
+        taken_nodes = (getattr(record, name)[:taken] for name in Nodes._fields)
+        nodes = Nodes._make(np.concatenate(x) for x in zip(first, taken_nodes, strict=True))
+        self._last = nodes.a[-1], nodes.lam[-1]
+        return nodes
+
+    def _look(self, status: int, taken: int) -> None:
+        """What comes of a call of the loop."""
+        self._vain = 0 if taken else self._vain + 1
+        state = self._state
+        if status == loop.REPIVOT:
+            self._arrays = None
+            if self._vain > PATIENCE:
+                raise singular(self.t, dependent_rows(self.system, state.q0, self.t, self._known()))
+        if status == loop.TOO_SMALL and not taken:
+            told = (
+                f"steps become too small near t = {self.t:.6g} s: Newton's method or the error control asks for ever "
+                "smaller steps; a force is not smooth there: name the times of its jumps in breakpoints, or smooth it"
+            )
+            raise self._explained(state.q0, state.v0, Trouble("step too small", told))
+
+    def _motion(self) -> Motion:
+        motion = Motion(self.system, self.independence.kept)
+        motion.b[:] = self.b
+        return motion
+
+    def _known(self) -> int:
+        kept = self.independence.kept
+        return 0 if kept is None else self.system.m - len(kept)
+
+    def _explained(self, q: Array, v: Array, otherwise: Trouble) -> Trouble:
+        told = {"span": self._span, "known": self._known(), "otherwise": otherwise}
+        return trouble_of(self.system, self.b, self.t, q, v, **told)  # type: ignore[arg-type]
+
+    def steps(self) -> None:
+        """No steps are kept."""
 
     def _make_matrices(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
@@ -168,58 +222,14 @@ class Run:
         left_out[:] = 0.0 if self.independence.kept is None else 1.0
         left_out[[] if self.independence.kept is None else self.independence.kept] = 0.0
 
-    def _start(self, start: Assembly) -> loop.State:
-        """Consistent accelerations and multipliers at the start."""
-        a, lam = Motion(self.system, self.independence.kept).acceleration(
-            float(self.times[0]), start.q, start.v
-        )
-        first = [np.array(x, dtype=float) for x in (start.q, start.v, a)]
-        widths = [len(a)] * 3 + [len(lam)] * 2 + [len(a)] * 4
-        before = np.repeat(lam[None], 3, axis=0)
-        return loop.State._make([*first, *(np.zeros((3, width)) for width in widths), before])
-
-    def go(self, progress: Callable[[float], None] | None) -> Trajectory:
-        """Integrate to the last time; whatever happens, what was computed is returned."""
-        numbers = self._control.numbers
-        numbers[0], numbers[1] = self.times[0], self._first_step()
-        status = loop.REPIVOT
-        try:
-            while status in (loop.RUNNING, loop.REPIVOT):
-                if status == loop.REPIVOT:
-                    self._renew_equations()
-                    self._renew_pivots()
-                status = self._advance()
-                self.system.remember(self._state.q0, self.b, numbers[0])
-                if self.independence.kept is not None and status == loop.RUNNING:
-                    status = loop.REPIVOT
-                if progress:
-                    progress(float(numbers[0]))
-        except (SingularMatrix, SingularSystem):
-            return self._result("singular configuration", "the constraints become dependent")
-        except KeyboardInterrupt:
-            return self._result("stopped", "stopped by the user")
-        if status == loop.TOO_SMALL:
-            told = "Newton's method or the error control asked for ever smaller steps"
-            return self._result("step too small", told)
-        return self._result("finished", "reached the end")
-
-    def _advance(self) -> int:
-        """One chunk of steps; one step where elements remember something."""
-        limit = 1 if self.system.has_memory else 20 if self.independence.kept is not None else CHUNK
-        status = self._loop(
-            self.scheme, self._index, self.b, float(self.times[-1]), limit, self.max_step, self._state, self._memory,
-            self._arrays, self._control, self._output, self.rtol, self.atol, self.enough,
-        )  # fmt: skip
-        return int(status)
-
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
         state, t = self._state, float(self._control.numbers[0])
         if self.independence.renew(t, state.q0):
             self._keep()
-            lam = Motion(self.system, self.independence.kept).acceleration(t, state.q0, state.v0)[1]
-            state.lam_before[:] = lam
-            self._control.numbers[6] = 0.0
+            a, lam = self._motion().acceleration(t, state.q0, state.v0)
+            self._last, state.lam_before[:] = (a, lam), lam
+            self._control.numbers[6], self._arrays = 0.0, None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices at the present state."""
@@ -232,58 +242,41 @@ class Run:
         views["Phi_q"][views[LEFT_OUT][self._row_of] > 0] = 0.0
         loop.weigh(self.real.weights, self.scheme.gamma / h)
         loop.weigh(self.pair.weights, self.scheme.pair / h)
-        self._arrays = loop.Matrices._make([
-            self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT],
-            self.real.placed(), self.pair.placed(), self.motion.placed(),
-        ])  # fmt: skip
+        try:
+            placed_anew = [matrix.placed() for matrix in (self.real, self.pair, self.motion)]
+        except SingularMatrix:
+            raise singular(t, dependent_rows(system, state.q0, t, self._known())) from None
+        shown = (self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT])
+        self._arrays = loop.Matrices._make([*shown, *placed_anew])
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
     def _first_step(self) -> float:
         """A step whose estimated error, of order h⁴, is below the tolerance; a change of slope gives the scale."""
-        state, span = self._state, float(self.times[-1] - self.times[0])
-        ahead = 1e-5 * span
+        if self.settings.first_step:
+            return min(self.settings.first_step, self.settings.max_step)
+        state, ahead = self._state, 1e-5 * self._span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
-        a, _ = Motion(self.system, self.independence.kept).acceleration(float(self.times[0]) + ahead, q, v)
-        jerk = (a - state.a0) / ahead / (self.atol + self.rtol * abs(state.v0))
+        try:
+            a, _ = self._motion().acceleration(self.t + ahead, q, v)
+        except SingularSystem:
+            a = state.a0
+        jerk = (a - state.a0) / ahead / (self.tolerance.atol_v + self.tolerance.rtol_v * abs(state.v0))
         size = float(np.sqrt(np.mean(jerk**2)))
-        guess = 0.1 * size ** (-1 / 3) if size > 0 else span
-        return float(min(max(guess, 1e-7 * span), 0.01 * span, self.max_step))
-
-    def _multipliers(self, rows: int) -> Array:
-        """Those given out: the shortest, where equations are dependent."""
-        out = self._output
-        if self.independence.kept is not None:
-            for k in range(rows):
-                out.lam[k] = self.independence.shortest(float(self.times[k]), out.q[k], out.lam[k])
-        kept: Array = out.lam[:rows]
-        return kept
-
-    def _result(self, status: str, message: str) -> Trajectory:
-        count, numbers = self._control.counts, self._control.numbers
-        rows, out = int(count[4]), self._output
-        if status != "finished":
-            message = f"{message} near t = {numbers[0]:.6g} s"
-        return trajectory_of(
-            self.system,
-            (self.times[:rows], out.q[:rows], out.v[:rows], out.a[:rows], self._multipliers(rows)),
-            status=status,
-            message=message,
-            nfev=int(count[2]),
-            njev=int(count[3]),
-            nsteps=int(count[0]),
-            nrejected=int(count[1]),
-            history=out.history[: min(int(count[0]), len(out.history))].copy(),
-        )
+        guess = 0.1 * size ** (-1 / 3) if size > 0 else self._span
+        return float(min(max(guess, 1e-7 * self._span), 0.01 * self._span, self.settings.max_step))
 
 
-def inner_tolerances(nq: int, rtol: float, atol: float) -> tuple[float, Array, float]:
+def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
     """The tolerances of the error estimate, and what Newton's method may leave of them.
 
     The estimate is of order 4 in h, the error of order 6: steps are controlled as in Hairer and Wanner's RADAU5, with
     0.1 rtol^(2/3) in the place of rtol.
     """
-    inner = 0.1 * rtol ** (2 / 3)
-    return inner, np.full(nq, atol * inner / rtol), float(max(1e-14 / inner, min(0.03, inner**0.5)))
+    inner_q, inner_v = (0.1 * rtol ** (2 / 3) for rtol in (given.rtol_q, given.rtol_v))
+    inner = float(min(inner_q.min(), inner_v.min()))
+    enough = float(max(1e-14 / inner, min(0.03, inner**0.5)))
+    atol = given.atol_q * inner_q / given.rtol_q, given.atol_v * inner_v / given.rtol_v
+    return Tolerance(inner_q, atol[0], inner_v, atol[1], 1.0), enough
 
 
 def _memory(nq: int, m: int) -> loop.Memory:

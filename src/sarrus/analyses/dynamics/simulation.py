@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
 from .alpha import HHT, GeneralizedAlpha
+from .breakpoints import breakpoints as of_model
+from .events import Event
 from .ida import IDA
+from .march import March, Plan
 from .ode import ODE
 from .outcome import nothing
 from .radau import Radau
+from .report import reporter
+from .room import refuse_too_large
+from .stepper import Settings, Trouble
+from .tolerance import Given, Tolerances
 
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
@@ -26,11 +35,15 @@ def simulate(
     until: float,
     t_eval: ArrayLike | None = None,
     method: Method | None = None,
-    rtol: float = 1e-6,
-    atol: float = 1e-8,
+    rtol: Given = 1e-6,
+    atol: Given = 1e-8,
     max_step: float = np.inf,
+    first_step: float | None = None,
+    events: Event | Sequence[Event] = (),
+    breakpoints: ArrayLike = (),
+    dense_output: bool = False,
     keep_steps: bool = False,
-    progress: Callable[[float], None] | None = None,
+    progress: bool | Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
 
@@ -41,44 +54,69 @@ def simulate(
     until : end time [s]; the start is at 0
     t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
     method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE` or `IDA`
-    rtol, atol : tolerances of the local error of q and v
-    max_step : longest step [s]
+    rtol, atol : tolerances of the local error: a number, an array for all coordinates, or by kind, e.g.
+        ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
+        are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]
+    max_step, first_step : longest step, and the first one, which is chosen by default [s]
+    events : what is to be found on the way, may end the run or change velocities; see `Event`
+    breakpoints : times at which forces or motions jump or have corners, besides those of the model's tables [s]; they
+        are hit exactly, and the method starts anew there
+    dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
     keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
         `GeneralizedAlpha`)
-    progress : called with the time reached after every step
+    progress : true for a bar on the terminal, or a function that is called with the time reached
 
     Returns
     -------
     Trajectory
-        With ``success`` false and a sentence in ``message`` where the end was not reached; what was computed is kept.
+        With ``success`` false, a `status`, and a sentence in ``message`` where the end was not reached; what was
+        computed is kept, also after Ctrl-C.
 
     Raises
     ------
     ValueError
-        For an end time or times that are not positive and rising, and tolerances that are not positive and finite.
+        For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
+        events where steps are kept.
     """
     if not (np.isfinite(until) and until > 0):
         raise ValueError(f"until must be a positive time in s, but is {until}")
-    _refuse_tolerances(rtol=rtol, atol=atol)
-    times = np.linspace(0.0, until, 1001) if t_eval is None else np.asarray(t_eval, dtype=float)
+    chosen, watched = _method(method), [events] if isinstance(events, Event) else list(events)
+    times = np.linspace(0.0, until, 1001) if t_eval is None else np.array(t_eval, dtype=float)
     if times.ndim != 1 or not len(times) or np.any(np.diff(times) <= 0) or times[0] < 0 or times[-1] > until:
         raise ValueError("t_eval must be rising times between 0 and until")
-    grid = np.unique(np.concatenate([[0.0], times, [until]]))
+    settings = Settings(
+        Tolerances.of(system, rtol, atol), max_step, _first(first_step), keep_steps,
+        times=times, dense=dense_output or bool(watched),
+    )  # fmt: skip
+    stops, kinks = _stops(system, np.asarray(breakpoints, dtype=float), until)
+    if keep_steps and watched:
+        raise ValueError("steps cannot be kept for derivatives where there are events; leave one of them out")
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
-    chosen, told = _method(method), {"rtol": rtol, "atol": atol, "max_step": max_step, "progress": progress}
-    if isinstance(chosen, ODE | IDA | Radau):
-        if keep_steps:
-            raise ValueError(f"{type(chosen).__name__}() keeps no steps; choose HHT() or GeneralizedAlpha()")
-        return chosen.run(system, begin, grid, **told).at(times)  # type: ignore[arg-type]
-    return chosen.run(system, begin, grid, keep_steps=keep_steps, **told).at(times)  # type: ignore[arg-type]
+    try:
+        refuse_too_large(system, len(times), dense_output or keep_steps)
+        stepper = chosen.stepper(system, begin, settings)
+    except Trouble as trouble:
+        return nothing(system, trouble.status, trouble.sentence)
+    plan = Plan(times, until, stops, np.zeros(0) if keep_steps else kinks, watched, dense_output)
+    with reporter(progress, until) as told:
+        return March(system, stepper, replace(plan, progress=told)).go(begin)
 
 
-def _refuse_tolerances(**given: float) -> None:
-    for name, value in given.items():
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{name} must be positive and finite, but is {value}; give one like 1e-6")
+def _stops(system: System, given: Array, until: float) -> tuple[Array, Array]:
+    """The times to hit, and those of them after which a method starts anew."""
+    if given.ndim != 1 or not np.all(np.isfinite(given)):
+        raise ValueError("breakpoints must be a list of times in s")
+    every, ends = of_model(system)
+    stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
+    return stops[(stops > 0) & (stops < until)], kinks[(kinks > 0) & (kinks < until)]
+
+
+def _first(step: float | None) -> float:
+    if step is not None and not (np.isfinite(step) and step > 0):
+        raise ValueError(f"first_step must be a positive time in s, but is {step}")
+    return step or 0.0
 
 
 def _method(given: Method | None) -> Method:

@@ -1,0 +1,208 @@
+"""Events: what happens when a function of the state crosses zero along a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ...algebra import Array
+from ...model.expression import Expression, parse
+from ...results import Happened
+from ...results.trajectory import place_of
+from ...system import System
+from .nodes import Nodes
+from .sampler import Sampler
+
+LOOKS = 4  # at so many places of a step a crossing is looked for
+HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
+AHEAD = 1e-7  # s, after which its direction is seen
+NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
+Function = Callable[[float, Array, Array], float]
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A sudden change of the velocities by an impulse along an output, which reverses the output's rate.
+
+    ṡ⁺ = -restitution ṡ⁻ of the output s, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an impulse p.
+
+    Attributes
+    ----------
+    along : the output, e.g. "ball.z" or "pin.angle"; by default the event's own
+    restitution : 1 keeps the energy, 0 takes all of it that goes along
+    """
+
+    restitution: float = 1.0
+    along: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """Something that is to be found along a motion: a function of the state that crosses zero.
+
+    Attributes
+    ----------
+    function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; or a Python function (t, q, v) -> float
+    direction : 1 for crossings upwards, -1 downwards, 0 both
+    terminal : whether the run ends there; a number: at that crossing
+    reset : `Impact`, or a function (t, q, v) -> v of new velocities, which are projected onto the constraints
+    name : for `Trajectory.events`; by default the formula, or the function's name
+    """
+
+    function: str | Function
+    direction: int = 0
+    terminal: bool | int = False
+    reset: Impact | Callable[[float, Array, Array], Array] | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.direction not in (-1, 0, 1):
+            raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
+        if not (isinstance(self.function, str) or callable(self.function)):
+            raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")
+        if isinstance(self.reset, Impact) and not (self.reset.along or isinstance(self.function, str)):
+            raise ValueError('the Impact of a Python function needs a direction: Impact(0.5, along="ball.z")')
+
+
+class Output:
+    """A formula of a system's coordinates and joint coordinates, with its exact gradient.
+
+    Joint coordinates are counted in turns from their value at the last state asked for.
+    """
+
+    def __init__(self, system: System, text: str) -> None:
+        self._system, self._tree = system, parse(text)
+        self._places: dict[str, int] = {}
+        self._joints: dict[str, Any] = {}
+        self._near: dict[str, float | None] = {}
+        for name in self._tree.names():
+            self._find(name)
+        self._rates: dict[str, Expression] = {
+            name: self._tree.derivative(name) for name in self._tree.names()
+        }
+
+    def _find(self, name: str) -> None:
+        joint, _, own = name.rpartition(".")
+        if name in self._system.joint_coordinates.names:
+            self._joints[name], self._near[name] = self._system.joint(joint)[own], None
+        elif name != "t":
+            self._places[name] = place_of(name, self._system.coordinate_names, self._system.name)
+
+    def _values(self, t: float, q: Array) -> dict[str, float]:
+        values = {"t": t} | {name: float(q[place]) for name, place in self._places.items()}
+        for name, joint in self._joints.items():
+            values[name] = self._near[name] = joint.value(q, self._near[name])
+        return values
+
+    def __call__(self, t: float, q: Array, v: Array) -> float:
+        """Its value."""
+        return float(self._tree.value(self._values(t, q)))
+
+    def gradient(self, t: float, q: Array) -> Array:
+        """Its derivative to q (nq,)."""
+        values, result = self._values(t, q), np.zeros(self._system.nq)
+        for name, tree in self._rates.items():
+            if name in self._places:
+                result[self._places[name]] += float(tree.value(values))
+            elif name in self._joints:
+                result += float(tree.value(values)) * self._joints[name].gradient(q).toarray()[0]
+        return result
+
+
+class Watch:
+    """One event along one run."""
+
+    def __init__(self, system: System, event: Event) -> None:
+        self.event = event
+        self.function: Any = (
+            Output(system, event.function) if isinstance(event.function, str) else event.function
+        )
+        self.name: str = event.name or (
+            event.function
+            if isinstance(event.function, str)
+            else getattr(event.function, "__name__", "event")
+        )
+        along = event.reset.along if isinstance(event.reset, Impact) else None
+        self.output: Any = Output(system, along) if along else self.function
+        self.count, self._last = 0, 0.0
+
+    def begin(self, t: float, q: Array, v: Array, crossed: bool) -> None:
+        """A start; where it has just crossed zero, its sign is that of its change."""
+        value = float(self.function(t, q, v))
+        self._last = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else value
+
+    def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
+        """The times of all crossings within the nodes."""
+        since = nodes.t[0]
+        for t, q, v in _looks(nodes):
+            value = float(self.function(t, q, v))
+            if self._last * value < 0 and value * self.event.direction >= 0:
+                yield self._root(nodes, sampler, since, t)
+            if value != 0:
+                self._last, since = value, t
+
+    def _root(self, nodes: Nodes, sampler: Sampler, before: float, after: float) -> float:
+        def value(t: float) -> float:
+            sample = sampler.states(nodes, np.array([t]))
+            return float(self.function(t, sample.q[0], sample.v[0]))
+
+        if value(after) * self._last > 0:  # making the state consistent has moved the crossing behind it
+            return after
+        start = before
+        for _ in range(HALVINGS):
+            if value(start) * self._last > 0:
+                return float(brentq(value, start, after, xtol=NEAR * max(1.0, abs(after)), rtol=1e-15))
+            start = before + 0.5 * ((start if start > before else after) - before)
+        return before
+
+    @property
+    def ends(self) -> bool:
+        """Whether the run ends with the crossing just counted."""
+        wanted = self.event.terminal
+        return bool(wanted) and (wanted is True or self.count >= wanted)
+
+    def after(self, t: float, q: Array, v: Array, sampler: Sampler) -> Array:
+        """The velocities after it; the sampler has settled the state just before."""
+        reset = self.event.reset
+        if reset is None:
+            return v
+        if not isinstance(reset, Impact):
+            return np.array(reset(t, q, v), dtype=float)
+        s_q = self.output.gradient(t, q)
+        w = sampler.pushed(s_q)
+        return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
+
+
+def _looks(nodes: Nodes) -> Iterator[tuple[float, Array, Array]]:
+    """Places of the steps at which signs are compared."""
+    for k in range(len(nodes.t) - 1):
+        t0, t1 = nodes.t[k], nodes.t[k + 1]
+        for n in range(1, LOOKS):
+            t = float(t0 + n / LOOKS * (t1 - t0))
+            yield t, *nodes.part(slice(k, k + 2)).near(t)
+        yield float(t1), nodes.q[k + 1], nodes.v[k + 1]
+
+
+class Watches:
+    """All events of one run."""
+
+    def __init__(self, system: System, events: Sequence[Event]) -> None:
+        self._all = [Watch(system, event) for event in events]
+        self.happened: list[Happened] = []
+
+    def __bool__(self) -> bool:
+        return bool(self._all)
+
+    def begin(self, t: float, q: Array, v: Array, crossed: Watch | None = None) -> None:
+        """A start at a state, perhaps where one of them has just crossed zero."""
+        for watch in self._all:
+            watch.begin(t, q, v, watch is crossed)
+
+    def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
+        """All crossings within the nodes, in the order of time."""
+        found = [(t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler)]
+        return [(t, self._all[n]) for t, n in sorted(found)]

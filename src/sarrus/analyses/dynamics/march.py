@@ -1,0 +1,169 @@
+"""How a run goes on from its start to its end, whatever the method: breakpoints, events, outputs, trouble."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Assembly, Happened, Solution, Trajectory
+from ...system import System
+from .events import Event, Watch, Watches
+from .nodes import Nodes, joined
+from .outcome import trajectory_of
+from .sample_loop import Samples
+from .sampler import Sampler
+from .stepper import Stepper, Trouble
+
+CHUNK = 400  # steps for one call of a method
+WATCHED = 40  # the same, where events are looked for
+CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is wanted of a run.
+
+    Attributes
+    ----------
+    times : rising times of the states wanted [s]
+    until : end [s]
+    stops : rising times that are hit exactly [s]
+    kinks : those of them after which the method starts anew
+    events : what is looked for
+    dense : whether the motion is wanted at any time
+    progress : called with the time reached after every chunk of steps
+    """
+
+    times: Array
+    until: float
+    stops: Array
+    kinks: Array
+    events: Sequence[Event] = ()
+    dense: bool = False
+    progress: Callable[[float], None] | None = None
+
+
+class March:
+    """One run of a method.
+
+    Parameters
+    ----------
+    system : System
+    stepper : the method at work
+    plan : what is wanted
+    """
+
+    def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
+        self.system, self.stepper, self.plan = system, stepper, plan
+        self.sampler = Sampler(system, stepper.independence, stepper.b)
+        self.watches = Watches(system, plan.events)
+        self._samples: list[Samples] = []
+        self._written = 0
+        self._dense: list[Nodes] = []
+
+    def go(self, start: Assembly) -> Trajectory:
+        """From the start to the end; whatever happens, what was computed is returned."""
+        status, message = "finished", "reached the end"
+        try:
+            self._begin(0.0, start.q, start.v, None)
+            while self.stepper.t < self.plan.until and status == "finished":
+                status, message = self._stretch()
+                if self.plan.progress:
+                    self.plan.progress(float(self.stepper.t))
+        except KeyboardInterrupt:
+            status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
+        except Trouble as trouble:
+            status, message = trouble.status, trouble.sentence
+        return self._result(status, message)
+
+    def _begin(self, t: float, q: Array, v: Array, crossed: Watch | None) -> None:
+        self.stepper.restart(t, q, v, self.plan.until)
+        if self.watches:
+            self.watches.begin(t, q, v, crossed)
+
+    def _stretch(self) -> tuple[str, str]:
+        """Some steps, no further than the next stop, and what happened during them."""
+        ahead = self.plan.stops[self.plan.stops > self.stepper.t]
+        stop = float(ahead[0]) if len(ahead) else self.plan.until
+        before = self.stepper.b.copy()
+        nodes = self.stepper.advance(stop, WATCHED if self.watches else CHUNK)
+        for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
+            ended = self._happen(nodes, t, watch, before)
+            if ended is not None:
+                return ended
+        self._take(nodes)
+        if self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
+            state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
+            self._begin(stop, state.q[0], state.v[0], None)
+        return "finished", "reached the end"
+
+    def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
+        """One crossing; a status and a sentence where it ends the run, or the motion goes on from another state."""
+        watch.count += 1
+        states = self.sampler.states(nodes, np.array([t]))
+        q, v = states.q[0], states.v[0]
+        after = watch.after(t, q, v, self.sampler)
+        self.watches.happened.append(Happened(watch.name, t, q, v, after))
+        if not watch.ends and watch.event.reset is None:
+            return None
+        self._take(_until(nodes, states))
+        self.stepper.b[:] = before
+        rows = max(int(np.searchsorted(nodes.t, t)) - 1, 0)
+        self.stepper.b[self.system.memory_places] = nodes.memory[rows]
+        if watch.ends:
+            self.stepper.t = t
+            return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
+        state = self.sampler.state(t, q, after, nodes.memory[rows])
+        self._begin(t, state.q[0], state.v[0], watch)
+        return self._crowd() or ("finished", "reached the end")
+
+    def _crowd(self) -> tuple[str, str] | None:
+        """Whether events follow each other ever faster."""
+        last = self.watches.happened[-CROWD:]
+        if len(last) < CROWD or last[-1].t - last[0].t > CROWDED * self.plan.until:
+            return None
+        return "events accumulate", (
+            f"{CROWD} events, the last {last[-1].name}, within {last[-1].t - last[0].t:.2g} s near "
+            f"t = {last[-1].t:.6g} s: impacts that lose energy come to rest in finite time; end the run with "
+            "terminal=..., or model the contact by a force"
+        )
+
+    def _take(self, nodes: Nodes) -> None:
+        """Give out the states wanted within the nodes."""
+        last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
+        if last > self._written:
+            self._samples.append(self.sampler.states(nodes, self.plan.times[self._written : last]))
+            self._written = last
+        if self.plan.dense:
+            self._dense.append(nodes)
+
+    def _result(self, status: str, message: str) -> Trajectory:
+        samples = self.sampler.room(np.zeros(0))
+        if self._samples:
+            samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
+        tally = self.stepper.tally
+        return trajectory_of(
+            self.system,
+            samples,
+            status=status,
+            message=message,
+            nfev=tally.nfev,
+            njev=tally.njev,
+            nlu=tally.nlu,
+            nsteps=tally.nsteps,
+            nrejected=tally.nrejected,
+            history=tally.steps(),
+            events=tuple(self.watches.happened),
+            sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
+            steps=self.stepper.steps(),
+        )
+
+
+def _until(nodes: Nodes, states: Samples) -> Nodes:
+    """The nodes up to a state between them."""
+    rows = int(np.searchsorted(nodes.t, states.t[0]))
+    last = Nodes(states.t, states.q, states.v, states.a, states.lam, nodes.memory[max(rows - 1, 0)][None])
+    return Nodes._make(np.concatenate(pair) for pair in zip(nodes.part(slice(rows)), last, strict=True))

@@ -1,0 +1,261 @@
+"""States between the steps of a method, made consistent: one function that is compiled.
+
+A motion is interpolated in time by quintics through q, v and a at the ends of steps. What is given out lies on the
+constraints, Φ = 0 and Φ_q v = -Φ_t, by the least changes in the metric of M, and its accelerations and multipliers
+solve the equations of motion there: M a + Φ_qᵀλ = Q + S, Φ_q a = γ. All three need the factors of [M Φ_qᵀ; Φ_q 0].
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+INERTIA: Any = None  # calls of kernels by address, and solvers, put in place when this is compiled
+JACOBIAN: Any = None
+RESIDUAL: Any = None
+VELOCITY: Any = None
+MOMENTUM: Any = None
+FORCE: Any = None
+GAMMA: Any = None
+POTENTIAL: Any = None
+REMEMBER: Any = None
+REFACTOR: Any = None
+SOLVE: Any = None
+PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
+REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
+TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
+
+
+class Entries(NamedTuple):
+    """The kernels of the groups of operators, see `_jit.pointer`."""
+
+    inertia: Any
+    jacobian: Any
+    residual: Any
+    velocity: Any
+    momentum: Any
+    force: Any
+    gamma: Any
+    potential: Any
+    remember: Any
+
+
+class Work(NamedTuple):
+    """Operators' outputs and work arrays; defect: largest |Φ| and |Φ_q v + Φ_t| before anything was changed."""
+
+    Phi: Any
+    Phi_qT_lam: Any
+    M_a: Any
+    S: Any
+    Q: Any
+    rate: Any
+    Phi_t: Any
+    gamma: Any
+    right: Any
+    solution: Any
+    potential: Any
+    memory: Any
+
+
+class Samples(NamedTuple):
+    """Times wanted, and room for the states there.
+
+    violation : largest |Φ|, |Φ_q v + Φ_t|
+    energy : kinetic, potential
+    """
+
+    t: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    violation: Any
+    energy: Any
+
+
+def interpolate(t0: Any, t1: Any, q: Any, v: Any, a: Any, lam: Any, row: Any, out: Any, n: Any) -> None:
+    """The state at out.t[n] between the nodes `row` and `row + 1`: quintic in q, linear in λ."""
+    h = t1 - t0
+    s = (out.t[n] - t0) / h
+    for k in range(q.shape[1]):
+        slope0, slope1 = h * v[row, k], h * v[row + 1, k]
+        bend0, bend1 = 0.5 * h * h * a[row, k], 0.5 * h * h * a[row + 1, k]
+        rest = q[row + 1, k] - q[row, k] - slope0 - bend0
+        turn, bent = slope1 - slope0 - 2.0 * bend0, bend1 - bend0
+        c, d, e = (
+            10.0 * rest - 4.0 * turn + bent,
+            -15.0 * rest + 7.0 * turn - 2.0 * bent,
+            6.0 * rest - 3.0 * turn + bent,
+        )
+        out.q[n, k] = q[row, k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
+        out.v[n, k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
+        out.a[n, k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
+    for k in range(lam.shape[1]):
+        out.lam[n, k] = (1.0 - s) * lam[row, k] + s * lam[row + 1, k]
+
+
+def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
+    """Evaluate and factor [M Φ_qᵀ; Φ_q 0]; returns how far the pivots can be trusted."""
+    INERTIA(entries.inertia, b, q, matrix.M)
+    JACOBIAN(entries.jacobian, b, t, q, matrix.Phi_q)
+    for k in range(len(matrix.Phi_q)):
+        matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
+    matrix.data[:] = 0.0
+    for k in range(len(matrix.values)):
+        matrix.data[matrix.places[k]] += matrix.values[k]
+    for k in range(len(matrix.Phi_q)):
+        matrix.data[matrix.places[len(matrix.values) + k]] += matrix.Phi_q[k]
+    return REFACTOR(
+        matrix.pointers, matrix.rows, matrix.diagonal, matrix.indptr, matrix.indices, matrix.data, matrix.factors,
+        matrix.work,
+    )  # fmt: skip
+
+
+def backsolve(matrix: Any, right: Any, solution: Any) -> None:
+    """solution = matrix⁻¹ right."""
+    work = matrix.work
+    for k in range(len(right)):
+        work[matrix.row_place[k]] = right[k]
+    SOLVE(matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors, work)
+    for k in range(len(right)):
+        solution[matrix.column_order[k]] = work[k]
+
+
+def project(
+    entries: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, work: Any, matrix: Any, defect: Any
+) -> None:
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left."""
+    n = len(q)
+    for attempt in range(2 * PROJECTIONS):
+        position = attempt < PROJECTIONS
+        if position:
+            RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+        else:
+            VELOCITY(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
+        worst, every = 0.0, 0.0
+        for k in range(n):
+            work.right[k] = 0.0
+        for k in range(len(work.Phi)):
+            value = work.Phi[k] if position else work.rate[k] + work.Phi_t[k]
+            work.right[n + k] = value * (1.0 - matrix.left_out[k])
+            worst, every = max(worst, abs(work.right[n + k])), max(every, abs(value))
+        defect[0 if position else 1] = every
+        if worst < PROJECTED or not worst < 1e30:
+            continue
+        backsolve(matrix, work.right, work.solution)
+        for k in range(n):
+            if position:
+                q[k] -= work.solution[k]
+            else:
+                v[k] -= work.solution[k]
+
+
+def solve_motion(
+    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, work: Any, matrix: Any
+) -> None:
+    """a and λ of the equations of motion, refined from the guess that is there."""
+    n = len(q)
+    FORCE(entries.force, b, t, q, v, work.Q)
+    GAMMA(entries.gamma, b, t, q, v, work.gamma)
+    for _ in range(REFINEMENTS):
+        MOMENTUM(entries.momentum, b, q, v, a, work.M_a, work.S)
+        RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+        VELOCITY(entries.velocity, b, t, q, a, work.rate, work.Phi_t)
+        for k in range(n):
+            work.right[k] = work.M_a[k] + work.Phi_qT_lam[k] - work.Q[k] - work.S[k]
+        for k in range(len(lam)):
+            defect = work.rate[k] - work.gamma[k]
+            work.right[n + k] = defect if matrix.left_out[k] == 0.0 else lam[k]
+        backsolve(matrix, work.right, work.solution)
+        moved, length = 0.0, 1e-30
+        for k in range(n):
+            a[k] -= work.solution[k]
+            moved, length = max(moved, abs(work.solution[k])), max(length, abs(a[k]))
+        pulled, force = 0.0, 1e-30
+        for k in range(len(lam)):
+            lam[k] -= work.solution[n + k]
+            pulled, force = max(pulled, abs(work.solution[n + k])), max(force, abs(lam[k]))
+        if moved <= REFINED * length and pulled <= REFINED * force:
+            return
+
+
+def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: Any) -> None:
+    """Kinetic and potential."""
+    MOMENTUM(entries.momentum, b, q, v, v, work.M_a, work.S)
+    total = 0.0
+    for k in range(len(v)):
+        total += 0.5 * v[k] * work.M_a[k]
+    energy[0], total = total, 0.0
+    if len(work.potential):
+        POTENTIAL(entries.potential, b, t, q, work.potential)
+        for k in range(len(work.potential)):
+            total += work.potential[k]
+    energy[1] = total
+
+
+def settle(
+    entries: Any,
+    b: Any,
+    t: Any,
+    q: Any,
+    v: Any,
+    a: Any,
+    lam: Any,
+    work: Any,
+    matrix: Any,
+    violation: Any,
+    energy: Any,
+) -> Any:
+    """Make one state consistent in place; returns how far the pivots can be trusted."""
+    trust = factor(entries, b, t, q, matrix)
+    if not trust > TRUSTED:
+        return trust
+    project(entries, b, t, q, v, lam, work, matrix, violation)
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix)
+    energies(entries, b, t, q, v, work, energy)
+    return trust
+
+
+def sample(
+    entries: Any, b: Any, places: Any, nodes: Any, out: Any, first: Any, row: Any, work: Any, matrix: Any
+) -> Any:
+    """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
+
+    Returns
+    -------
+    the entries filled, and the node arrived at; it stops before the end where the pivots do not fit
+    """
+    n = first
+    while n < len(out.t):
+        while row + 2 < len(nodes.t) and out.t[n] > nodes.t[row + 1]:
+            row += 1
+        for k in range(len(places)):
+            b[places[k]] = nodes.memory[row, k]
+        if row + 1 < len(nodes.t):
+            interpolate(nodes.t[row], nodes.t[row + 1], nodes.q, nodes.v, nodes.a, nodes.lam, row, out, n)
+        else:
+            out.q[n], out.v[n], out.a[n], out.lam[n] = (
+                nodes.q[row],
+                nodes.v[row],
+                nodes.a[row],
+                nodes.lam[row],
+            )
+        t = out.t[n]
+        if (
+            not settle(
+                entries,
+                b,
+                t,
+                out.q[n],
+                out.v[n],
+                out.a[n],
+                out.lam[n],
+                work,
+                matrix,
+                out.violation[n],
+                out.energy[n],
+            )
+            > TRUSTED
+        ):
+            break
+        n += 1
+    return n, row

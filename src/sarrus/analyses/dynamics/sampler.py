@@ -1,0 +1,190 @@
+"""Consistent states of a motion at given times: on the constraints, with the accelerations and multipliers there."""
+
+from __future__ import annotations
+
+from copy import copy
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..._jit import pointer
+from ..._jit.driver import compiled_function
+from ...algebra import Array
+from ...system import System
+from ..independence import Independence
+from ..linear import SingularMatrix
+from ..linear import compiled as factors
+from . import sample_loop as loop
+from .newton_matrix import NewtonMatrix
+from .nodes import Nodes
+
+GROUPS = {
+    "inertia": ("M",),
+    "jacobian": ("Phi_q",),
+    "residual": ("Phi", "Phi_qT_lam"),
+    "velocity": ("Phi_q_xi", "Phi_t"),
+    "momentum": ("M_a", "S"),
+    "force": ("Q",),
+    "gamma": ("gamma",),
+}
+
+
+class Matrix(NamedTuple):
+    """The matrix [M Φ_qᵀ; Φ_q 0]: operators' numbers, their places, and the factors."""
+
+    values: Any
+    places: Any
+    data: Any
+    M: Any
+    Phi_q: Any
+    row_of: Any
+    left_out: Any
+    indptr: Any
+    indices: Any
+    pointers: Any
+    rows: Any
+    diagonal: Any
+    factors: Any
+    work: Any
+    row_place: Any
+    column_order: Any
+
+
+@cache
+def _compiled() -> tuple[Any, Any]:
+    """`sample` and `settle`, for all systems."""
+    run = pointer.run
+    calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
+    calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
+    solver = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
+    made = {"backsolve": compiled_function(loop.backsolve, **solver)}
+    made |= {name: compiled_function(getattr(loop, name), **calls, **solver, **made)
+             for name in ("interpolate", "factor", "project", "solve_motion", "energies")}  # fmt: skip
+    settle = compiled_function(loop.settle, **made)
+    return compiled_function(loop.sample, settle=settle, **made), settle
+
+
+class Sampler:
+    """States of one system made consistent, by compiled code.
+
+    Parameters
+    ----------
+    system : System
+    independence : which equations are solved, where some are dependent
+    b : the numbers of the elements
+
+    Attributes
+    ----------
+    unsettled : times at which the equations of motion could not be solved: states there are as interpolated
+    """
+
+    def __init__(self, system: System, independence: Independence, b: Array) -> None:
+        self.system, self.independence, self.b = system, copy(independence), b.copy()
+        self.matrix = NewtonMatrix(system, independence.kept, ("M",))
+        self.unsettled: list[float] = []
+        entries = [system.group(*names).entry() for names in GROUPS.values()]
+        self._entries = loop.Entries._make([*entries, system.potentials.entry(), system.remembered.entry()])
+        nq, m = system.nq, system.m
+        rows = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, len(system.memory_places))
+        self._work = loop.Work(*(np.zeros(length) for length in rows))
+        self._sample, self._settle = _compiled()
+        self._arrays: Matrix | None = None
+
+    def room(self, times: Array) -> loop.Samples:
+        """Room for states at these times."""
+        nq, m = self.system.nq, self.system.m
+        widths = (nq, nq, nq, m, 2, 2)
+        return loop.Samples(
+            np.array(times, dtype=float), *(np.zeros((len(times), width)) for width in widths)
+        )
+
+    def states(self, nodes: Nodes, times: Array) -> loop.Samples:
+        """Consistent states at rising times between the first node and the last."""
+        self._choose(float(nodes.t[0]), nodes.q[0])
+        out = self.room(times)
+        done, row, tried = 0, 0, -1
+        while done < len(times):
+            if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):
+                self._leave(out, done, nodes)
+                done += 1
+                continue
+            tried = done
+            done, row = self._sample(
+                self._entries,
+                self.b,
+                self.system.memory_places,
+                nodes,
+                out,
+                done,
+                row,
+                self._work,
+                self._arrays,
+            )
+            if done < len(times):
+                tried, self._arrays = (done if tried == done else -1), None
+        self._shorten(out)
+        return out
+
+    def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
+        """One state made consistent."""
+        nq, m = self.system.nq, self.system.m
+        alone = Nodes(
+            np.array([t]),
+            q[None].copy(),
+            v[None].copy(),
+            np.zeros((1, nq)),
+            np.zeros((1, m)),
+            memory[None].copy(),
+        )
+        return self.states(alone, np.array([t]))
+
+    def _leave(self, out: loop.Samples, n: int, nodes: Nodes) -> None:
+        """A state where the equations of motion cannot be solved: as interpolated."""
+        t = float(out.t[n])
+        self.unsettled.append(t)
+        out.q[n], out.v[n] = nodes.near(t) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        for array in (out.a, out.lam, out.violation, out.energy):
+            array[n] = np.nan
+
+    def singular_at(self, t: float) -> bool:
+        """Whether the state at a time could not be settled."""
+        return bool(self.unsettled) and self.unsettled[-1] == t
+
+    def _choose(self, t: float, q: Array) -> None:
+        """Where equations are dependent, another choice of those to solve, if the present one is poor."""
+        if self.independence.renew(t, q):
+            self.matrix.keep(self.independence.kept)
+            self._arrays = None
+
+    def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
+        """A pivot order for the n-th state; false if its matrix is singular."""
+        t = float(out.t[n])
+        q = nodes.near(t)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
+        self._choose(t, q)
+        self.b[self.system.memory_places] = nodes.memory[row]
+        views = self.matrix.views
+        self.system.group("M").run(self.b, q, views["M"])
+        self.system.group("Phi_q").run(self.b, t, q, views["Phi_q"])
+        try:
+            self.matrix.choose_pivots()
+        except (SingularMatrix, ValueError):
+            return False
+        lu, matrix = self.matrix.lu, self.matrix
+        self._arrays = Matrix(
+            matrix.values, matrix.places, matrix.data, views["M"], views["Phi_q"], matrix.row_of, matrix.left_out,
+            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
+            lu.column_order,
+        )  # fmt: skip
+        return True
+
+    def _shorten(self, out: loop.Samples) -> None:
+        """The shortest multipliers, where equations are dependent."""
+        if self.independence.kept is not None:
+            for k in range(len(out.t)):
+                out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
+
+    def pushed(self, f: Array) -> Array:
+        """w of M w + Φ_qᵀσ = f, Φ_q w = 0 at the state made consistent last: what an impulse f does to v."""
+        right = np.concatenate([f, np.zeros(self.system.m)])
+        return np.asarray(self.matrix.lu.solve(right)[: self.system.nq])

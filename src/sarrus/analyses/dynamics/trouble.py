@@ -1,0 +1,85 @@
+"""Why a run cannot go on, in a sentence: what is not finite, which equations depend on each other, what to do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...elements import OPERATORS, Element
+from ...elements.evaluation import dense, element_from
+from ...system import System
+from ...system.local import GROUND, local
+from ..rank import rank_of
+from .stepper import Trouble
+
+NEARLY = 1e-5  # singular value of the unit rows of Φ_q below which they are called dependent
+SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
+AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3)  # of the whole time: where a force is tried
+
+
+def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
+    """The forces that are not finite at a state, by the names that a model gives them."""
+    found: list[str] = []
+    if np.all(np.isfinite(system.Q(q, v, t, b=b))):
+        return found
+    rest = np.zeros(7)
+    for p in system.populations:
+        if p.kind.family and p.kind.family[0].family == "force":
+            for k, owner in enumerate(p.owners):
+                at = p.at + k * p.kind.size()
+                element = element_from(p.kind, b[at : at + p.kind.size()], b)
+                operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
+                if not _is_finite(element, operands):
+                    found.append(owner)
+    return found
+
+
+def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
+    """Whether a force is, evaluated in plain Python, where a root of a negative number is an error."""
+    try:
+        with np.errstate(all="ignore"):
+            return bool(
+                np.all(np.isfinite(np.asarray(dense(element, OPERATORS["Q"], operands), dtype=float)))
+            )
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return False
+
+
+def dependent_rows(system: System, q: Array, t: float, known: int) -> list[str]:
+    """Equations that (nearly) depend on each other at a position, besides those that always do."""
+    if not np.all(np.isfinite(q)):
+        return []
+    null = rank_of(system.Phi_q(q, t), NEARLY).null
+    if null.shape[1] <= known:
+        return []
+    size = abs(null).max(axis=1)
+    names = system.row_names
+    return [names[k] for k in np.argsort(-size) if size[k] > SHARE * size.max()][:6]
+
+
+def trouble_of(
+    system: System, b: Array, t: float, q: Array, v: Array, *, span: float, known: int, otherwise: Trouble
+) -> Trouble:
+    """What is behind ever smaller steps from a state: a force that is not finite, a singular position, or else."""
+    for share in AHEAD:
+        names = not_finite(system, b, t + share * span, q + share * span * v, v)
+        if names:
+            return Trouble(
+                "not finite",
+                f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
+                "root or logarithm of what may become negative there, or a division by zero",
+            )
+    rows = dependent_rows(system, q, t, known)
+    return singular(t, rows) if rows else otherwise
+
+
+def singular(t: float, rows: list[str]) -> Trouble:
+    """The sentence of a singular configuration."""
+    among = f" among {', '.join(rows)}" if rows else ""
+    return Trouble(
+        "singular configuration",
+        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there; "
+        "change the start or the dimensions, add a force that decides, or let `singularities` show where it happens",
+    )

@@ -1,0 +1,186 @@
+"""Events, breakpoints, dense output and consistent states, against closed solutions."""
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+
+G = 9.81
+METHODS = [sr.HHT(), sr.ODE()]
+
+
+def ball(height: float = 1.0, speed: float = 0.0) -> sr.System:
+    body = sr.Body("ball", mass=2.0, inertia=(1, 1, 1), position=(0, 0, height), velocity=(0.5, 0, speed))
+    return sr.System(sr.Model("ball", bodies=[body], gravity=(0, 0, -G)))
+
+
+def pendulum() -> sr.System:
+    """A rod on a pin, released at the horizontal."""
+    rod = sr.Body("rod", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(1.0, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, rod, point=(0, 0, 0), axis=(0, 1, 0))
+    return sr.System(sr.Model("pendulum", bodies=[rod], joints=[pin], gravity=(0, 0, -G)))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
+def test_a_fall_ends_at_the_floor(method: object) -> None:
+    floor = sr.Event("ball.z", direction=-1, terminal=True)
+    run = sr.simulate(ball(), until=3.0, events=floor, method=method, rtol=1e-9, atol=1e-11)
+    assert run.success
+    assert run.status == "event"
+    assert run.events[0].t == pytest.approx(np.sqrt(2 / G), abs=1e-12)
+    assert run.t[-1] <= run.events[0].t
+    assert run.events[0].name == "ball.z"
+
+
+def test_directions_and_counts() -> None:
+    crossings = []
+    for direction in (-1, 0, 1):
+        middle = sr.Event("ball.z - 1.2", direction=direction, name="middle")
+        run = sr.simulate(ball(1.0, 3.0), until=0.6, events=[middle])
+        crossings.append([event.t for event in run.events])
+    times = [(3 + s * np.sqrt(9 - 2 * G * 0.2)) / G for s in (-1, 1)]
+    assert crossings[1] == pytest.approx(times, abs=1e-12)
+    assert crossings[0] == crossings[1][1:]
+    assert crossings[2] == crossings[1][:1]
+    second = sr.Event(lambda t, q, v: q[2] - 1.2, terminal=2)
+    assert sr.simulate(ball(1.0, 3.0), until=0.6, events=second).events[-1].t == pytest.approx(
+        times[1], abs=1e-12
+    )
+
+
+def test_a_ball_bounces() -> None:
+    """Heights and times of impacts fall geometrically with the restitution."""
+    e = 0.8
+    floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(e))
+    run = sr.simulate(ball(), until=3.0, events=floor, t_eval=np.linspace(0, 3, 301), dense_output=True)
+    assert run.success, run.message
+    fall = np.sqrt(2 / G)
+    times = fall + 2 * fall * np.cumsum([0, *(e ** np.arange(1, 20))])
+    found = np.array([event.t for event in run.events])
+    assert np.allclose(found, times[: len(found)], rtol=0, atol=1e-11)
+    assert len(found) == np.searchsorted(times, 3.0)
+    assert run.events[0].after[2] == pytest.approx(e * np.sqrt(2 * G), rel=1e-11)
+    assert run.events[0].after[0] == pytest.approx(0.5)  # along the floor nothing changes
+    assert run["ball"].position[:, 2].min() > -1e-9
+    assert run.sol(times[0]).v[2] > 0 > run.sol(times[0] - 1e-9).v[2]
+
+
+def test_an_impact_on_a_pendulum_keeps_the_energy_and_the_pin() -> None:
+    """It hits a wall below the pin with restitution 1: the angle's rate is reversed, the pin takes its share."""
+    wall = sr.Event("rod.x", direction=-1, reset=sr.Impact(1.0), name="wall")
+    run = sr.simulate(pendulum(), until=2.0, events=wall, rtol=1e-8, atol=1e-10)
+    assert run.success, run.message
+    hit = run.events[0]
+    assert np.allclose(hit.after, -hit.v, atol=1e-9)
+    system = run.system
+    assert abs(system.Phi_q_xi(hit.q, hit.after)).max() < 1e-11
+    assert system.kinetic_energy(hit.q, hit.after) == pytest.approx(
+        system.kinetic_energy(hit.q, hit.v), rel=1e-11
+    )
+    assert run["rod"].position[:, 0].min() > -1e-9
+
+
+def test_a_joint_angle_and_velocities_of_ones_own() -> None:
+    stop = sr.Event("pin.angle - 0.7", direction=1, reset=lambda t, q, v: 0 * v)
+    run = sr.simulate(pendulum(), until=0.8, events=stop)
+    assert run.success, run.message
+    assert run.system.joint("pin").angle(run.events[0].q) == pytest.approx(0.7, abs=1e-11)
+    assert np.all(run.events[0].after == 0)
+
+
+def test_impacts_that_accumulate_end_with_a_sentence() -> None:
+    floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5))
+    run = sr.simulate(ball(), until=3.0, events=floor)
+    assert not run.success
+    assert run.status == "events accumulate"
+    assert "come to rest in finite time" in run.message
+    assert run.t[-1] < 3 * np.sqrt(2 / G)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"direction": 2}, "must be -1, 0 or 1"),
+        ({"function": 3.0}, "needs a formula or a function"),
+        ({"function": lambda t, q, v: t, "reset": sr.Impact()}, "needs a direction: Impact"),
+    ],
+)
+def test_wrong_events_are_refused(wrong: dict, sentence: str) -> None:
+    with pytest.raises((ValueError, TypeError), match=sentence):
+        sr.Event(**{"function": "ball.z", **wrong})
+
+
+def test_an_unknown_output_is_named() -> None:
+    with pytest.raises(KeyError, match=r"no coordinate 'bal\.z'"):
+        sr.simulate(ball(), until=1.0, events=sr.Event("bal.z"))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
+def test_the_motion_is_known_at_any_time(method: object) -> None:
+    system = slider_crank()
+    run = sr.simulate(
+        system, until=2.0, t_eval=[0.0, 2.0], method=method, rtol=1e-9, atol=1e-11, dense_output=True
+    )
+    exact = sr.simulate(
+        system, until=2.0, t_eval=np.linspace(0, 2, 37), method=sr.ODE(), rtol=1e-12, atol=1e-13
+    )
+    state = run.sol(exact.t[::-1])
+    assert np.allclose(state.q, exact.q[::-1], atol=1e-5)
+    assert np.allclose(state.v, exact.v[::-1], atol=1e-4)
+    one = run.sol(1.234)
+    assert abs(system.Phi(one.q)).max() < 1e-12
+    assert abs(system.Phi_q_xi(one.q, one.v)).max() < 1e-12
+    with pytest.raises(ValueError, match="known from t = 0 to 2"):
+        run.sol(2.1)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
+def test_states_given_out_satisfy_the_equations_of_motion(method: object) -> None:
+    system = slider_crank()
+    run = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 41), method=method)
+    for q, v, a, lam in zip(run.q, run.v, run.a, run.lam, strict=True):
+        left = system.M_a(q, a) + system.Phi_qT_lam(q, lam)
+        assert np.allclose(left, system.Q(q, v) + system.S(q, v), rtol=0, atol=1e-9)
+        assert np.allclose(system.Phi_q_xi(q, a), system.gamma(q, v), rtol=0, atol=1e-9)
+    assert run.velocity_violation.max() < 1e-12
+    assert run.kinetic_energy[-1] == pytest.approx(system.kinetic_energy(run.q[-1], run.v[-1]))
+    assert run.potential_energy[-1] == pytest.approx(system.potential_energy(run.q[-1]))
+
+
+def pushed() -> sr.System:
+    """A mass that is pushed along x by 2 (t - 0.3) N; the law is a table from 0.25 s to 0.75 s."""
+    mass = sr.Body("mass", mass=1.0, inertia=(1, 1, 1))
+    law = [[x, 2 * (x - 0.3)] for x in (0.25, 0.3, 0.5, 0.75)]
+    push = sr.PointForce("push", mass.point(0, 0, 0), force=(law, 0.0, 0.0))
+    return sr.System(sr.Model("pushed", bodies=[mass], forces=[push]))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
+def test_points_of_tables_and_breakpoints_are_hit(method: object) -> None:
+    run = sr.simulate(ball(), until=1.0, breakpoints=[0.123, 0.77], method=method)
+    assert {0.123, 0.77} <= set(run.history[:, 0])
+    run = sr.simulate(pushed(), until=1.0, method=method)
+    assert {0.25, 0.3, 0.5, 0.75} <= set(run.history[:, 0])
+    with pytest.raises(ValueError, match="breakpoints must be"):
+        sr.simulate(ball(), until=1.0, breakpoints=[np.nan])
+
+
+def test_tolerances_by_kind_and_by_coordinate() -> None:
+    system = slider_crank()
+    loose = {"position": 1e-4, "orientation": 1e-4}
+    runs = [
+        sr.simulate(system, until=1.0, rtol=1e-4, atol=atol)
+        for atol in (1e-4, loose, np.full(system.nq, 1e-4), {**loose, "velocity": 1e-5})
+    ]
+    assert runs[0].nsteps == runs[1].nsteps == runs[2].nsteps < runs[3].nsteps
+    with pytest.raises(ValueError, match="by kind needs"):
+        sr.simulate(system, until=1.0, atol={"speed": 1e-3})
+    with pytest.raises(ValueError, match="21 numbers, one for each coordinate"):
+        sr.simulate(system, until=1.0, atol=[1e-3, 1e-4])
+
+
+def test_first_and_longest_steps() -> None:
+    run = sr.simulate(ball(), until=1.0, first_step=0.003, max_step=0.02)
+    assert run.history[0, 1] == pytest.approx(0.003)
+    assert run.history[:, 1].max() <= 0.02 * (1 + 1e-12)

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from tests.analyses.driven import turned
 from tests.analyses.linkages import door, four_bar
 from tests.analyses.rough import rough
 from tests.system.mechanisms import hmmwv, slider_crank
@@ -12,7 +13,32 @@ from tests.system.mechanisms import hmmwv, slider_crank
 import sarrus as sr
 from sarrus.analyses.held import held_coordinates
 
+
+def driven_pendulum() -> sr.System:
+    """Two bodies on ball joints; one point is drawn near by a cylinder, one turns as prescribed: 4 freedoms."""
+    one = sr.Body("one", 2.0, (0.02, 0.18, 0.19), position=(0.5, 0, 0))
+    two = sr.Body("two", 1.5, (0.015, 0.09, 0.1), position=(1.3, 0.1, -0.2))
+    joints = [
+        sr.Spherical("shoulder", sr.ground, one, point=(0, 0, 0)),
+        sr.Universal("elbow", one, two, point=(1, 0, 0), axis_i=(0, 1, 0), axis_j=(0, 0, 1)),
+    ]
+    anchor, eye = sr.ground.point(0.3, 0.2, 0.9), two.point(0.1, 0, 0.05)
+    drivers = [
+        sr.DistanceDriver("cylinder", anchor, eye, "1.4 + 0.2*sin(3*t)"),
+        sr.AngleDriver("motor", "elbow.angle_i", "0.5*t**2"),
+    ]
+    return sr.System(sr.Model("driven pendulum", [one, two], joints, drivers=drivers))
+
+
+def driven_slider_crank() -> sr.System:
+    """No freedom is left: the angle of the crank is prescribed."""
+    return turned(2.0, 1.0)
+
+
 CASES = [
+    (driven_pendulum, {"t": 0.3}),
+    (driven_pendulum, {"t": 0.3, "metric": "mass", "rates": {"two.y": 0.4}}),
+    (driven_slider_crank, {"t": 0.3}),
     (slider_crank, {}),
     (slider_crank, {"rates": {"pin": 2.0}}),
     (slider_crank, {"rates": {"guide": 1.0}, "metric": "mass"}),
@@ -37,6 +63,7 @@ class Case:
 
     def __init__(self, make: Callable[[], sr.System], options: dict) -> None:
         self.system, self.options, self.random = make(), options, np.random.default_rng(11)
+        self.t = options.get("t", 0.0)
         held = held_coordinates(self.system, options.get("fixed", ()))
         self.q = np.where(held, self.system.q0, rough(self.system, self.random, 0.1, 10))
         self.v = np.where(held, 0.0, self.random.normal(size=self.system.nq))
@@ -61,8 +88,12 @@ class Case:
         return np.concatenate([found.q, found.v])
 
     def numbers(self) -> np.ndarray:
-        """A direction of all numbers."""
-        return 0.1 * self.random.normal(size=len(self.system.b))
+        """A direction of all numbers, but for those that only say where a motion's function is kept."""
+        names = self.system.number_names
+        design = np.array([not name.endswith(".motion") for name in names])
+        db = np.zeros(len(self.system.b))
+        db[: len(names)] = 0.1 * design * self.random.normal(size=len(names))
+        return db
 
 
 @pytest.fixture(params=CASES, ids=lambda case: f"{case[0].__name__} {case[1]}", scope="module")
@@ -80,11 +111,13 @@ def test_against_extrapolated_differences(case: Case) -> None:
 
 
 def test_the_constraints_stay_satisfied(case: Case) -> None:
-    db, system, q, v = case.numbers(), case.system, case.found.q, case.found.v
+    db, system, q, v, t = case.numbers(), case.system, case.found.q, case.found.v, case.t
     q_dot, v_dot = case.exact.along(db)
-    assert np.allclose(system.Phi_q(q) @ q_dot + system.Phi_b(q) @ db[: system.nb], 0, atol=1e-10)
-    moved = system.Phi_q_xi_q(q, v) @ q_dot + system.Phi_q_xi_b(q, v) @ db[: system.nb]
-    assert np.allclose(system.Phi_q(q) @ v_dot + moved, 0, atol=1e-10)
+    numbers = db[: system.nb]
+    assert np.allclose(system.Phi_q(q, t) @ q_dot + system.Phi_b(q, t) @ numbers, 0, atol=1e-10)
+    moved = system.Phi_q_xi_q(q, v, t) @ q_dot + system.Phi_q_xi_b(q, v, t) @ numbers
+    moved += system.Phi_t_b(q, t) @ numbers  # Φ_tq vanishes for all of our drivers
+    assert np.allclose(system.Phi_q(q, t) @ v_dot + moved, 0, atol=1e-10)
 
 
 def test_columns_and_transposed_products_agree(case: Case) -> None:

@@ -16,11 +16,16 @@ if TYPE_CHECKING:
     from .analyses import IDA as IDA
     from .analyses import ODE as ODE
     from .analyses import AssemblyDerivatives as AssemblyDerivatives
+    from .analyses import At as At
     from .analyses import Event as Event
+    from .analyses import Final as Final
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
     from .analyses import Impact as Impact
+    from .analyses import Integral as Integral
     from .analyses import JointSpace as JointSpace
+    from .analyses import Misfit as Misfit
     from .analyses import NoDerivative as NoDerivative
+    from .analyses import Peak as Peak
     from .analyses import Radau as Radau
     from .analyses import assemble as assemble
     from .analyses import equilibrium as equilibrium
@@ -31,6 +36,8 @@ if TYPE_CHECKING:
     from .analyses import modes as modes
     from .analyses import simulate as simulate
     from .analyses import singularities as singularities
+    from .analyses import state_derivatives as state_derivatives
+    from .analyses.sensitivity import sensitivity as sensitivity
     from .io import Robot as Robot
     from .io import load_any as load_any
     from .io import load_mjcf as load_mjcf
@@ -90,6 +97,7 @@ if TYPE_CHECKING:
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
     from .results import Equilibrium as Equilibrium
+    from .results import Gradient as Gradient
     from .results import Happened as Happened
     from .results import Mobility as Mobility
     from .results import Modes as Modes
@@ -112,11 +120,12 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives Event GeneralizedAlpha HHT IDA Impact JointSpace NoDerivative ODE Radau assemble "
-        "equilibrium inverse_dynamics kinematics linearize mobility modes simulate singularities"
+        "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
+        "ODE Peak Radau assemble equilibrium inverse_dynamics kinematics linearize mobility modes sensitivity simulate "
+        "singularities state_derivatives"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Equilibrium Happened Mobility Modes Reaction Singularity Solution Trajectory",
+    "results": "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

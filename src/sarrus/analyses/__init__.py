@@ -8,6 +8,7 @@ from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
+from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_derivatives
 from .singular_positions import singularities
 from .statics import equilibrium
 from .vibration import modes
@@ -17,11 +18,16 @@ __all__ = [
     "IDA",
     "ODE",
     "AssemblyDerivatives",
+    "At",
     "Event",
+    "Final",
     "GeneralizedAlpha",
     "Impact",
+    "Integral",
     "JointSpace",
+    "Misfit",
     "NoDerivative",
+    "Peak",
     "Radau",
     "assemble",
     "equilibrium",
@@ -30,6 +36,8 @@ __all__ = [
     "linearize",
     "mobility",
     "modes",
+    "sensitivity",
     "simulate",
     "singularities",
+    "state_derivatives",
 ]

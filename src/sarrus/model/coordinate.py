@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import atan2
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from .. import elements
+from .._jit.functions import atan2
 from ..elements import Element
 from .errors import ModelError
 from .frame import LocalFrame
@@ -16,7 +16,7 @@ from .names import find
 from .point import LocalPoint
 from .pose import Poses
 from .primitive import Primitive
-from .quantity import Array, Vec3
+from .quantity import Array, Vec3, plain
 from .show import quote, suggest
 
 ANGLE, TRAVEL = elements.Angle, elements.Travel
@@ -53,14 +53,15 @@ def travel(
     """How far P_j lies from P_i along h_i, or another vector of body i. [m]"""
     along = i.h if axis is None else axis
     apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
-    start = float(turned(along, i.body, poses) @ apart)
+    start = plain(turned(along, i.body, poses) @ apart)
     return Coordinate(Primitive(TRAVEL, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
 
 
 def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
     """The angle of a in the plane of f and g in the initial pose, each given with its body. [rad]"""
     f_, g_, a_ = (turned(vector, body, poses) for body, vector in (f, g, a))
-    return atan2(float(g_ @ a_), float(f_ @ a_))
+    found: float = atan2(plain(g_ @ a_), plain(f_ @ a_))
+    return found
 
 
 def turned(local: Vec3, body: str, poses: Poses) -> Array:

@@ -11,7 +11,7 @@ from .errors import ModelError
 from .names import find
 from .point import Point
 from .pose import Poses
-from .quantity import Array, Vec3, Vector, direction, triple
+from .quantity import Array, Vec3, Vector, direction, plain, triple
 from .rotation import perpendicular, skew
 
 PERPENDICULAR = 1e-6  # [-] how far from 0 the product of two "perpendicular" unit vectors may be
@@ -58,7 +58,7 @@ def frame_axes(x: Vector | None, z: Vector | None, field: str) -> Array:
 
 
 def _across(f: Array, h: Array, field: str) -> Array:
-    slope = float(f @ h)
+    slope = plain(f @ h)
     if abs(slope) > PERPENDICULAR:
         told = f"{field} has axes x and z that are not perpendicular, the cosine between them is {slope:.6g}"
         raise ModelError(f"{told}; leave x out, or make it perpendicular to z", field=field)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError
-from .quantity import Array, has_rows, number, numbers
+from .quantity import Array, has_rows, number, numbers, plain
 from .show import quote, suggest
+from .tape import values_of
 
 Inertia: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Mapping[str, float] | NDArray[np.float64]
 Inertia6: TypeAlias = tuple[float, float, float, float, float, float]
@@ -33,8 +34,8 @@ def inertia_entries(inertia: Any) -> Inertia6:
     """
     J = _matrix(inertia)
     _check_symmetric(J)
-    _check_principal([float(moment) for moment in np.linalg.eigvalsh(J)])
-    xx, yy, zz, xy, xz, yz = (float(J[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    _check_principal([float(moment) for moment in np.linalg.eigvalsh(values_of(J))])
+    xx, yy, zz, xy, xz, yz = (plain(J[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
     return xx, yy, zz, xy, xz, yz
 
 

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from .quantity import is_list, numbers
+from .quantity import is_list, numbers, plain
 
 Vector6: TypeAlias = Sequence[float] | tuple[float, ...]
 Matrix6: TypeAlias = Sequence[float] | Sequence[Sequence[float]]
@@ -24,4 +24,4 @@ def matrix6(value: Any, field: str) -> tuple[float, ...]:
     """Return the 36 numbers of a matrix, row by row, given in full or by its diagonal."""
     if is_list(value) and len(value) == 6 and is_list(value[0]):
         return tuple(entry for row in value for entry in numbers(row, 6, field, _MATRIX))
-    return tuple(float(entry) for entry in np.diag(numbers(value, 6, field, _MATRIX)).flat)
+    return tuple(plain(entry) for entry in np.diag(numbers(value, 6, field, _MATRIX)).flat)

@@ -15,6 +15,7 @@ from . import rotation
 from .errors import ModelError
 from .quantity import Array, Vector, direction, has_rows, number, numbers, vector
 from .show import show
+from .tape import values_of
 
 TOLERANCE = 1e-6  # [-] how far rounded input may be from a rotation
 _FOUR = "give four numbers [e0, e1, e2, e3] whose squares add up to 1"
@@ -71,10 +72,11 @@ def _from_parameters(value: Any) -> Array:
 
 def _from_matrix(value: Any) -> Array:
     A = np.array([numbers(row, 3, "orientation", _NINE) for row in value])
-    if np.max(np.abs(A.T @ A - np.eye(3))) > TOLERANCE:
+    given = values_of(A)
+    if np.max(np.abs(given.T @ given - np.eye(3))) > TOLERANCE:
         told = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
         raise ModelError(f"{told}; {_NINE}", field="orientation")
-    if np.linalg.det(A) < 0:
+    if np.linalg.det(given) < 0:
         told = "orientation must be a right-handed rotation matrix, but its determinant is -1"
         raise ModelError(f"{told}; turn one column round", field="orientation")
     return rotation.parameters(A)
@@ -102,9 +104,8 @@ def _sequence(given: Any) -> str:
 
 
 def _turn(axis: str, angle: float) -> Array:
-    p = np.zeros(4)
-    p[0], p[1 + "xyz".index(axis)] = np.cos(angle / 2), np.sin(angle / 2)
-    return p
+    half = np.sin(angle / 2)
+    return np.array([np.cos(angle / 2), *(half if axis == name else 0.0 for name in "xyz")])
 
 
 def _about(field: str, check: Any, value: Any, entry: str) -> Any:

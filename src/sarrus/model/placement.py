@@ -37,7 +37,7 @@ def points_apart(point_i: Point, point_j: Point, poses: Poses) -> Points:
     points = Points(point_i.resolve(poses, "point_i"), point_j.resolve(poses, "point_j"))
     refuse_same_body(points.i.body, points.j.body, "point_j")
     apart = points.j.position(poses) - points.i.position(poses)
-    if float(np.linalg.norm(apart)) < SMALLEST_LENGTH:
+    if np.linalg.norm(apart) < SMALLEST_LENGTH:
         told = "has zero length, its two points coincide in the initial pose; move one of them"
         raise ModelError(told, field="point_i")
     return points

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .errors import ModelError
 from .show import show
+from .tape import Traced, values_of
 
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
@@ -22,6 +23,8 @@ SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 
 def number(value: Any, field: str, remedy: str = "give one finite number") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
+    if isinstance(value, Traced):
+        return value  # type: ignore[return-value]  # stands for a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise ModelError(f"{field} must be a number, but is {show(value)}; {remedy}", field=field)
     try:
@@ -69,7 +72,7 @@ def vector(value: Any, field: str, remedy: str = "give three numbers [x, y, z]")
 def direction(value: Any, field: str) -> Array:
     """Return the unit vector along ``value``, or raise a ModelError about ``field``. (3,) [-]"""
     given = np.array(vector(value, field))
-    largest = float(np.max(np.abs(given)))
+    largest = float(np.max(np.abs(values_of(given))))
     if largest < SMALLEST_LENGTH:
         told = f"{field} has zero length; give three numbers that are not all zero, for example [0, 0, 1]"
         raise ModelError(told, field=field)
@@ -78,8 +81,13 @@ def direction(value: Any, field: str) -> Array:
 
 
 def triple(values: Array) -> Vec3:
-    """Return three array entries as a tuple of plain floats."""
-    return float(values[0]), float(values[1]), float(values[2])
+    """Return three array entries as a tuple of plain floats (or traced numbers)."""
+    return plain(values[0]), plain(values[1]), plain(values[2])
+
+
+def plain(value: Any) -> float:
+    """Return one entry of an array as a plain float; a traced number as it is."""
+    return value if isinstance(value, Traced) else float(value)  # type: ignore[return-value]
 
 
 def is_list(value: Any) -> bool:

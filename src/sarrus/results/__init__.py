@@ -2,6 +2,7 @@
 
 from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
+from .gradient import Gradient, StateDerivatives
 from .happened import Happened
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
@@ -17,6 +18,7 @@ __all__ = [
     "Assembly",
     "BodyMotion",
     "Equilibrium",
+    "Gradient",
     "Happened",
     "JointMotion",
     "Mobility",
@@ -26,6 +28,7 @@ __all__ = [
     "Singularity",
     "Solution",
     "State",
+    "StateDerivatives",
     "Steps",
     "Trajectory",
 ]

@@ -112,3 +112,21 @@ def _numbers(population: Population, end: int, store: list[float]) -> Iterator[f
                 yield from (float(v) for v in value)
             else:
                 yield float(value)
+
+
+def places_of(populations: Sequence[Population], placed: Sequence[Placed]) -> Iterator[tuple[int, Any]]:
+    """For every number of the placed elements of the same model, of any kind: its place among the numbers, and itself.
+
+    Curves and what elements remember are left out.
+    """
+    waiting: dict[Variant, list[Placed]] = {}
+    for p in placed:
+        waiting.setdefault(Variant.of(p.element, p.bodies), []).append(p)
+    for population in populations:
+        fields = [kind for kind in population.kind.fields.values() if kind != "Time"]
+        for k, p in enumerate(waiting.get(population.variant, ())):
+            at = population.at + k * population.kind.size()
+            for kind, value in zip(fields, p.values, strict=True):
+                if kind not in ("Curve", "Memory"):
+                    yield from ((at + n, v) for n, v in enumerate(value if WIDTHS[kind] > 1 else (value,)))
+                at += WIDTHS[kind]

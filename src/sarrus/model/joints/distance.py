@@ -14,7 +14,7 @@ from ..placement import refuse_same_body
 from ..point import Point
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import SMALLEST_LENGTH, positive
+from ..quantity import SMALLEST_LENGTH, plain, positive
 from .joint import Joint
 
 
@@ -31,7 +31,7 @@ class Distance(Joint):
         i = self.point_i.resolve(poses, "point_i")
         j = self.point_j.resolve(poses, "point_j")
         refuse_same_body(i.body, j.body, "point_j")
-        apart = float(np.linalg.norm(j.position(poses) - i.position(poses)))
+        apart = plain(np.linalg.norm(j.position(poses) - i.position(poses)))
         if apart < SMALLEST_LENGTH:
             told = "its two points coincide; move one of them, or use a spherical joint"
             raise ModelError(told, field="point_i")

@@ -14,7 +14,7 @@ from ..placement import Frames, refuse_both, refuse_same_body
 from ..point import LocalPoint, Point
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import SMALLEST_LENGTH, Vector, positive, triple
+from ..quantity import SMALLEST_LENGTH, Vector, plain, positive, triple
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Link:
     def distance(self, i: LocalFrame, j: LocalFrame, poses: Poses) -> Primitive:
         """The distance of the ends: the given length, or the one in the initial pose."""
         apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
-        initial = float(np.linalg.norm(apart))
+        initial = plain(np.linalg.norm(apart))
         if self.length is None and initial < SMALLEST_LENGTH:
             raise ModelError("its two ends coincide; move one of them", field="point_i")
         length = initial if self.length is None else positive(self.length, "length", "give the length in m")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import cos
 
+from ..._jit.functions import cos
 from ..frame import LocalFrame
 from ..measure import Angle, Direction
 from ..pose import Poses

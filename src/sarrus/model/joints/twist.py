@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from math import cos
-
 from ... import elements
+from ..._jit.functions import cos
 from ..coordinate import turned
 from ..errors import ModelError
 from ..frame import LocalFrame
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import number
+from ..quantity import number, plain
 
 PARALLEL = 1e-6  # [-] how near to 1 the cosine between two axes may come: beyond, its gradient says nothing
 
 
 def cosine(i: LocalFrame, j: LocalFrame, poses: Poses) -> float:
     """The cosine between h_i and h_j in the initial pose."""
-    return float(turned(i.h, i.body, poses) @ turned(j.h, j.body, poses))
+    return plain(turned(i.h, i.body, poses) @ turned(j.h, j.body, poses))
 
 
 def cosine_of(angle: float | None, field: str, i: LocalFrame, j: LocalFrame, poses: Poses) -> float:

@@ -12,7 +12,7 @@ from ..measure import Direction, Place
 from ..placement import Axis, Frames, placed_frames
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import Array, direction, triple
+from ..quantity import Array, direction, plain, triple
 from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
@@ -59,7 +59,7 @@ class Universal(Joint):
 
 
 def _check_cross(h_i: Array, h_j: Array) -> None:
-    cosine = float(h_i @ h_j)
+    cosine = plain(h_i @ h_j)
     if abs(cosine) > PERPENDICULAR:
         told = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
         raise ModelError(f"{told}; turn one of them", field="axis_i")

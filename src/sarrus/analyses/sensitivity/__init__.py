@@ -1,0 +1,17 @@
+"""Sensitivity: exact derivatives of what a simulation gives, forward and backward."""
+
+from .derivatives import sensitivity, state_derivatives
+from .outputs import Outputs
+from .responses import At, Final, Integral, Misfit, Peak, Response
+
+__all__ = [
+    "At",
+    "Final",
+    "Integral",
+    "Misfit",
+    "Outputs",
+    "Peak",
+    "Response",
+    "sensitivity",
+    "state_derivatives",
+]

@@ -1,0 +1,127 @@
+"""Derivatives of responses of a run with respect to named numbers: forward (direct) or backward (adjoint)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Gradient, StateDerivatives, Steps, Trajectory
+from .chain import Chain, Nodes
+from .evaluation import Evaluation, Explicit
+from .parameters import Design, Parameters
+from .responses import Final, Output, Response
+
+Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
+Method = Literal["adjoint", "direct"]
+
+
+def sensitivity(
+    run: Trajectory,
+    responses: Wanted,
+    wrt: Sequence[str] | None = None,
+    *,
+    method: Method = "adjoint",
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+) -> Gradient:
+    """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
+
+    Parameters
+    ----------
+    run : from ``simulate(..., keep_steps=True)``
+    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Misfit`; an output's name, or a function of
+        `Outputs`, stands for its final value
+    wrt : names of numbers, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model file,
+        design variables; by default every number of the model, or all design variables
+    method : "adjoint": one sweep backwards for all numbers. "direct": one forwards with a column for each number, for
+        few numbers and many responses
+    design : values of design variables by name
+    formula : a function of the design variables that returns numbers of the model by name; differentiated exactly
+
+    Returns
+    -------
+    Gradient
+
+    Raises
+    ------
+    ValueError
+        If the run kept no steps, or failed before it made one.
+    SarrusError
+        For names that the model does not have.
+    """
+    steps = kept(run)
+    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    wanted = as_responses(responses)
+    evaluation = Evaluation(run.system, steps, wanted, parameters)
+    chain = Chain(run.system, steps)
+    found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters)
+    titles = tuple(response.title for response in wanted)
+    return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
+
+
+def state_derivatives(
+    run: Trajectory,
+    wrt: Sequence[str],
+    *,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+) -> StateDerivatives:
+    """Derivatives of all states of a run with respect to numbers of its model, at the ends of its steps.
+
+    Parameters as for `sensitivity`.
+    """
+    steps = kept(run)
+    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    found = Chain(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
+    return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
+
+
+def _adjoint(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Array:
+    nodes, explicit = evaluation.gradients()
+    by = chain.gradients(nodes)
+    through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c)
+    return np.asarray(through.T + _named(explicit, parameters))
+
+
+def _direct(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Array:
+    nodes, explicit = evaluation.gradients()
+    b, q, v, c = parameters.along(np.eye(len(parameters.names)))
+    total = inner(nodes, chain.along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+    return np.asarray(total + _named(explicit, parameters))
+
+
+def inner(bars: Nodes, dots: Nodes) -> Array:
+    """The change of each response (r, k) for changes of the states."""
+    pairs = ((getattr(bars, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
+    return np.asarray(sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs))
+
+
+def _named(explicit: Explicit, parameters: Parameters) -> Array:
+    """What responses depend on by themselves (r, p)."""
+    return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
+
+
+def kept(run: Trajectory) -> Steps:
+    """The steps of a run.
+
+    Raises
+    ------
+    ValueError
+        If there are none.
+    """
+    if run.steps is None or not len(run.steps):
+        raise ValueError(
+            f"{run.name}: derivatives need the steps of the run; call simulate(..., keep_steps=True) with HHT() or "
+            "GeneralizedAlpha()"
+        )
+    return run.steps
+
+
+def as_responses(given: Wanted) -> list[Response]:
+    """Responses of what a user gives for some."""
+    some = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+    return [one if isinstance(one, Response) else Final(one) for one in some]

@@ -1,0 +1,230 @@
+"""What derivatives are taken by: numbers of the model, parameters of its file, design variables, numbers of elements.
+
+The chain from these to the numbers b of the elements and to the guess (q₀, v₀) of the assembly is the construction of
+the model; it is recorded once and differentiated exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import Model, SarrusError, blueprint
+from ...model.show import suggest
+from ...model.tape import Tape, Traced, value_of
+from ...model.written import exchanged, named, steps_of, written_numbers
+from ...system import System
+from ...system.population import places_of
+from .chain import Gradients
+
+Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+GUESS = ("start.q.", "start.v.")
+SAME = (
+    1e-7  # [-] relative difference between numbers of a design and of the model that may come from rounding
+)
+
+
+class UnknownParameter(SarrusError):
+    """A parameter that the model does not have."""
+
+
+class Parameters:
+    """Named numbers, and the derivatives of b, q₀ and v₀ with respect to them.
+
+    Parameters
+    ----------
+    system : System
+    wrt : names: ``rod.mass``, ``pin.point`` (all three), ``pin.point.x``, a parameter of the model file, a design
+        variable, a number of an element ``spring[tsda].k``, or ``start.q.crank.r.x``, ``start.v...`` for the guess of
+        the assembly; None for all numbers of the model
+    design : values of design variables
+    formula : a Python function of the design variables that returns numbers of the model by name
+    steps : of the run whose start depends on the model's own initial state, if it does
+    """
+
+    def __init__(
+        self,
+        system: System,
+        wrt: Sequence[str] | None = None,
+        *,
+        design: Mapping[str, float] | None = None,
+        formula: Design | None = None,
+        start: Any = None,
+    ) -> None:
+        self.system = system
+        self._tape = Tape()
+        self._design, self._formula = dict(design or {}), formula
+        self._known = written_numbers(system.model)
+        self._element_numbers = {name: n for n, name in enumerate(system.number_names)}
+        self.names = self._expanded(wrt)
+        self.values = np.array([self._value(name) for name in self.names])
+        self.variables = {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
+        self._own_q, self._own_v = _own_start(system, start)
+        self._record()
+
+    def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
+        if wrt is None:
+            return [*self._design] if self._design else [*self._known]
+        names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
+        return list(dict.fromkeys(names))
+
+    def _matches(self, name: str) -> list[str]:
+        if name in self._design or name in self._known or name in self.system.model.parameters:
+            return [name]
+        if name in self._element_numbers or name.startswith(GUESS):
+            return [name]
+        found = [known for known in self._known if known.startswith(f"{name}.")]
+        if not found:
+            known = [*self._design, *self._known, *self.system.model.parameters]
+            raise UnknownParameter(f"{self.system.name} has no number {name!r}; {suggest(name, known)}")
+        return found
+
+    def _value(self, name: str) -> float:
+        if name in self._design:
+            return float(self._design[name])
+        if name in self._known:
+            return self._known[name]
+        if name in self.system.model.parameters:
+            return float(self.system.model.parameters[name])
+        if name.startswith(GUESS):
+            whole = self.system.q0 if name.startswith(GUESS[0]) else self.system.v0
+            return float(whole[_coordinate(self.system, name)])
+        return float(self.system.b[self._element_numbers[name]])
+
+    def _record(self) -> None:
+        """Build the model of recorded numbers; note where they arrive."""
+        system, size = self.system, len(self.system.b)
+        plan = blueprint(self._model())
+        self._outputs: list[tuple[int, int]] = []  # place in [b; q0; v0; c], place on the tape
+        for place, value in places_of(system.populations, plan.placed):
+            self._note(place, value)
+        for first, whole, own in ((size, plan.q, self._own_q), (size + system.nq, plan.v, self._own_v)):
+            for k, value in enumerate(whole if own else ()):
+                self._note(first + k, value)
+        for place, value in places_of(system.joint_coordinates.populations, plan.coordinates):
+            self._note(size + 2 * system.nq + place, value)
+        for name, variable in self.variables.items():
+            if name.startswith(GUESS):
+                at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
+                self._outputs.append((at, variable.at))
+            elif name in self._element_numbers and name not in self._design and name not in self._known:
+                self._outputs.append((self._element_numbers[name], variable.at))
+
+    def _note(self, place: int, value: Any) -> None:
+        if isinstance(value, Traced):
+            self._outputs.append((place, value.at))
+
+    def _model(self) -> Model:
+        """The model with recorded numbers in the places that depend on the parameters."""
+        model, places = self.system.model, self._from_file()
+        places |= self._from_design()
+        places |= {name: value for name, value in self.variables.items() if name in self._known}
+        return exchanged(model, lambda steps, value: places.get(named(steps), value))
+
+    def _from_file(self) -> dict[str, Any]:
+        """Numbers that follow from the parameters of the model file."""
+        formulas = self.system.model.formulas
+        given = {n: v for n, v in self.variables.items() if n in formulas.parameters and n not in self._known}
+        if not given:
+            return {}
+        values = formulas.values(given)
+        found = {
+            named(steps_of(path)): tree.value(values)
+            for path, tree in formulas.expressions.items()
+            if path[0] not in ("parameters", "points")
+        }
+        return {name: value for name, value in found.items() if isinstance(value, Traced)}
+
+    def _from_design(self) -> dict[str, Any]:
+        if self._formula is None:
+            return {}
+        given = {name: self.variables.get(name, value) for name, value in self._design.items()}
+        found = {
+            own: entry
+            for name, value in self._formula(given).items()
+            for own, entry in _entries(name, value, self._known)
+        }
+        self._refuse_other(found)
+        return found
+
+    def _refuse_other(self, found: Mapping[str, Any]) -> None:
+        """The model must be the one that the design describes."""
+        for name, entry in found.items():
+            given, own = float(value_of(entry)), self._known[name]
+            if abs(given - own) > SAME * max(1.0, abs(own)):
+                told = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
+                raise UnknownParameter(
+                    f"{told}; make the model with `with_numbers` from the design's numbers"
+                )
+
+    def number(self, name: str) -> float:
+        """The value of any number by name.
+
+        Raises
+        ------
+        UnknownParameter
+            If there is none.
+        """
+        return self._value(self._matches(name)[0])
+
+    def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
+        """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
+        change = np.asarray(change, dtype=float)
+        size = len(self.system.b) + 2 * self.system.nq + len(self.system.joint_coordinates.b)
+        whole = np.zeros((size, change.shape[1]))
+        for k in range(change.shape[1]):
+            dots = self._tape.along(self._seeds(change[:, k]))
+            for place, at in self._outputs:
+                whole[place, k] += dots[at]
+        return self._split(whole)
+
+    def gradient(self, by: Gradients, by_c: Array) -> Array:
+        """Gradients by the parameters (p, k) of responses with the gradients given."""
+        whole = np.concatenate([by.b, by.q, by.v, by_c])
+        columns = [self._gradient(whole[:, k]) for k in range(whole.shape[1])]
+        return np.array(columns).reshape(-1, len(self.names)).T
+
+    def _gradient(self, bars: Array) -> list[float]:
+        weights: dict[int, float] = {}
+        for place, at in self._outputs:
+            weights[at] = weights.get(at, 0.0) + float(bars[place])
+        found = self._tape.gradient(weights)
+        return [float(found[variable.at]) for variable in self.variables.values()]
+
+    def _seeds(self, change: Array) -> dict[int, float]:
+        return {v.at: float(c) for v, c in zip(self.variables.values(), change, strict=True)}
+
+    def _split(self, whole: Array) -> tuple[Array, Array, Array, Array]:
+        size, nq = len(self.system.b), self.system.nq
+        b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
+        return b, q, v, c
+
+
+def _entries(name: str, value: Any, known: Mapping[str, float]) -> list[tuple[str, Any]]:
+    """A number, or the numbers of a vector, by their full names."""
+    if name in known:
+        return [(name, value)]
+    found = [own for own in known if own.startswith(f"{name}.")]
+    if not found or len(found) != np.size(value):
+        raise UnknownParameter(
+            f"the design gives {name!r}, which is no number of the model; {suggest(name, known)}"
+        )
+    return list(zip(found, np.ravel(np.asarray(value, dtype=object)), strict=True))
+
+
+def _coordinate(system: System, name: str) -> int:
+    """Place in q of the coordinate that ``start.q.crank.r.x`` names."""
+    names = system.coordinate_names
+    if name[len(GUESS[0]) :] not in names:
+        raise UnknownParameter(f"{system.name} has no coordinate {name!r}; {suggest(name, names)}")
+    return names.index(name[len(GUESS[0]) :])
+
+
+def _own_start(system: System, start: Any) -> tuple[bool, bool]:
+    """Whether an assembly started from the coordinates and velocities that the model gives."""
+    if start is None or start.asked is None:
+        return True, True
+    return np.allclose(start.asked.q, system.q0, rtol=0, atol=1e-12), np.array_equal(start.asked.v, system.v0)

@@ -1,0 +1,154 @@
+"""Responses: numbers that a motion has, each made of an output over time in one way; with exact derivatives.
+
+An output is given by its name, or as a function of `Outputs` that computes its value alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.tape import Traced
+from .outputs import Outputs
+
+Output: TypeAlias = str | Callable[[Any], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What all responses share.
+
+    Parameters
+    ----------
+    of : name of an output, or a function of `Outputs`
+    name : under which results list it; by default made from the output's name
+    """
+
+    of: Output
+    name: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its name in tables."""
+        told = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
+        return self.name or f"{type(self).__name__.lower()} of {told.strip('<>')}"
+
+    def times(self, t: Array) -> Array | None:
+        """The times at which the output is needed; None: at all nodes."""
+        return None
+
+    def value(self, g: Array, t: Array) -> float:
+        """The response, of the output at its times."""
+        raise NotImplementedError
+
+    def weights(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the output at each time."""
+        raise NotImplementedError
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+        """Their change with that of the output."""
+        return np.zeros_like(g)
+
+    def evaluate(self, outputs: Outputs) -> Traced:
+        """The output, recorded."""
+        found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
+        return found if isinstance(found, Traced) else outputs.constant(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Final(Response):
+    """The output at the end."""
+
+    def times(self, t: Array) -> Array | None:
+        return t[-1:]
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[-1])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class At(Response):
+    """The output at a time [s]."""
+
+    time: float = 0.0
+
+    def times(self, t: Array) -> Array | None:
+        return np.array([float(self.time)])
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[0])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class Integral(Response):
+    """The output integrated over time, by the trapezoidal rule on the steps, of the order of the method."""
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(trapezoidal(t) @ g)
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return trapezoidal(t)
+
+
+@dataclass(frozen=True, eq=False)
+class Peak(Response):
+    """The largest value of the output, rounded: ln(mean of exp(sharpness g)) / sharpness, the mean taken over time.
+
+    It lies below the maximum and comes nearer to it as `sharpness` rises; give some ten over the size of the output.
+    """
+
+    sharpness: float = 50.0
+
+    def value(self, g: Array, t: Array) -> float:
+        top = float(g.max())
+        mean = trapezoidal(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
+        return top + float(np.log(mean)) / self.sharpness
+
+    def weights(self, g: Array, t: Array) -> Array:
+        share: Array = trapezoidal(t) * np.exp(self.sharpness * (g - g.max()))
+        return np.asarray(share / share.sum())
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+        w = self.weights(g, t)
+        return np.asarray(self.sharpness * w * (g_dot - w @ g_dot))
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit(Response):
+    """Half the sum of squares of (output - data) / sigma at given times [s]."""
+
+    at: Sequence[float] = ()
+    data: Sequence[float] = ()
+    sigma: float = 1.0
+
+    def times(self, t: Array) -> Array | None:
+        return np.asarray(self.at, dtype=float)
+
+    def residuals(self, g: Array) -> Array:
+        """(output - data) / sigma (nt,)."""
+        return np.asarray((g - np.asarray(self.data, dtype=float)) / self.sigma)
+
+    def value(self, g: Array, t: Array) -> float:
+        return 0.5 * float(np.sum(self.residuals(g) ** 2))
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.asarray(self.residuals(g) / self.sigma)
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+        return np.asarray(g_dot / self.sigma**2)
+
+
+def trapezoidal(t: Array) -> Array:
+    """Weights of the trapezoidal rule (nt,)."""
+    h = np.diff(t)
+    return np.asarray(np.concatenate([[0.0], h / 2]) + np.concatenate([h / 2, [0.0]]))

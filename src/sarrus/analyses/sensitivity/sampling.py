@@ -1,0 +1,125 @@
+"""States at the nodes of a run or between them, and the way of gradients back to the nodes.
+
+Between two nodes q is the polynomial of degree five that has q, v and a there, λ is linear: linear in the nodes.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Steps
+from .chain import Nodes
+from .outputs import States
+
+# value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
+HERMITE = np.array([
+    [1, 0, 0, -10, 15, -6],
+    [0, 1, 0, -6, 8, -3],
+    [0, 0, 0.5, -1.5, 1.5, -0.5],
+    [0, 0, 0, 10, -15, 6],
+    [0, 0, 0, -4, 7, -3],
+    [0, 0, 0, 0.5, -1, 0.5],
+])  # fmt: skip
+KINDS = ("q", "v", "a")
+ROUND = 1e-9  # [-] of a step, within which a time is a node's
+
+
+class Sampling:
+    """The states at some times of a run, at all its nodes by default.
+
+    Raises
+    ------
+    ValueError
+        For times outside the run.
+    """
+
+    def __init__(self, steps: Steps, times: Array | None = None) -> None:
+        self._steps = steps
+        self._times = times
+        if (
+            times is not None
+            and len(times)
+            and (min(times) < steps.t[0] or max(times) > steps.t[-1] * (1 + 1e-12))
+        ):
+            raise ValueError(f"responses need times between {steps.t[0]:g} and {steps.t[-1]:g} s")
+
+    @property
+    def t(self) -> Array:
+        """The times (nt,). [s]"""
+        return self._steps.t if self._times is None else np.asarray(self._times, dtype=float)
+
+    @cached_property
+    def _weights(self) -> tuple[Array, Array]:
+        """First node of each time's step, and the weights (nt, 3, 2, 3): of q, v, a there in those of both nodes."""
+        t, count = self._steps.t, len(self._steps)
+        first = np.clip(np.searchsorted(t, self.t, side="right") - 1, 0, count - 1)
+        h = np.diff(t)[first]
+        s = (self.t - t[first]) / h
+        s = np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s))
+        powers = [np.array([_power(x, order) for x in s]) for order in range(3)]
+        found = np.stack([p @ HERMITE.T for p in powers], axis=1).reshape(-1, 3, 2, 3)
+        scale = h[:, None] ** np.arange(3)
+        return first, found * scale[:, None, None, :] / scale[:, :, None, None]
+
+    @cached_property
+    def _parts(self) -> Array:
+        """The share of the later node in λ (nt,)."""
+        first, h = self._weights[0], np.diff(self._steps.t)
+        s = (self.t - self._steps.t[first]) / h[first]
+        return np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s))
+
+    @cached_property
+    def states(self) -> States:
+        """The states there."""
+        steps = self._steps
+        if self._times is None:
+            return States(steps.t, steps.q, steps.v, steps.a, steps.lam)
+        first, weights = self._weights
+        ends = np.stack(
+            [np.stack([getattr(steps, k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
+        )
+        found = np.einsum("tkel,teln->ktn", weights, ends)
+        part = self._parts[:, None]
+        lam = (1 - part) * steps.lam[first] + part * steps.lam[first + 1]
+        return States._make([self.t, *found, lam])
+
+    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by coordinate n of a kind, given at the times, to those by the nodes."""
+        if self._times is None:
+            getattr(nodes, kind)[:, n, column] += bar
+            return
+        first, weights = self._weights
+        if kind == "lam":
+            np.add.at(nodes.lam[:, n, column], first, (1 - self._parts) * bar)
+            np.add.at(nodes.lam[:, n, column], first + 1, self._parts * bar)
+            return
+        row = KINDS.index(kind)
+        for end in (0, 1):
+            for place, own in enumerate(KINDS):
+                np.add.at(getattr(nodes, own)[:, n, column], first + end, weights[:, row, end, place] * bar)
+
+    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
+        """The change of coordinate n of a kind at the times, of that of the nodes: the transpose of `spread`."""
+        if self._times is None:
+            return np.asarray(getattr(nodes, kind)[:, n, column])
+        first, weights = self._weights
+        if kind == "lam":
+            found = nodes.lam[:, n, column]
+            return np.asarray((1 - self._parts) * found[first] + self._parts * found[first + 1])
+        row, total = KINDS.index(kind), np.zeros(len(self.t))
+        for end in (0, 1):
+            for place, own in enumerate(KINDS):
+                total += weights[:, row, end, place] * getattr(nodes, own)[first + end, n, column]
+        return total
+
+
+def _power(s: float, order: int) -> Array:
+    """The derivative of s⁰ ... s⁵ of an order."""
+    if order == 0:
+        return np.array([s**k for k in range(6)])
+    if order == 1:
+        return np.array([k * s ** max(k - 1, 0) for k in range(6)])
+    return np.array([k * (k - 1) * s ** max(k - 2, 0) for k in range(6)])

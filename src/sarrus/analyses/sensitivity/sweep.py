@@ -1,0 +1,175 @@
+"""A run differentiated step by step: forward with columns of derivatives, or backward with gradients of responses."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..._jit.driver import compiled_function
+from ..._jit.pointer import run
+from ...algebra import Array
+from ...results import Steps
+from ...system import System
+from ..dynamics import placed
+from ..dynamics.placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
+from ..linear import compiled as factors
+from . import sweep_loop as loop
+
+GROUPS: dict[
+    str, tuple[tuple[str, ...], int, int]
+] = {  # operators; scalars and arrays that their driver takes
+    "velocity": (("Phi_q_xi", "Phi_t"), 1, 4),
+    "jacobian": (("Phi_q", "Phi_qT_lam_q"), 1, 4),
+    "inertia": (("M", "M_a_q", "S_q", "S_v"), 0, 7),
+    "stiffness": (("Q_q", "Q_v"), 1, 4),
+    "gamma_v": (("gamma_v",), 1, 3),
+    "Phi_b": (("Phi_b",), 1, 2),
+    "Phi_qT_lam_b": (("Phi_qT_lam_b",), 1, 3),
+    "Phi_q_xi_b": (("Phi_q_xi_b",), 1, 3),
+    "Phi_t_b": (("Phi_t_b",), 1, 2),
+    "M_a_b": (("M_a_b",), 0, 3),
+    "S_b": (("S_b",), 0, 3),
+    "Q_b": (("Q_b",), 1, 3),
+}
+BY_NUMBERS = list(GROUPS)[5:]
+BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q", LEFT_OUT, "Phi_q")
+FUNCTIONS = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed", "add_gradients",
+             "remember", "leave_out", "weigh", "factor", "defect_change", "forward_step", "backward_step",
+             "forward_rescale", "backward_rescale", "forward", "backward")  # fmt: skip
+
+
+@cache
+def _compiled() -> dict[str, Any]:
+    """The loops: the same code for every system; drivers are called by their address."""
+    known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
+    known |= {"ASSEMBLE": compiled_function(placed.assemble), "REFACTOR": factors()["refactor"]}
+    for name in FUNCTIONS:
+        function = getattr(loop, name)
+        used = {part: value for part, value in known.items() if part in function.__code__.co_names}
+        known[name] = compiled_function(function, **used)
+    return known
+
+
+class Sweep:
+    """The derivatives of the steps of one run.
+
+    Parameters
+    ----------
+    system : System
+    steps : kept by `simulate`
+    b_dot : (len(system.b), k) changes of the numbers, for `forward`
+    columns : how many derivatives or responses are swept at once
+    """
+
+    def __init__(self, system: System, steps: Steps, columns: int, b_dot: Array | None = None) -> None:
+        self.system, self.steps, self.columns = system, steps, columns
+        self.b = steps.b.copy()
+        self._numbers = Numbers(system, (*BLOCKS, UNIT))
+        self._pattern = PlacedMatrix(self._numbers, system.nq + system.m, _parts(system.nq))
+        self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
+        self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
+        self._record = _record(steps)
+        self._blocks, self._views = self._make_blocks(b_dot)
+        self._work = self._make_work()
+
+    def _make_blocks(self, b_dot: Array | None) -> tuple[loop.Blocks, loop.Views]:
+        rows, columns, segments = _flat([self._numbers.entries(name) for name in BLOCKS])
+        b_rows, b_columns, cuts = _flat([_entries(self.system, name) for name in BY_NUMBERS])
+        values = np.zeros(len(b_rows))
+        used = np.ones(len(self.system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
+        chosen = np.flatnonzero(used[b_columns])
+        turned = _entries(self.system, "gamma_v")
+        blocks = loop.Blocks(
+            self._numbers.values, rows, columns, segments, values, b_rows, b_columns,
+            np.searchsorted(chosen, cuts), chosen, np.zeros(len(turned[0])), *turned,
+        )  # fmt: skip
+        own = [self._numbers.views[name] for name in BLOCKS]
+        return blocks, loop.Views._make([*own, *(values[start:end] for start, end in cuts)])
+
+    def _make_work(self) -> loop.Work:
+        nq, m, k = self.system.nq, self.system.m, self.columns
+        wide = [np.zeros((nq + m, k)) for _ in range(3)] + [np.zeros((nq, k)) for _ in range(3)]
+        vectors = [np.zeros(length) for length in (nq, m, m, m)]
+        return loop.Work._make([*wide, *vectors, np.zeros((3, nq + m, 1))])
+
+    def bars(self, b: Array | None = None) -> loop.Bars:
+        """Room for derivatives of a state and of the numbers, all zero (or by the numbers, as given)."""
+        nq, m, k = self.system.nq, self.system.m, self.columns
+        by_b = np.zeros((len(self.system.b), k)) if b is None else np.ascontiguousarray(b, dtype=float)
+        return loop.Bars._make([*(np.zeros((nq, k)) for _ in range(4)), np.zeros((m, k)), by_b])
+
+    def given(self, count: int) -> loop.Given:
+        """Room for derivatives at the ends of steps."""
+        nq, m, k = self.system.nq, self.system.m, self.columns
+        return loop.Given._make(np.zeros((count, width, k)) for width in (nq, nq, nq, m))
+
+    def backward(self, bars: loop.Bars, given: loop.Given, first: int, last: int) -> None:
+        """From the ends of the steps first:last, whose gradients are given, to the start of the first, in place."""
+        n, stage = last - 1, loop.GRADIENTS
+        while n >= first:
+            self._choose_pivots(n, stage)
+            n, stage = self._run("backward", n, first, stage, bars, given)
+
+    def forward(self, bars: loop.Bars, given: loop.Given, first: int, last: int) -> None:
+        """From the start of step `first` through the steps first:last; derivatives at their ends are written."""
+        n, stage = first, loop.RESCALE
+        while n < last:
+            self._choose_pivots(n, stage)
+            n, stage = self._run("forward", n, last, stage, bars, given)
+
+    def _run(
+        self, name: str, n: int, to: int, stage: int, bars: loop.Bars, given: loop.Given
+    ) -> tuple[int, int]:
+        found = _compiled()[name](
+            self.steps.scheme, self._entries, self.b, self._record, n, to, stage, self._matrix, self._blocks,
+            self._views, self._work, bars, given,
+        )  # fmt: skip
+        return int(found[0]), int(found[1])
+
+    def _choose_pivots(self, n: int, stage: int) -> None:
+        """A pivot order for the matrix that is factored next."""
+        steps, views = self.steps, self._views
+        if stage == loop.RESCALE and steps.removed[n] == 0.0:
+            stage = loop.STEP
+        at = n if stage == loop.RESCALE else n + 1
+        loop.remember(self._record, n, views, self.b)
+        operands = {"t": float(steps.t[at])} | {k: getattr(steps, k)[at] for k in ("q", "v", "a", "lam")}
+        for kind in ("jacobian", "inertia", "stiffness"):
+            group = self._groups[kind]
+            group.run(
+                self.b, *(operands[k] for k in group.operands), *(getattr(views, k) for k in group.names)
+            )
+        loop.leave_out(self._blocks, views)
+        scheme, h = steps.scheme, 0.0 if stage == loop.RESCALE else float(steps.h[n])
+        kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+        loop.weigh(self._pattern.weights, scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
+        self._matrix = self._pattern.placed()
+
+
+def _parts(nq: int) -> list[Part]:
+    """[c M + β' (...)_q - γ' (...)_v, Φ_qᵀ; Φ_q, 0], with a 1 for every equation left out."""
+    upper = [Part(name, 0, 0) for name in BLOCKS[:-2]]
+    return [*upper, Part(LEFT_OUT, nq, nq), Part("Phi_q", nq, 0), Part("Phi_q", 0, nq, transposed=True)]
+
+
+def _entries(system: System, name: str) -> tuple[Array, Array]:
+    """Rows and columns of an operator's numbers."""
+    pattern = system.pattern(name)
+    rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
+    return rows, pattern.indices.astype(np.int64)
+
+
+def _flat(parts: list[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
+    """Rows and columns of several operators one after another, and where each begins and ends."""
+    ends = np.cumsum([0, *(len(rows) for rows, _ in parts)])
+    rows, columns = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+    return rows, columns, np.column_stack([ends[:-1], ends[1:]])
+
+
+def _record(steps: Steps) -> loop.Record:
+    """The steps as contiguous arrays of floats."""
+    fields = {name: getattr(steps, name) for name in loop.Record._fields}
+    fields["left_out"] = steps.left_out.astype(float)
+    return loop.Record(**fields)

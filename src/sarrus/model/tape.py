@@ -1,0 +1,317 @@
+"""Numbers that remember how they were computed, with their values: formulas and model construction differentiated.
+
+A `Traced` number is a scalar, or one scalar for each of many times. Arithmetic, NumPy's functions (also on arrays of
+traced numbers) and `sarrus.functions` write on its tape; comparisons compare values. The tape then gives derivatives
+along a direction, gradients, and their change along a direction, all exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Entry(NamedTuple):
+    """One operation, and the places of its arguments on the tape."""
+
+    op: str
+    args: tuple[int, ...]
+
+
+class Tape:
+    """The operations so far, with their values, in the order of their creation."""
+
+    def __init__(self) -> None:
+        self.entries: list[Entry] = []
+        self.values: list[Any] = []
+
+    def variable(self, value: Any) -> Traced:
+        """A number that derivatives can be taken by."""
+        return self.add("variable", (), value)
+
+    def add(self, op: str, args: tuple[int, ...], value: Any) -> Traced:
+        """Write one operation."""
+        self.entries.append(Entry(op, args))
+        self.values.append(value)
+        return Traced(self, len(self.entries) - 1)
+
+    def along(self, changes: Mapping[int, Any]) -> list[Any]:
+        """The change of every entry, for changes of variables given by their places."""
+        dots: list[Any] = [0.0] * len(self.entries)
+        for n, (_, args) in enumerate(self.entries):
+            if n in changes:
+                dots[n] = changes[n]
+            elif args and any(_moves(dots[arg]) for arg in args):
+                slopes = self._slopes(n)
+                dots[n] = sum(slope * dots[arg] for slope, arg in zip(slopes, args, strict=True))
+        return dots
+
+    def gradient(self, bars: Mapping[int, Any]) -> list[Any]:
+        """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places."""
+        return self.gradient_along(bars, {}, [0.0] * len(self.entries))[0]
+
+    def gradient_along(
+        self, bars: Mapping[int, Any], bar_dots: Mapping[int, Any], dots: Sequence[Any]
+    ) -> tuple[list[Any], list[Any]]:
+        """The gradient, and its change when entries change by `dots` and the weights by `bar_dots`."""
+        found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
+        change: list[Any] = [bar_dots.get(n, 0.0) for n in range(len(self.entries))]
+        for n in range(len(self.entries) - 1, -1, -1):
+            args, bar, bar_dot = self.entries[n].args, found[n], change[n]
+            if not args or not (_moves(bar) or _moves(bar_dot)):
+                continue
+            slopes, bends = self._slopes(n), self._bends(n, dots)
+            for arg, slope, bend in zip(args, slopes, bends, strict=True):
+                like = self.values[arg]
+                found[arg] = found[arg] + _collected(bar * slope, like)
+                change[arg] = change[arg] + _collected(bar_dot * slope + bar * bend, like)
+        return found, change
+
+    def _slopes(self, n: int) -> tuple[Any, ...]:
+        op, args = self.entries[n]
+        return OPERATIONS[op].slopes(self.values[n], *(self.values[arg] for arg in args))
+
+    def _bends(self, n: int, dots: Sequence[Any]) -> tuple[Any, ...]:
+        """The changes of the slopes."""
+        op, args = self.entries[n]
+        if not any(_moves(dots[arg]) for arg in args):
+            return (0.0,) * len(args)
+        bends = OPERATIONS[op].bends(self.values[n], *(self.values[arg] for arg in args))
+        return tuple(sum(b * dots[arg] for b, arg in zip(row, args, strict=True)) for row in bends)
+
+
+def _moves(dot: Any) -> bool:
+    return not (isinstance(dot, float) and dot == 0.0)
+
+
+def _collected(bar: Any, like: Any) -> Any:
+    """A gradient by a scalar that was used at many times is the sum over them."""
+    return float(np.sum(bar)) if np.ndim(like) == 0 and np.ndim(bar) else bar
+
+
+class Operation(NamedTuple):
+    """How a function is computed, its partial derivatives, and theirs, of its value and arguments."""
+
+    value: Callable[..., Any]
+    slopes: Callable[..., tuple[Any, ...]]
+    bends: Callable[..., tuple[tuple[Any, ...], ...]]
+
+
+def _unary(value: Callable[[Any], Any], slope: Callable[..., Any], bend: Callable[..., Any]) -> Operation:
+    return Operation(value, lambda f, a: (slope(f, a),), lambda f, a: ((bend(f, a),),))
+
+
+def _atan2_bends(f: Any, y: Any, x: Any) -> tuple[tuple[Any, Any], ...]:
+    square = (x * x + y * y) ** 2
+    return (-2 * x * y / square, (y * y - x * x) / square), ((y * y - x * x) / square, 2 * x * y / square)
+
+
+OPERATIONS: dict[str, Operation] = {
+    "add": Operation(lambda a, b: a + b, lambda f, a, b: (1.0, 1.0), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
+    "sub": Operation(lambda a, b: a - b, lambda f, a, b: (1.0, -1.0), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
+    "mul": Operation(lambda a, b: a * b, lambda f, a, b: (b, a), lambda f, a, b: ((0.0, 1.0), (1.0, 0.0))),
+    "div": Operation(
+        lambda a, b: a / b,
+        lambda f, a, b: (1 / b, -f / b),
+        lambda f, a, b: ((0.0, -1 / (b * b)), (-1 / (b * b), 2 * f / (b * b))),
+    ),
+    "power": Operation(
+        lambda a, n: a**n,
+        lambda f, a, n: (n * a ** (n - 1), 0.0),
+        lambda f, a, n: ((n * (n - 1) * a ** (n - 2) if n != 1 else 0.0, 0.0), (0.0, 0.0)),
+    ),
+    "arctan2": Operation(
+        np.arctan2, lambda f, y, x: (x / (x * x + y * y), -y / (x * x + y * y)), _atan2_bends
+    ),
+    "negative": _unary(lambda a: -a, lambda f, a: -1.0, lambda f, a: 0.0),
+    "absolute": _unary(np.abs, lambda f, a: np.sign(a), lambda f, a: 0.0),
+    "sqrt": _unary(np.sqrt, lambda f, a: 0.5 / f, lambda f, a: -0.25 / (f * a)),
+    "sin": _unary(np.sin, lambda f, a: np.cos(a), lambda f, a: -f),
+    "cos": _unary(np.cos, lambda f, a: -np.sin(a), lambda f, a: -f),
+    "tan": _unary(np.tan, lambda f, a: 1 + f * f, lambda f, a: 2 * f * (1 + f * f)),
+    "exp": _unary(np.exp, lambda f, a: f, lambda f, a: f),
+    "log": _unary(np.log, lambda f, a: 1 / a, lambda f, a: -1 / (a * a)),
+    "tanh": _unary(np.tanh, lambda f, a: 1 - f * f, lambda f, a: -2 * f * (1 - f * f)),
+    "arcsin": _unary(np.arcsin, lambda f, a: (1 - a * a) ** -0.5, lambda f, a: a * (1 - a * a) ** -1.5),
+    "arccos": _unary(np.arccos, lambda f, a: -((1 - a * a) ** -0.5), lambda f, a: -a * (1 - a * a) ** -1.5),
+    "arctan": _unary(np.arctan, lambda f, a: 1 / (1 + a * a), lambda f, a: -2 * a / (1 + a * a) ** 2),
+}  # fmt: skip
+BINARY = {"add": "add", "subtract": "sub", "multiply": "mul", "divide": "truediv", "power": "pow"}
+COMPARISONS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal")
+
+
+class Traced:
+    """A scalar with a value, or one for each of many times, on a tape."""
+
+    __slots__ = ("at", "tape")
+
+    def __init__(self, tape: Tape, at: int) -> None:
+        self.tape, self.at = tape, at
+
+    @property
+    def value(self) -> Any:
+        """The value: a float, or an array over times."""
+        return self.tape.values[self.at]
+
+    def apply(self, op: str, *others: Any) -> Traced:
+        """An operation on this and other numbers."""
+        return apply(op, self, *others)
+
+    def __add__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _between("add", self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _between("add", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _between("sub", self, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self if _is(other, 0) else _between("sub", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        if _is(other, 0):
+            return 0.0
+        return self if _is(other, 1) else _between("mul", self, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self if _is(other, 1) else _between("div", self, other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if _is(other, 0) else _between("div", other, self)
+
+    def __pow__(self, other: Any) -> Any:
+        if isinstance(other, Traced):
+            return apply("exp", other * apply("log", self))
+        return self if _is(other, 1) else self.apply("power", other)
+
+    def __rpow__(self, other: Any) -> Any:
+        return apply("exp", self * float(np.log(other)))
+
+    def __neg__(self) -> Traced:
+        return self.apply("negative")
+
+    def __pos__(self) -> Traced:
+        return self
+
+    def __abs__(self) -> Traced:
+        return self.apply("absolute")
+
+    def arctan2(self, other: Any) -> Traced:
+        """Angle of the point (other, self)."""
+        return self.apply("arctan2", other)
+
+    def hypot(self, other: Any) -> Any:
+        """Length of the vector (self, other)."""
+        return (self * self + other * other).sqrt()
+
+    @property
+    def context(self) -> Any:
+        """Where `sarrus.functions` look for the functions of this kind of number."""
+        return FUNCTIONS
+
+    def __float__(self) -> float:
+        raise TypeError("a traced number cannot become a plain one without losing its derivative")
+
+    def __bool__(self) -> bool:
+        return bool(_compared(self, 0.0, np.not_equal))
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        if method != "__call__" or options:
+            return NotImplemented
+        if any(isinstance(x, np.ndarray) for x in inputs):
+            return ufunc(*(_boxed(x) if isinstance(x, Traced) else x for x in inputs))
+        return _scalar(ufunc.__name__, ufunc, inputs)
+
+
+def _method(op: str) -> Callable[[Traced], Traced]:
+    def function(self: Traced) -> Traced:
+        return self.apply(op)
+
+    function.__name__, function.__doc__ = op, f"{op} of this number."
+    return function
+
+
+def _comparison(ufunc: Any) -> Callable[[Any, Any], Any]:
+    return lambda self, other: _compared(self, other, ufunc)
+
+
+for _op in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "arcsin", "arccos", "arctan"):
+    setattr(Traced, _op, _method(_op))
+for _name, _ufunc in (("lt", np.less), ("le", np.less_equal), ("gt", np.greater), ("ge", np.greater_equal)):
+    setattr(Traced, f"__{_name}__", _comparison(_ufunc))
+FUNCTIONS = SimpleNamespace(
+    **{
+        name: (lambda x, op=name: x.apply(op)) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh")
+    },
+    asin=lambda x: x.apply("arcsin"),
+    acos=lambda x: x.apply("arccos"),
+    atan=lambda x: x.apply("arctan"),
+    atan2=lambda y, x: apply("arctan2", y, x),
+)
+
+
+def value_of(number: Any) -> Any:
+    """The value of a traced number; any other number as it is."""
+    return number.value if isinstance(number, Traced) else number
+
+
+def values_of(array: Any) -> np.ndarray[Any, Any]:
+    """An array of numbers of any kind as an array of floats, for checks."""
+    entries = np.asarray(array, dtype=object)
+    return np.array([float(value_of(entry)) for entry in entries.flat]).reshape(entries.shape)
+
+
+def apply(op: str, *args: Any) -> Traced:
+    """An operation on numbers of which one at least is traced."""
+    tape = next(arg.tape for arg in args if isinstance(arg, Traced))
+    places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
+    return tape.add(op, places, OPERATIONS[op].value(*(value_of(arg) for arg in args)))
+
+
+def _is(other: Any, number: int) -> bool:
+    return isinstance(other, int | float | np.number) and other == number
+
+
+def _between(op: str, a: Any, b: Any) -> Any:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return NotImplemented
+    if not all(isinstance(x, Traced | int | float | np.number) for x in (a, b)):
+        return NotImplemented
+    return apply(op, a, b)
+
+
+def _boxed(x: Traced) -> np.ndarray[Any, Any]:
+    box = np.empty((), dtype=object)
+    box[()] = x
+    return box
+
+
+def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
+    """A NumPy function of scalars."""
+    if name in COMPARISONS:
+        return _compared(inputs[0], inputs[1], ufunc)
+    if name in BINARY:
+        first, second = inputs
+        if isinstance(first, Traced):
+            return getattr(first, f"__{BINARY[name]}__")(second)
+        return getattr(second, f"__r{BINARY[name]}__")(first)
+    if name == "hypot":
+        return (inputs[0] * inputs[0] + inputs[1] * inputs[1]).sqrt()
+    if name in OPERATIONS:
+        return apply(name, *inputs)
+    if name == "isfinite":
+        return bool(np.all(np.isfinite(inputs[0].value)))
+    raise TypeError(f"numpy.{name} has no derivative here; use arithmetic or another function")
+
+
+def _compared(a: Any, b: Any, ufunc: Any) -> Any:
+    found = ufunc(value_of(a), value_of(b))
+    if np.ndim(found):
+        raise TypeError("a formula must not branch on what changes in time; use a smooth one")
+    return bool(found)

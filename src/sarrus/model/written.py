@@ -1,0 +1,131 @@
+"""Every number that a person wrote into a model, by name; and the same model with other numbers in their places.
+
+Names follow the fields: ``rod.mass``, ``rod.inertia.xx``, ``pin.point.x``, ``spring.point_i.z``, ``hinge.frame_i.x.y``,
+``crank.orientation.e1``, ``gravity.z``. Tables, functions and names of other parts are no numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from .curve import Curve, Formula
+from .model import Model
+from .origin import Path
+from .point import Point
+from .quantity import is_list
+from .solid import Solid
+from .tape import Traced
+
+Steps: TypeAlias = tuple[str | int, ...]
+Change: TypeAlias = Callable[[Steps, Any], Any]
+LABELS: dict[str, tuple[str, ...]] = {
+    "inertia": ("xx", "yy", "zz"),
+    "orientation": ("e0", "e1", "e2", "e3"),
+}
+AXES = ("x", "y", "z")
+GRAVITY = "gravity"
+
+
+def written_numbers(model: Model) -> dict[str, float]:
+    """Return every number of the model by name, in the model's order.
+
+    A centre of mass and a gravity of zeros are left out: they are no part of the equations of motion.
+    """
+    found: dict[str, float] = {}
+
+    def note(steps: Steps, value: Any) -> Any:
+        found[named(steps)] = float(value)
+        return value
+
+    exchanged(model, note)
+    return found
+
+
+def exchanged(model: Model, change: Change) -> Model:
+    """Return the model with ``change(steps, number)`` in the place of every number."""
+    parts = {
+        section: [_part(part, change) for part in section_parts]
+        for section, section_parts in model.sections().items()
+    }
+    gravity = _value(model.gravity, (GRAVITY,), change) if any(model.gravity) else model.gravity
+    return replace(model, gravity=gravity, **parts)  # type: ignore[arg-type]
+
+
+def with_numbers(model: Model, numbers: Mapping[str, Any]) -> Model:
+    """Return the model with other numbers in the places that are named."""
+    return exchanged(model, lambda steps, value: numbers.get(named(steps), value))
+
+
+def named(steps: Steps) -> str:
+    """Return the name of a number: ``pin.point.x`` of the steps (pin, point, 0)."""
+    return ".".join(_step(steps, n) for n in range(len(steps)))
+
+
+def steps_of(path: Path) -> Steps:
+    """Return the steps to the number at a path of a model file, (forces, spring, points, 0, at, 2)."""
+    if path[0] == GRAVITY:
+        return path
+    steps: list[str | int] = [path[1]]
+    rest = list(path[2:])
+    while rest:
+        step = rest.pop(0)
+        if step in ("points", "frames", "bodies") and rest and isinstance(rest[0], int):
+            steps.append(f"{str(step)[:-1]}_{'ij'[int(rest.pop(0))]}")
+        elif step in ("at", "global"):
+            steps += ["point"] if str(steps[-1]).startswith("frame") else []
+        else:
+            steps.append(step)
+    return tuple(steps)
+
+
+def _part(part: Any, change: Change) -> Any:
+    new = {
+        field.name: _value(getattr(part, field.name), (part.name, field.name), change)
+        for field in fields(part)
+        if field.name != "name"
+    }
+    if "center_of_mass" in new and not any(part.center_of_mass or ()):
+        new["center_of_mass"] = part.center_of_mass
+    return replace(part, **new)
+
+
+def _value(value: Any, steps: Steps, change: Change) -> Any:
+    """A field's value with its numbers changed."""
+    if isinstance(value, bool | str | Solid | Curve | Formula) or value is None:
+        return value
+    if isinstance(value, int | float | np.number | Traced):
+        return change(steps, value)
+    if isinstance(value, Point):
+        return replace(value, coordinates=_value(value.coordinates, steps, change))
+    if is_dataclass(value) and not isinstance(value, type):
+        own = [field.name for field in fields(value) if field.init]
+        return replace(value, **{n: _value(getattr(value, n), (*steps, n), change) for n in own})
+    if isinstance(value, Mapping):
+        return {key: _value(entry, (*steps, key), change) for key, entry in value.items()}
+    if is_list(value) and not _is_table(value):
+        return [_value(entry, (*steps, n), change) for n, entry in enumerate(value)]
+    return value
+
+
+def _is_table(value: Any) -> bool:
+    """Whether these are pairs of a table."""
+    return all(is_list(row) and len(row) == 2 for row in value)
+
+
+def _step(steps: Steps, n: int) -> str:
+    step = steps[n]
+    if not isinstance(step, int):
+        return step
+    before = str(steps[n - 1])
+    if before == "inertia" and len(steps) == n + 2:
+        return AXES[step]
+    labels = LABELS.get(before, AXES)
+    return (
+        labels[step]
+        if step < len(labels) and not before.startswith(("stiff", "damp", "pre"))
+        else str(step + 1)
+    )

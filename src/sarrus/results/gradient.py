@@ -1,0 +1,94 @@
+"""Derivatives of responses and of states with respect to named numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """Values of responses and their derivatives.
+
+    Attributes
+    ----------
+    responses, names : of the responses and of the numbers
+    values : (r,) of the responses
+    at : (p,) values of the numbers
+    matrix : (r, p) derivatives
+    """
+
+    responses: tuple[str, ...]
+    names: tuple[str, ...]
+    values: Array
+    at: Array = field(repr=False)
+    matrix: Array = field(repr=False)
+
+    def __getitem__(self, name: str) -> float | Array:
+        """The derivative with respect to a number, ``g["spring.k"]``; of several responses, an array (r,).
+
+        Raises
+        ------
+        KeyError
+            If it was not asked for.
+        """
+        if name not in self.names:
+            raise KeyError(
+                f"no derivative with respect to {name!r}; there are those to {', '.join(self.names[:8])} ..."
+            )
+        column = self.matrix[:, self.names.index(name)]
+        return float(column[0]) if len(column) == 1 else column
+
+    @property
+    def value(self) -> float:
+        """The value of the first response."""
+        return float(self.values[0])
+
+    def influences(self, response: int = 0) -> Array:
+        """Change of a response for one hundredth more of each number (p,); per unit where the number is 0."""
+        scale = np.where(self.at == 0, 1.0, 0.01 * self.at)
+        return np.asarray(self.matrix[response] * scale)
+
+    def ranked(self, response: int = 0) -> list[str]:
+        """Names of the numbers by falling influence."""
+        order = np.argsort(-abs(self.influences(response)), kind="stable")
+        return [self.names[k] for k in order]
+
+    def table(self, response: int = 0, most: int = 20) -> str:
+        """The numbers of the largest influence as a text."""
+        from importlib import import_module
+
+        return str(import_module("sarrus.views").gradient_table(self, response, most))
+
+    def __str__(self) -> str:
+        return "\n\n".join(self.table(response) for response in range(len(self.responses)))
+
+    def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
+        """Draw the largest influences as bars; see `sarrus.views.plot_gradient`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_gradient(self, ax, response, most)
+
+
+@dataclass(frozen=True, eq=False)
+class StateDerivatives:
+    """Derivatives of all states with respect to named numbers, at the nodes of a run.
+
+    Attributes
+    ----------
+    names : of the numbers
+    t : (n,) [s]
+    q_b, v_b, a_b : (n, nq, p)
+    lam_b : (n, m, p)
+    """
+
+    names: tuple[str, ...]
+    t: Array = field(repr=False)
+    q_b: Array = field(repr=False)
+    v_b: Array = field(repr=False)
+    a_b: Array = field(repr=False)
+    lam_b: Array = field(repr=False)

@@ -1,0 +1,42 @@
+"""Simulations with the steps of another one: what derivatives of discrete runs are compared with."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.evaluation import Evaluation
+from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.model.written import with_numbers
+from sarrus.results import Steps
+
+
+def again(
+    system: sr.System, steps: Steps, method: object, numbers: Mapping[str, float]
+) -> tuple[sr.System, Steps]:
+    """The run with other numbers of the model, with the same lengths of steps."""
+    changed = sr.System(with_numbers(system.model, numbers))
+    ends = np.array([steps.t[0], steps.t[-1]])
+    settings = {"rtol": steps.rtol, "atol": steps.atol, "keep_steps": True, "given": steps.h}
+    run = method.run(changed, sr.assemble(changed), ends, **settings)
+    assert run.success, run.message
+    assert np.array_equal(run.steps.removed != 0, steps.removed != 0)
+    return changed, run.steps
+
+
+def values(system: sr.System, steps: Steps, responses: Sequence[object]) -> np.ndarray:
+    """Responses of a run."""
+    return Evaluation(system, steps, responses, Parameters(system, [])).values
+
+
+def differenced(
+    run: sr.Trajectory, responses: Sequence[object], name: str, size: float, method: object
+) -> np.ndarray:
+    """Richardson's extrapolation of central differences of whole simulations (r,)."""
+    at = Parameters(run.system, [name]).values[0]
+
+    def slope(e: float) -> np.ndarray:
+        ends = [values(*again(run.system, run.steps, method, {name: at + d}), responses) for d in (e, -e)]
+        return (ends[0] - ends[1]) / (2 * e)
+
+    return (4 * slope(size / 2) - slope(size)) / 3

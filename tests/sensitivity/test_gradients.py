@@ -1,0 +1,136 @@
+"""Forward and backward derivatives agree, and agree with differences of whole simulations with the same steps."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.sensitivity.frozen import again, differenced, values
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.parameters import Parameters
+
+METHODS = {"HHT": sr.HHT(), "generalized": sr.GeneralizedAlpha(0.7), "undamped": sr.HHT(0.0)}
+RESPONSES = [
+    sr.Final("slider.x"),
+    sr.Final("slider.velocity.x"),
+    sr.Integral(lambda o: o("slider.velocity.x") ** 2, name="v2"),
+    sr.At("pin.angle", time=0.37),
+    sr.At("pin.angle.rate", time=0.71),
+    sr.Integral("energy.kinetic"),
+    sr.Peak("spring.length", sharpness=20.0),
+    sr.Final("spring.tension"),
+    sr.Final(lambda o: o.position("rod", (0.1, 0.2, 0.3))[1] * o.velocity("rod", (0.1, 0, 0))[2], name="rod"),
+    sr.Misfit("slider.x", at=(0.1, 0.25, 0.5), data=(4.1, 4.0, 3.9), sigma=0.1),
+    sr.At("rod.acceleration.y", time=0.5),
+    sr.Final("pin.force.z"),
+    sr.Final("guide.torque.x"),
+    sr.Final("pin.multiplier.2"),
+    sr.Integral(lambda o: np.sqrt(1 + o("crank.angular_velocity.x") ** 2), name="turning"),
+]
+ROUGH = {
+    "rod.acceleration.y",
+    "pin.force.z",
+    "guide.torque.x",
+    "pin.multiplier.2",
+}  # differences lose digits by h⁻²
+
+
+@cache
+def swung(method: str) -> sr.Trajectory:
+    settings = {"rtol": 1e-4, "atol": 1e-6, "keep_steps": True}
+    return sr.simulate(slider_crank(), until=0.8, method=METHODS[method], **settings)
+
+
+@cache
+def both(method: str) -> tuple[sr.Gradient, sr.Gradient]:
+    run = swung(method)
+    return tuple(sr.sensitivity(run, RESPONSES, method=way) for way in ("direct", "adjoint"))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_forward_and_backward_agree_for_every_number_of_the_model(method: str) -> None:
+    direct, adjoint = both(method)
+    assert len(direct.names) == 88
+    for row, title in enumerate(direct.responses):
+        scale = abs(direct.matrix[row]).max()
+        assert scale > 0
+        limit = 1e-9 if method == "undamped" else 1e-10  # round-off in accelerations is not damped either
+        assert abs(direct.matrix[row] - adjoint.matrix[row]).max() < limit * scale, title
+
+
+NAMES = [
+    "crank.mass",
+    "rod.inertia.yy",
+    "slider.mass",
+    "spring.k",
+    "spring.c",
+    "spring.length",
+    "spring.point_i.y",
+    "gravity.z",
+    "pin.point.y",
+    "ball.point.z",
+    "rod.position.x",
+    "crank.orientation.angle",
+    "crank.angular_velocity.x",
+    "slider.velocity.x",
+    "guide.point.z",
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
+    direct, _ = both("HHT")
+    found, wanted = direct[name], differenced(swung("HHT"), RESPONSES, name, 2e-3, METHODS["HHT"])
+    for row, title in enumerate(direct.responses):
+        rough = any(word in title for word in ROUGH)
+        scale = max(abs(direct.matrix[row]).max(), 1e-3)
+        assert abs(found[row] - wanted[row]) < (1e-4 if rough else 1e-7) * scale, title
+
+
+def test_what_a_gradient_leaves_falls_with_the_square() -> None:
+    """Taylor's remainder with all numbers changed at once."""
+    run = swung("HHT")
+    names = [
+        name for name in Parameters(run.system).names if "axis" not in name and "orientation.e" not in name
+    ]
+    at = Parameters(run.system, names).values
+    change = np.random.default_rng(3).normal(size=len(names)) * 0.1
+    gradient = sr.sensitivity(run, RESPONSES[:5], names)
+    rest = []
+    for size in (1e-2, 5e-3, 2.5e-3):
+        moved = dict(zip(names, at + size * change, strict=True))
+        there = values(*again(run.system, run.steps, METHODS["HHT"], moved), RESPONSES[:5])
+        rest.append(abs(there - gradient.values - size * gradient.matrix @ change))
+    slopes = np.log2(np.array(rest[:-1]) / np.array(rest[1:]))
+    assert np.all(abs(slopes - 2) < 0.1), slopes
+
+
+def test_state_derivatives_satisfy_the_differentiated_constraints() -> None:
+    run, system = swung("HHT"), slider_crank()
+    found = sr.state_derivatives(run, ["spring.k", "rod.mass", "crank.angular_velocity.x"])
+    for n in (0, 5, -1):
+        change = system.Phi_q(run.steps.q[n]) @ found.q_b[n]
+        assert abs(change).max() < 1e-11 * max(1.0, abs(found.q_b[n]).max())
+
+
+def test_a_run_without_steps_is_refused() -> None:
+    run = sr.simulate(slider_crank(), until=0.1)
+    with pytest.raises(ValueError, match="keep_steps=True"):
+        sr.sensitivity(run, "slider.x")
+
+
+@pytest.mark.parametrize("wrong", ["slider.w", "pin.force", "pin.multiplier.9", "wheel.x", "spring.angle"])
+def test_unknown_outputs_are_named(wrong: str) -> None:
+    with pytest.raises(sr.SarrusError, match="no output"):
+        sr.sensitivity(swung("HHT"), wrong)
+
+
+def test_unknown_numbers_are_named() -> None:
+    with pytest.raises(sr.SarrusError, match="did you mean"):
+        sr.sensitivity(swung("HHT"), "slider.x", ["spring.kk"])
+
+
+def test_a_design_that_describes_another_model_is_refused() -> None:
+    with pytest.raises(sr.SarrusError, match="but the model has 10"):
+        sr.sensitivity(swung("HHT"), "slider.x", design={"s": 3.0}, formula=lambda d: {"spring.k": d["s"]})

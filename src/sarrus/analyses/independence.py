@@ -37,12 +37,16 @@ class Independence:
     Attributes
     ----------
     kept : places in Φ of the equations chosen, or None where all are independent
+    known : how many equations depend on others
+    smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
     """
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
-        self._null = rank_of(system.Phi_q(q, t)).null
+        rank = rank_of(system.Phi_q(q, t))
+        self._null, self.smallest = rank.null, rank.smallest
         self.kept: Array | None = None
+        self.known = self._null.shape[1]
         if self._null.shape[1]:
             self._choose(self._null)
 

@@ -73,7 +73,11 @@ class Saddle:
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g."""
         right = np.concatenate([f, g[self._kept]])
-        solution = lu_solve(self._factors, right) if self._dense is not None else self._factors.solve(right)
+        solution = (
+            lu_solve(self._factors, right, check_finite=False)
+            if self._dense is not None
+            else self._factors.solve(right)
+        )
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
         y = np.zeros(self._all)

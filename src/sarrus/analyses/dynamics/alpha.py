@@ -26,7 +26,7 @@ from .outcome import nothing
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .tolerance import Tolerances
-from .trouble import dependent_rows, singular, trouble_of
+from .trouble import singular, trouble_of
 
 ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
 PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
@@ -171,10 +171,7 @@ class AlphaStepper:
         try:
             a, lam = self._motion().acceleration(t, q, v)
         except SingularSystem:
-            raise singular(t, self._dependent(t, q)) from None
-        if not np.all(np.isfinite(a)):
-            told = Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s")
-            raise self._explained(t, q, v, told)
+            raise self._explained(q, v) from None
         values = (q, v, a, a, lam, q, v, a, a, lam, 0 * a, 0 * lam)
         for place, value in zip(self._state, values, strict=True):
             place[:] = value
@@ -217,11 +214,11 @@ class AlphaStepper:
             if self._vain > 1:  # new pivots did not help: a shorter step may
                 self._control.numbers[1] *= 0.25
             if self._vain > PATIENCE:
-                raise singular(self.t, self._dependent(self.t, state.q0))
+                raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
             reason = REASONS[float(self._control.numbers[8])]
             told = Trouble("step too small", f"steps become too small near t = {self.t:.6g} s: {reason}")
-            raise self._explained(self.t, state.q0, state.v0, told)
+            raise self._explained(state.q0, state.v0, told)
 
     def _motion(self) -> Motion:
         motion = Motion(self.system, self.independence.kept)
@@ -238,14 +235,10 @@ class AlphaStepper:
             tally.nlu + matrices,
         )
 
-    def _dependent(self, t: float, q: Array) -> list[str]:
-        kept = self.independence.kept
-        return dependent_rows(self.system, q, t, 0 if kept is None else self.system.m - len(kept))
-
-    def _explained(self, t: float, q: Array, v: Array, otherwise: Trouble) -> Trouble:
-        kept = self.independence.kept
-        known = 0 if kept is None else self.system.m - len(kept)
-        return trouble_of(self.system, self.b, t, q, v, span=self._span, known=known, otherwise=otherwise)
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        told = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
@@ -269,7 +262,7 @@ class AlphaStepper:
         try:
             self.matrix.choose_pivots()
         except SingularMatrix:
-            raise singular(self.t, self._dependent(self.t, state.q0)) from None
+            raise self._explained(state.q0, state.v0) from None
         self._control.numbers[2] = 0.0
         lu, matrix = self.matrix.lu, self.matrix
         self._arrays = loop.Matrix._make([

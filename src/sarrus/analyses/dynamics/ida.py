@@ -67,7 +67,7 @@ class IDAStepper:
         try:
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
-            raise singular(t, dependent_rows(self.system, q, t, 0)) from None
+            raise singular(t, dependent_rows(self.system, q, t, self.independence)) from None
         self._solver = _solver(self._equations, self.settings)
         rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
         self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)

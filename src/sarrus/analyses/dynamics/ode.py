@@ -19,7 +19,7 @@ from ..saddle import SingularSystem
 from .nodes import Nodes
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
-from .trouble import dependent_rows, singular, trouble_of
+from .trouble import singular, trouble_of
 
 TINY = 1e-6  # of the whole time: steps so short are given up on
 PATIENCE = 20  # after so many of them in a row
@@ -67,12 +67,12 @@ class ODEStepper:
         told["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
         try:
             self._solver = getattr(integrate, self._name)(
-                self.motion.rate, t, np.concatenate([q, v]), until, **told
+                self._rate, t, np.concatenate([q, v]), until, **told
             )
-        except SingularSystem:
-            raise singular(t, self._dependent(q)) from None
+        except ValueError:  # SciPy's choice of a first step meets what is not finite
+            raise self._explained(q, v) from None
         if not np.all(np.isfinite(self._solver.f)):
-            raise self._explained(Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s"))
+            raise self._explained(q, v)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -86,10 +86,10 @@ class ODEStepper:
                     break
         except SingularSystem:
             if len(rows) == 1:
-                raise singular(self.t, self._dependent(self._solver.y[: self.system.nq])) from None
+                raise self._stuck_at() from None
         except Trouble as trouble:
             if len(rows) == 1:
-                raise self._explained(trouble) from None
+                raise self._stuck_at(trouble) from None
         finally:
             self.tally.nfev = self.motion.evaluations
             self.tally.nlu = self.tally.nfev
@@ -111,7 +111,7 @@ class ODEStepper:
         q, v = self._projection(solver.t, *np.split(solver.y, 2))
         self.system.remember(q, self.b, solver.t)
         solver.y = np.concatenate([q, v])
-        solver.f = self.motion.rate(solver.t, solver.y)
+        solver.f = self._rate(solver.t, solver.y)
         self.t, self.tally.nsteps = float(solver.t), self.tally.nsteps + 1
         self.tally.history.append(np.array([[solver.t, h, np.nan, 0, 0]]))
         return [*nodes, self._node(self.t, q, v)]
@@ -133,17 +133,21 @@ class ODEStepper:
             self.motion.keep(self.independence.kept)
             self._projection.keep(self.independence.kept)
 
-    def _known(self) -> int:
-        kept = self.independence.kept
-        return 0 if kept is None else self.system.m - len(kept)
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        told = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
 
-    def _dependent(self, q: Array) -> list[str]:
-        return dependent_rows(self.system, q, self.t, self._known())
+    def _rate(self, t: float, y: Array) -> Array:
+        """The rate of [q; v]; not a number where there is none, so that the solver tries a shorter step."""
+        try:
+            return self.motion.rate(t, y)
+        except SingularSystem:
+            return np.full(len(y), np.nan)
 
-    def _explained(self, otherwise: Trouble) -> Trouble:
+    def _stuck_at(self, otherwise: Trouble | None = None) -> Trouble:
         q, v = np.split(self._solver.y, 2)
-        told = {"span": self._span, "known": self._known(), "otherwise": otherwise}
-        return trouble_of(self.system, self.b, self.t, q, v, **told)  # type: ignore[arg-type]
+        return self._explained(q, v, otherwise)
 
     def steps(self) -> None:
         """No steps are kept."""

@@ -261,7 +261,7 @@ def size(change: Any, q: Any, v: Any, tol: Any) -> Any:
     for k in range(n):
         in_q += (change[k] / (tol.atol_q[k] + tol.rtol_q[k] * abs(q[k]))) ** 2
         in_v += (change[n + k] / (tol.atol_v[k] + tol.rtol_v[k] * abs(v[k]))) ** 2
-    return (max(in_q, in_v) / n) ** 0.5
+    return (max(in_q, in_v) / n) ** 0.5 + 0.0 * (in_q + in_v)  # max may hide what is not a number
 
 
 def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: Any) -> Any:
@@ -284,7 +284,8 @@ def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: An
         for k in range(2 * (n + m)):
             w = memory.pair_solution[k]
             memory.residual[i, k] = T[i, 0] * memory.real_solution[k] + T[i, 1] * w.real + T[i, 2] * w.imag
-        largest = max(largest, size(memory.residual[i], state.q0, state.v0, tol))
+        one = size(memory.residual[i], state.q0, state.v0, tol)
+        largest = max(largest, one) + 0.0 * one
         for k in range(n):
             state.zq[i, k] -= memory.residual[i, k]
             state.zv[i, k] -= memory.residual[i, n + k]
@@ -496,7 +497,7 @@ def advance(
         error = estimate(scheme, index, b, h, first, state, memory, matrices, tol)
         error = max(error, 1e-10)
         safety = SAFETY * (1 + 2 * NEWTON_LIMIT) / (iterations + 2 * NEWTON_LIMIT)
-        wanted = min(max(safety * error**-0.25, SHRINK), GROW)
+        wanted = min(max(safety * error**-0.25, SHRINK), GROW) if error < 1e30 else SHRINK
         if not error < 1.0:
             counts[1] += 1
             counts[4] += 1

@@ -23,7 +23,7 @@ from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .tolerance import Tolerances
-from .trouble import dependent_rows, singular, trouble_of
+from .trouble import singular, trouble_of
 
 CHUNK = 200  # steps for one call of the compiled loop
 DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
@@ -142,10 +142,7 @@ class RadauStepper:
         try:
             a, lam = self._motion().acceleration(t, q, v)
         except SingularSystem:
-            raise singular(t, dependent_rows(self.system, q, t, self._known())) from None
-        if not np.all(np.isfinite(a)):
-            told = Trouble("not finite", f"the accelerations are not finite at t = {t:.6g} s")
-            raise self._explained(q, v, told)
+            raise self._explained(q, v) from None
         for place in self._state:
             place[:] = 0.0
         state, numbers = self._state, self._control.numbers
@@ -183,8 +180,10 @@ class RadauStepper:
         state = self._state
         if status == loop.REPIVOT:
             self._arrays = None
+            if self._vain > 1:  # new pivots did not help: a shorter step may
+                self._control.numbers[1] *= 0.25
             if self._vain > PATIENCE:
-                raise singular(self.t, dependent_rows(self.system, state.q0, self.t, self._known()))
+                raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
             told = (
                 f"steps become too small near t = {self.t:.6g} s: Newton's method or the error control asks for ever "
@@ -196,14 +195,6 @@ class RadauStepper:
         motion = Motion(self.system, self.independence.kept)
         motion.b[:] = self.b
         return motion
-
-    def _known(self) -> int:
-        kept = self.independence.kept
-        return 0 if kept is None else self.system.m - len(kept)
-
-    def _explained(self, q: Array, v: Array, otherwise: Trouble) -> Trouble:
-        told = {"span": self._span, "known": self._known(), "otherwise": otherwise}
-        return trouble_of(self.system, self.b, self.t, q, v, **told)  # type: ignore[arg-type]
 
     def steps(self) -> None:
         """No steps are kept."""
@@ -221,6 +212,11 @@ class RadauStepper:
         left_out = self.numbers.views[LEFT_OUT]
         left_out[:] = 0.0 if self.independence.kept is None else 1.0
         left_out[[] if self.independence.kept is None else self.independence.kept] = 0.0
+
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        told = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
@@ -245,7 +241,7 @@ class RadauStepper:
         try:
             placed_anew = [matrix.placed() for matrix in (self.real, self.pair, self.motion)]
         except SingularMatrix:
-            raise singular(t, dependent_rows(system, state.q0, t, self._known())) from None
+            raise self._explained(state.q0, state.v0) from None
         shown = (self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT])
         self._arrays = loop.Matrices._make([*shown, *placed_anew])
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0

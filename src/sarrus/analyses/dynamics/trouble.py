@@ -11,12 +11,13 @@ from ...elements import OPERATORS, Element
 from ...elements.evaluation import dense, element_from
 from ...system import System
 from ...system.local import GROUND, local
+from ..independence import Independence
 from ..rank import rank_of
 from .stepper import Trouble
 
-NEARLY = 1e-5  # singular value of the unit rows of Φ_q below which they are called dependent
+NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
-AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3)  # of the whole time: where a force is tried
+AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
 
 def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
@@ -47,12 +48,12 @@ def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
         return False
 
 
-def dependent_rows(system: System, q: Array, t: float, known: int) -> list[str]:
-    """Equations that (nearly) depend on each other at a position, besides those that always do."""
+def dependent_rows(system: System, q: Array, t: float, first: Independence) -> list[str]:
+    """Equations that (nearly) depend on each other at a position, besides those that do at the start."""
     if not np.all(np.isfinite(q)):
         return []
-    null = rank_of(system.Phi_q(q, t), NEARLY).null
-    if null.shape[1] <= known:
+    null = rank_of(system.Phi_q(q, t), NEARLY * min(first.smallest, 1.0)).null
+    if null.shape[1] <= first.known:
         return []
     size = abs(null).max(axis=1)
     names = system.row_names
@@ -60,9 +61,19 @@ def dependent_rows(system: System, q: Array, t: float, known: int) -> list[str]:
 
 
 def trouble_of(
-    system: System, b: Array, t: float, q: Array, v: Array, *, span: float, known: int, otherwise: Trouble
+    system: System,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    first: Independence,
+    span: float,
+    otherwise: Trouble,
 ) -> Trouble:
-    """What is behind ever smaller steps from a state: a force that is not finite, a singular position, or else."""
+    """Why there are no further steps from a state: a force that is not finite, a singular position, or else.
+
+    `first` is the choice of independent equations at the start, `span` the time that was still to go.
+    """
     for share in AHEAD:
         names = not_finite(system, b, t + share * span, q + share * span * v, v)
         if names:
@@ -71,7 +82,7 @@ def trouble_of(
                 f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
                 "root or logarithm of what may become negative there, or a division by zero",
             )
-    rows = dependent_rows(system, q, t, known)
+    rows = dependent_rows(system, q, t, first)
     return singular(t, rows) if rows else otherwise
 
 

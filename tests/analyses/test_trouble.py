@@ -1,0 +1,122 @@
+"""Trouble is a status with a sentence, and what was computed is kept."""
+
+import os
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.analyses import linkages
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.dynamics import room
+from sarrus.functions import log, sqrt
+
+METHODS = [sr.HHT(), sr.Radau(), sr.ODE()]
+
+
+def named(method: object) -> str:
+    return type(method).__name__
+
+
+def falling(*forces: object) -> sr.System:
+    return sr.System(sr.Model("falling", bodies=[BALL], forces=list(forces), gravity=(0, 0, -9.81)))
+
+
+BALL = sr.Body("ball", mass=1.0, inertia=(1, 1, 1))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_a_force_that_is_not_a_number_is_named(method: object) -> None:
+    root = sr.PointForce("thrust", BALL.point(0, 0, 0), (0, 0, lambda t: sqrt(0.5 - t)))
+    run = sr.simulate(falling(root), until=1.0, method=method)
+    assert run.status == "not finite"
+    assert "the force thrust is not a finite number" in run.message
+    assert 0.4 < run.t[-1] < 0.5
+    assert np.all(np.isfinite(run.q))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_a_force_that_is_never_a_number_is_named(method: object) -> None:
+    root = sr.PointForce("thrust", BALL.point(0, 0, 0), (0, 0, lambda t: log(-1 - t)))
+    run = sr.simulate(falling(root), until=1.0, method=method)
+    assert run.status == "not finite"
+    assert "thrust" in run.message
+    assert len(run.t) == 0
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_a_position_where_motions_branch_is_named_by_its_rows(method: object) -> None:
+    run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11, method=method)
+    if run.success:  # it may pass the branch between two steps
+        return
+    assert run.status in ("singular configuration", "step too small")
+    assert "hinge" in run.message
+    assert 0 < len(run.t) < 1001
+
+
+def test_a_driver_that_pulls_too_far() -> None:
+    """A rope pulls a crank of length 1 to the distance 3, which it can only just reach."""
+    crank = sr.Body("crank", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, crank, point=(0, 0, 0), axis=(0, 0, 1))
+    ends = sr.ground.point(2.0, 0.5, 0), crank.point(0.5, 0, 0)
+    rope = sr.DistanceDriver("rope", *ends, motion=lambda t: sqrt(1.25) + t)
+    system = sr.System(sr.Model("pulled", bodies=[crank], joints=[pin], drivers=[rope]))
+    run = sr.simulate(system, until=3.0)
+    assert not run.success
+    assert run.status == "singular configuration"
+    assert "rope" in run.message
+    assert run.t[-1] == pytest.approx(1 + np.sqrt(4.25) - np.sqrt(1.25), abs=0.01)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_an_inconsistent_start(method: object) -> None:
+    system = slider_crank()
+    wrong = sr.assemble(system)
+    run = sr.simulate(
+        system, replace(wrong, success=False, message="pin is open by 0.1 m"), until=1.0, method=method
+    )
+    assert (run.status, run.message) == ("inconsistent", "pin is open by 0.1 m")
+
+
+@pytest.mark.parametrize("method", METHODS, ids=named)
+def test_redundant_joints_that_contradict_each_other(method: object) -> None:
+    run = sr.simulate(linkages.contradictory_door(), until=1.0, method=method)
+    assert run.status == "inconsistent"
+    assert "hinge" in run.message
+    assert len(run.t) == 0
+
+
+def test_memory_that_would_not_suffice_is_told_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "available", lambda: 1_000_000)
+    system = slider_crank()
+    run = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 2000))
+    assert run.status == "memory"
+    assert str(8 * 2000 * (3 * system.nq + system.m + 5)) in run.message
+    assert sr.simulate(system, until=0.1, t_eval=[0.1]).success
+
+
+def test_steps_that_become_too_small() -> None:
+    """An attraction that grows beyond all bounds: the ball falls into the centre."""
+    ball = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(1.0, 0, 0))
+    centre = sr.ground.point(0, 0, 0), ball.point(0, 0, 0)
+    pull = sr.TSDA("pull", *centre, k=lambda l: 10 / (l * l * l * l * l), length=0.0)
+    system = sr.System(sr.Model("falling in", bodies=[ball], forces=[pull]))
+    run = sr.simulate(system, until=2.0, rtol=1e-9, atol=1e-11)
+    assert run.status in ("step too small", "not finite")
+    assert 0 < len(run.t) < 1001
+
+
+def test_ctrl_c_returns_what_is_done() -> None:
+    reached: list[float] = []
+
+    def told(t: float) -> None:
+        reached.append(t)
+        if len(reached) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    run = sr.simulate(slider_crank(), until=50.0, progress=told, rtol=1e-8, atol=1e-10)
+    assert run.status == "stopped"
+    assert "stopped by the user" in run.message
+    assert 0 < run.t[-1] <= reached[-1]

@@ -158,6 +158,34 @@ def test_given_rates() -> None:
     assert np.allclose(by_coordinate.v, by_joint.v, atol=1e-12)
 
 
+BODY = sr.Body("body", 1.0, (1, 1, 1), position=(0.4, 0.1, 0.2))
+PLACED = {"point": (0.1, 0.2, 0), "axis": (0, 0, 1)}
+JOINTS = {
+    "revolute": sr.Revolute("j", sr.ground, BODY, **PLACED),
+    "translational": sr.Translational("j", sr.ground, BODY, **PLACED),
+    "cylindrical": sr.Cylindrical("j", sr.ground, BODY, **PLACED),
+    "screw": sr.Screw("j", sr.ground, BODY, pitch=0.1, **PLACED),
+    "planar": sr.Planar("j", sr.ground, BODY, **PLACED),
+    "point on line": sr.PointOnLine("j", sr.ground, BODY, **PLACED),
+    "point on plane": sr.PointOnPlane("j", sr.ground, BODY, **PLACED),
+    "parallel axes": sr.ParallelAxes("j", sr.ground, BODY, axis=(0, 0, 1)),
+    "universal": sr.Universal("j", sr.ground, BODY, point=(0, 0, 0), axis_i=(1, 0, 0), axis_j=(0, 1, 0)),
+}
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+def test_every_angle_and_travel_can_be_given_its_rate(kind: str) -> None:
+    system = sr.System(sr.Model(kind, [BODY], [JOINTS[kind]]))
+    names = system.joint("j").names
+    for name in names:
+        found = sr.assemble(system, rates={f"j.{name}": 0.7})
+        assert found.success, found.message
+        assert system.joint("j")[name].rate(found.q, found.v) == pytest.approx(0.7)
+    if len(names) > 1:
+        with pytest.raises(KeyError, match=f"no single rate 'j'; give j.{names[0]} or j.{names[1]}"):
+            sr.assemble(system, rates={"j": 0.7})
+
+
 def test_contradicting_rates_are_refused() -> None:
     found = sr.assemble(slider_crank(), rates={"pin": 3.0, "slider.x": 5.0})
     assert not found.success

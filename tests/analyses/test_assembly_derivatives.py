@@ -38,6 +38,7 @@ def driven_slider_crank() -> sr.System:
 CASES = [
     (driven_pendulum, {"t": 0.3}),
     (driven_pendulum, {"t": 0.3, "metric": "mass", "rates": {"two.y": 0.4}}),
+    (driven_pendulum, {"t": 0.3, "rates": {"elbow.angle_j": 0.7}}),
     (driven_slider_crank, {"t": 0.3}),
     (slider_crank, {}),
     (slider_crank, {"rates": {"pin": 2.0}}),

@@ -57,8 +57,8 @@ def assemble(
     q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
     t : time [s]
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
-    rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: the angle of a revolute joint [rad/s], the
-        displacement of a translational joint [m/s], ``name.angle`` and ``name.displacement`` of a cylindrical one
+    rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: those of any angle [rad/s] or travel [m/s],
+        ``"pin"`` where the joint has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
     metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.metric.metric`
     tolerance : of the largest entry of |Φ|, not below round-off
     iterations : at most so many steps of one search

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .analyses import NoDerivative as NoDerivative
     from .analyses import Peak as Peak
     from .analyses import Radau as Radau
+    from .analyses import WorkspaceMap as WorkspaceMap
     from .analyses import assemble as assemble
     from .analyses import equilibrium as equilibrium
     from .analyses import inverse_dynamics as inverse_dynamics
@@ -37,7 +38,9 @@ if TYPE_CHECKING:
     from .analyses import simulate as simulate
     from .analyses import singularities as singularities
     from .analyses import state_derivatives as state_derivatives
+    from .analyses import verify_workspace as verify_workspace
     from .analyses.sensitivity import sensitivity as sensitivity
+    from .analyses.workspace import workspace as workspace
     from .io import Robot as Robot
     from .io import load_any as load_any
     from .io import load_mjcf as load_mjcf
@@ -64,12 +67,14 @@ if TYPE_CHECKING:
     from .model import Formula as Formula
     from .model import Frame as Frame
     from .model import Gear as Gear
+    from .model import Length as Length
     from .model import LengthStop as LengthStop
     from .model import Model as Model
     from .model import ModelError as ModelError
     from .model import ParallelAxes as ParallelAxes
     from .model import Planar as Planar
     from .model import Point as Point
+    from .model import PointCoordinate as PointCoordinate
     from .model import PointDriver as PointDriver
     from .model import PointForce as PointForce
     from .model import PointOnLine as PointOnLine
@@ -88,6 +93,7 @@ if TYPE_CHECKING:
     from .model import TravelDriver as TravelDriver
     from .model import TravelFriction as TravelFriction
     from .model import TravelStop as TravelStop
+    from .model import Turn as Turn
     from .model import Tyre as Tyre
     from .model import Universal as Universal
     from .model import ViscousDrag as ViscousDrag
@@ -105,6 +111,7 @@ if TYPE_CHECKING:
     from .results import Singularity as Singularity
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
+    from .results import Workspace as Workspace
     from .system import System as System
 
 __version__ = "0.1.0"
@@ -116,16 +123,16 @@ _HOMES = {
         "Gear LengthStop Model ModelError ParallelAxes Planar Point PointDriver PointForce PointOnLine "
         "PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
         "SarrusError Screw SphereContact Spherical TSDA Torque Translational TravelDriver TravelFriction "
-        "TravelStop Tyre Universal ViscousDrag describe ground load parse_expression"
+        "TravelStop Length PointCoordinate Turn Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
         "ODE Peak Radau assemble equilibrium inverse_dynamics kinematics linearize mobility modes sensitivity simulate "
-        "singularities state_derivatives"
+        "singularities state_derivatives verify_workspace workspace WorkspaceMap"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory",
+    "results": "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory Workspace",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

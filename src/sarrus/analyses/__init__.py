@@ -12,6 +12,7 @@ from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_d
 from .singular_positions import singularities
 from .statics import equilibrium
 from .vibration import modes
+from .workspace import WorkspaceMap, verify_workspace, workspace
 
 __all__ = [
     "HHT",
@@ -29,6 +30,7 @@ __all__ = [
     "NoDerivative",
     "Peak",
     "Radau",
+    "WorkspaceMap",
     "assemble",
     "equilibrium",
     "inverse_dynamics",
@@ -40,4 +42,6 @@ __all__ = [
     "simulate",
     "singularities",
     "state_derivatives",
+    "verify_workspace",
+    "workspace",
 ]

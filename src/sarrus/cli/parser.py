@@ -13,6 +13,7 @@ VERBS = {
     "kinematics": "follow the drivers of a model file, with the forces that this takes",
     "statics": "find where a model file comes to rest, and what its joints bear",
     "modes": "print the vibration modes of a model file about its rest",
+    "workspace": "map what two outputs of a model can reach, its boundary and barriers",
     "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",

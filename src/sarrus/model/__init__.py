@@ -34,6 +34,9 @@ from .forces import TravelStop as TravelStop
 from .forces import Tyre as Tyre
 from .forces import ViscousDrag as ViscousDrag
 from .frame import Frame as Frame
+from .function import Length as Length
+from .function import PointCoordinate as PointCoordinate
+from .function import Turn as Turn
 from .joints import ConstantAngle as ConstantAngle
 from .joints import Coupler as Coupler
 from .joints import Cylindrical as Cylindrical

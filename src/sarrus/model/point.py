@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from .names import find
 from .pose import Poses
 from .quantity import Array, Vec3, Vector, triple, vector
 from .solid import Solid, refuse_no_solid
+
+if TYPE_CHECKING:
+    from .function import PointCoordinate
 
 Axes: TypeAlias = Literal["body", "global"]
 
@@ -52,3 +55,10 @@ class Point:
         pose = find(self.body.name, poses, field)
         local = given if self.axes == "body" else triple(pose.local_point(np.array(given)))
         return LocalPoint(self.body.name, local)
+
+    def __getitem__(self, axes: Any) -> tuple[PointCoordinate, ...]:
+        """Return global coordinates of the point as functions: ``point["x", "y"]``."""
+        from .function import PointCoordinate
+
+        names = axes if isinstance(axes, tuple) else (axes,)
+        return tuple(PointCoordinate(self, name) for name in names)

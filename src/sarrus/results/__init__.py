@@ -12,11 +12,15 @@ from .singularity import Singularity
 from .solution import Solution, State
 from .steps import Steps
 from .trajectory import BodyMotion, Trajectory
+from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
 
 __all__ = [
     "Asked",
     "Assembly",
     "BodyMotion",
+    "BoundaryCurve",
+    "Component",
+    "Effort",
     "Equilibrium",
     "Gradient",
     "Happened",
@@ -31,4 +35,6 @@ __all__ = [
     "StateDerivatives",
     "Steps",
     "Trajectory",
+    "Verification",
+    "Workspace",
 ]

@@ -5,6 +5,7 @@ from .modes import modes_table, plot_modes
 from .plots import check_figure, motion_figure, plot
 from .reactions import plot_reaction
 from .tables import paper_tables
+from .workspace import plot_workspace, workspace_report
 
 __all__ = [
     "check_figure",
@@ -15,4 +16,6 @@ __all__ = [
     "plot",
     "plot_modes",
     "plot_reaction",
+    "plot_workspace",
+    "workspace_report",
 ]

@@ -1,0 +1,69 @@
+"""The workspace of a system, in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ...results.workspace import Workspace
+from ...system import System
+from .formulate import Limits
+from .mapping import REPEATS, WorkspaceMap
+from .trace import LONGEST
+from .verify import verify_workspace
+
+
+def workspace(
+    system: System,
+    output: Iterable[Any],
+    *,
+    limits: Limits | None = None,
+    fixed: Mapping[Any, float] | None = None,
+    inputs: Iterable[Any] = (),
+    verify: bool = True,
+    samples: int = 1000,
+    rays: int = 30,
+    seed: int = 0,
+    repeats: int = REPEATS,
+    longest: float = LONGEST,
+) -> Workspace:
+    """Map what two outputs of a mechanism can reach: boundary, voids, barriers and what can be crossed.
+
+    Candidates for the boundary are positions at which the gradients of the outputs depend on those of the constraints
+    and of the limits that are reached: Φ_qᵀ lam + ... + Uᵀ c = 0. They are traced as curves by pseudo-arclength
+    continuation with exact derivatives up to the third, from random starts and from rays. What each curve is follows
+    from second-order terms on both of its sides; see the how-to page on workspaces.
+
+    Parameters
+    ----------
+    system : System
+        Drivers are let go; redundant equations are allowed.
+    output : two functions of the position
+        Names (``"slider.x"``, ``"pin.angle"``, ``"platform.turn_z"``) or functions of the model
+        (``tool.point(1, 0, 0)["x", "y"]``, `sarrus.Turn`).
+    limits : function -> (lowest, highest) [m] or [rad], None where there is none
+        Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
+        a robot description.
+    fixed : function -> value that it keeps, such as an orientation
+    inputs : functions that are driven, for `manipulability`
+    verify : whether the map is tested by random positions, rays and inverse kinematics, see `verify_workspace`
+    samples, rays : of these tests
+    seed : of all random numbers
+    repeats : starts in a row that lead to nothing new, before the map counts as complete
+    longest : steps of curves, free of units; smaller ones give more points
+
+    Returns
+    -------
+    Workspace
+        Printed, it says in words what was found and how sure that is.
+
+    Raises
+    ------
+    SarrusError
+        If a name is unknown or the mechanism cannot be assembled within its limits.
+    """
+    found = WorkspaceMap(
+        system, output, limits=limits, fixed=fixed, inputs=inputs, seed=seed, repeats=repeats, longest=longest
+    )
+    first = found.run().result()
+    return verify_workspace(first, samples, rays) if verify else first

@@ -1,0 +1,160 @@
+"""From a system and names to a workspace problem: independent rows, limits, what is held, idle freedoms locked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import SarrusError, blueprint
+from ...system import System
+from ..degrees_of_freedom import normalizations
+from ..rank import unit_rows
+from .measures import Measure, measures
+from .problem import Problem
+from .sample import Samples
+
+TURN = 2 * np.pi
+DEPENDENT = 1e-7
+POSITIONS = 5  # at which the rank of the constraints is found
+
+Limits = Mapping[Any, tuple[float | None, float | None]] | Literal["model"]
+
+
+def formulate(
+    system: System,
+    output: Iterable[Any],
+    *,
+    limits: Limits | None = None,
+    fixed: Mapping[Any, float] | None = None,
+    inputs: Iterable[Any] = (),
+    singular: str = "outputs",
+) -> Problem:
+    """The problem of a workspace; its constraints are those of the joints, drivers are let go.
+
+    Raises
+    ------
+    SarrusError
+        If a name is unknown, a limit is empty, or the outputs cannot move.
+    """
+    given = _of_model(system) if limits == "model" else dict(limits or {})
+    table, places = _table(system, [list(output), list(given), list(fixed or {}), list(inputs)])
+    outputs, limited, held, driven = places
+    _refuse_outputs([table[k] for k in outputs])
+    bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
+    targets = {k: float(x) for k, x in zip(held, (fixed or {}).values(), strict=True)}
+    _refuse_beyond(table, targets, bounds)
+    bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
+    normal = outputs if singular == "outputs" else driven
+    free = _without_drivers(system)
+    nothing, size = np.zeros((0, system.nq)), _size(system)
+    rough = Problem(system, table, outputs, normal, targets, bounds, free, nothing, size)
+    positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
+    kept = _independent(system, positions, free)
+    return Problem(system, table, outputs, normal, targets, bounds, kept, nothing, size, positions)
+
+
+def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:
+    """The limits that a robot description gives; none for other models."""
+    found = getattr(system.model, "limits", {})
+    return {name: (limit.lower, limit.upper) for name, limit in found.items() if limit.lower is not None}
+
+
+def _table(system: System, groups: list[list[Any]]) -> tuple[list[Measure], list[list[int]]]:
+    """All measures, each once, and the places of those of each group."""
+    table: list[Measure] = []
+    places: list[list[int]] = []
+    for group in groups:
+        mine: list[int] = []
+        for one in measures(system, group):
+            names = [other.name for other in table]
+            if one.name not in names:
+                table.append(one)
+                names.append(one.name)
+            mine.append(names.index(one.name))
+        places.append(mine)
+    return table, places
+
+
+def _refuse_outputs(found: list[Measure]) -> None:
+    if not 1 <= len(found) <= 3:
+        raise SarrusError(f"a workspace has one to three outputs, not {len(found)}; name as many")
+    squares = [one.name for one in found if one.kind == "square"]
+    if squares:
+        raise SarrusError(f"the length {squares[0]} can be limited or fixed, but is no output; take a travel")
+
+
+def _bounds(one: Measure, pair: tuple[float | None, float | None]) -> tuple[float, float]:
+    low = -np.inf if pair[0] is None else float(pair[0])
+    high = np.inf if pair[1] is None else float(pair[1])
+    if one.kind == "square" and low <= 0:
+        low = -np.inf
+    if not low < high:
+        raise SarrusError(f"the limits of {one.name} are {low:g} and {high:g}; give the lower one first")
+    return low, high
+
+
+def _refuse_beyond(
+    table: list[Measure], targets: dict[int, float], bounds: dict[int, tuple[float, float]]
+) -> None:
+    for k in targets.keys() & bounds.keys():
+        low, high = bounds[k]
+        if not low <= targets[k] <= high:
+            told = f"{table[k].name} is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
+            raise SarrusError(f"{told}; fix it between them")
+
+
+def _bites(one: Measure, pair: tuple[float, float]) -> bool:
+    """Whether a limit restrains anything: an angle that may make a whole turn is free."""
+    if one.kind == "angle" and pair[1] - pair[0] >= TURN * (1 - 1e-12):
+        return False
+    return bool(np.isfinite(pair).any())
+
+
+def _without_drivers(system: System) -> Array:
+    driven = [system.rows[driver.name] for driver in system.model.drivers]
+    return np.setdiff1d(np.arange(system.m), np.concatenate(driven) if driven else np.zeros(0, dtype=int))
+
+
+def _size(system: System) -> float:
+    """The size of a mechanism: how far bodies lie apart, and their joints from their origins. [m]"""
+    r = system.q0.reshape(-1, 7)[:, :3]
+    spread = float(np.linalg.norm(r - r.mean(axis=0), axis=1).max(initial=0.0))
+    return max([spread, *_levers(system)]) or 1.0
+
+
+def _levers(system: System) -> Iterator[float]:
+    """Distances from bodies' origins to the points at which elements hold them."""
+    for placed in blueprint(system.model).placed:
+        for name, value in zip(placed.element.fields, placed.values, strict=False):
+            if name in ("s", "s_i", "s_j") and placed.element.rows:
+                yield float(np.linalg.norm(value))
+
+
+def _independent(system: System, positions: list[Array], free: Array) -> Array:
+    """Rows of Φ that are independent at some random positions, chosen in the model's order.
+
+    So it is the last joint of a loop, which closes it, whose equations are left out; those that are kept are then
+    independent wherever the mechanism itself is regular.
+    """
+    if not positions:
+        told = "widen the limits, or check that they can be met together"
+        raise SarrusError(f"{system.name} could not be assembled within these limits; {told}")
+    first = np.argsort(~normalizations(system)[free], kind="stable")
+    jacobians = [unit_rows(system.Phi_q(q)).toarray()[free][first] for q in positions]
+    kept = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT
+    return np.asarray(np.sort(free[first[kept]]))
+
+
+def _new(J: Array) -> Array:
+    """How much of every unit row is not in the span of the rows before it."""
+    basis, found = np.zeros((0, J.shape[1])), np.zeros(len(J))
+    for k, row in enumerate(J):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        found[k] = np.linalg.norm(rest)
+        if found[k] > DEPENDENT:
+            basis = np.concatenate([basis, rest[None] / found[k]])
+    return found

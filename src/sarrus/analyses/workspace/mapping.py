@@ -1,0 +1,190 @@
+"""A map under way: starts are found and curves traced until nothing new turns up; it can be stopped and resumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...results.workspace import Effort, Verification, Workspace
+from ...system import System
+from .crossing import Crossing, crossing
+from .explore import Branch, Explorer
+from .formulate import Limits, formulate
+from .newton import Tally
+from .problem import Problem
+from .ray import Ray
+from .region import Region, component_of
+from .sample import Samples
+from .seeds import Start, random_start
+from .trace import LONGEST
+
+REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
+MOST_STARTS = 600
+CONFIDENCE = 0.95
+
+
+class WorkspaceMap:
+    """The curves of a workspace, traced one by one: iterate, stop at any time, look at `result()`, and go on.
+
+    Parameters
+    ----------
+    system, output, limits, fixed, inputs : see `sarrus.workspace`
+    seed : of all random numbers
+    repeats : starts in a row that lead to nothing new, before the map counts as complete
+    finest : how long steps may be; smaller numbers give more points
+
+    Attributes
+    ----------
+    problem : the equations
+    explorer : the graph of curves
+    starts, in_a_row : starts so far; how many of the last led to known curves
+    """
+
+    def __init__(
+        self,
+        system: System,
+        output: Iterable[Any],
+        *,
+        limits: Limits | None = None,
+        fixed: Mapping[Any, float] | None = None,
+        inputs: Iterable[Any] = (),
+        seed: int = 0,
+        repeats: int = REPEATS,
+        longest: float = LONGEST,
+    ) -> None:
+        self._begin(
+            formulate(system, output, limits=limits, fixed=fixed, inputs=inputs), seed, repeats, longest
+        )
+
+    def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:
+        self.problem, self.seed, self.repeats = problem, seed, repeats
+        self.explorer = Explorer(problem, longest=longest)
+        self.random, self.samples = np.random.default_rng(seed), Samples(problem, seed)
+        self.met: list[Array] = []
+        self.starts = self.in_a_row = 0
+        self._crossings: dict[int, Crossing] = {}
+        self._checks = Tally()
+        self._region: tuple[int, int, Region] | None = None
+
+    @classmethod
+    def of(
+        cls, problem: Problem, seed: int = 0, repeats: int = REPEATS, longest: float = LONGEST
+    ) -> WorkspaceMap:
+        """The map of a problem that is formulated already."""
+        found = cls.__new__(cls)
+        found._begin(problem, seed, repeats, longest)
+        return found
+
+    def __iter__(self) -> Iterator[Branch]:
+        return self
+
+    def __next__(self) -> Branch:
+        """The next curve, with new starts where the last are exhausted."""
+        while True:
+            for branch in self.explorer:
+                return branch
+            if self.in_a_row >= self.repeats or self.starts >= MOST_STARTS or not self._start():
+                raise StopIteration
+
+    def run(self) -> WorkspaceMap:
+        """Trace all there is."""
+        for _ in self:
+            pass
+        return self
+
+    def _start(self) -> bool:
+        """One more start, in turn by a ray and by Newton's method on random equations; false if there is none."""
+        q = next(self.samples, None)
+        if q is None:
+            return False
+        self.starts += 1
+        self.met.append(q)
+        by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
+        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random, self.explorer.tally)
+        if start is not None:
+            self.in_a_row = 0 if self.explorer.start(*start) else self.in_a_row + 1
+        return True
+
+    def ray(self, q: Array) -> Start | None:
+        """The end of a ray in a random direction."""
+        angle = self.random.uniform(0.0, 2 * np.pi)
+        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)]), self.explorer.tally).end()
+
+    @property
+    def branches(self) -> list[Branch]:
+        """The curves so far, without those of no length."""
+        return [branch for branch in self.explorer.branches if len(branch.points) > 1]
+
+    def region(self) -> Region:
+        """The plane divided by the curves so far."""
+        branches = self.branches
+        mark = (len(branches), len(self.met))
+        if self._region is None or self._region[:2] != mark:
+            found = [self._crossing(branch) for branch in branches]
+            self._region = (*mark, Region(self.problem, branches, found, np.array(self.met), self.seed))
+        return self._region[2]
+
+    def _crossing(self, branch: Branch) -> Crossing:
+        if id(branch) not in self._crossings:
+            self._crossings[id(branch)] = crossing(branch, self._checks)
+        return self._crossings[id(branch)]
+
+    def result(self, verification: Verification | None = None) -> Workspace:
+        """What is known so far, as a value."""
+        p, region = self.problem, self.region()
+        units = p.units[p.outputs]
+        names = [p.table[k].name for k in p.limited]
+        status, message = self._status(region, verification)
+        one, other = (p.table[k] for k in p.outputs)
+        return Workspace(
+            p.system.name,
+            (one.name, other.name),
+            ("rad" if one.kind == "angle" else "m", "rad" if other.kind == "angle" else "m"),
+            tuple(region.curves(names)),
+            region.area * float(units.prod()),
+            region.area_error(self._checks) * float(units.prod()),
+            region.perimeter * float(units[0]),
+            tuple(component_of(part, units) for part in region.components()),
+            status,
+            message,
+            verification,
+            self._effort(),
+            self,
+        )
+
+    def _effort(self) -> Effort:
+        tally = self.explorer.tally
+        return Effort(tally.points, tally.newton, tally.factorizations, len(self.met), self.starts)
+
+    def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
+        trouble = self._trouble(region, tests)
+        name = self.problem.system.name
+        if trouble:
+            return "incomplete", f"{name}: {trouble}"
+        share = 1 - (1 - CONFIDENCE) ** (1 / self.in_a_row)
+        told = (
+            f"the last {self.in_a_row} starts led to nothing new, so with {100 * CONFIDENCE:.0f} % confidence"
+        )
+        return (
+            "mapped",
+            f"{name}: mapped; {told} curves that were missed attract less than {share:.1%} of starts",
+        )
+
+    def _trouble(self, region: Region, tests: Verification | None) -> str:
+        """What keeps a map from being complete, in words."""
+        branches = self.explorer.branches
+        lost = [branch.trouble for branch in branches if branch.trouble]
+        if not branches:
+            return "no boundary curve was found; is there a limit or a singularity at all?"
+        if self.explorer.open or self.in_a_row < self.repeats:
+            return "the map is not complete; go on with it, or give it more starts"
+        if lost:
+            told = f"{len(lost)} of {len(branches)} curves were lost on the way, the first because {lost[0]}"
+            return f"{told}; take smaller steps (longest)"
+        if region.can[0]:
+            return "a curve tells that the unbounded part of the plane can be reached; take smaller steps (longest)"
+        failed = tests is not None and not tests.success
+        return "a test failed; see the verification" if failed else ""

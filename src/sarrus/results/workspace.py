@@ -1,0 +1,201 @@
+"""A workspace: which places outputs of a mechanism can be at, bounded and divided by curves, and how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from .polygons import inside
+
+CurveKind = Literal["outer", "void", "barrier", "crossable"]
+
+
+@dataclass(frozen=True)
+class BoundaryCurve:
+    """A part of a candidate curve on which nothing changes.
+
+    Attributes
+    ----------
+    kind : "outer": the boundary of what can be reached. "void": that of a hole in it. "barrier": inside, where motion
+        on this branch of assembly can arrive from one side only. "crossable": no impediment.
+    u : (k, 2) outputs along it
+    inward : (k, 2) unit normals to the side on which the outputs stay; of either side for crossable curves
+    q : (j, nq) positions along it, `u_of_q` (j, 2) where they are
+    active : limits that are reached, e.g. "q1 lowest"
+    singular : whether, beyond these limits, the mechanism itself loses a direction (links stretched or folded)
+    length : of the curve
+    branch : number of the traced curve that it is a part of
+    again : whether another curve of this kind, of another branch of assembly, lies at the same place
+    """
+
+    kind: CurveKind
+    u: Array = field(repr=False)
+    inward: Array = field(repr=False)
+    q: Array = field(repr=False)
+    u_of_q: Array = field(repr=False)
+    active: tuple[str, ...]
+    singular: bool
+    length: float
+    branch: int
+    again: bool = False
+
+    @property
+    def cause(self) -> str:
+        """What makes it, in words."""
+        limits = ", ".join(self.active)
+        if not self.singular:
+            return limits
+        return f"singularity with {limits}" if limits else "singularity"
+
+
+@dataclass(frozen=True)
+class Component:
+    """A connected part of what can be reached.
+
+    Attributes
+    ----------
+    area, perimeter : of the part
+    loops : closed polylines (k, 2): the outer boundary, then holes
+    """
+
+    area: float
+    perimeter: float
+    loops: tuple[Array, ...] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Verification:
+    """How a workspace was tested by means that know nothing of its curves.
+
+    Attributes
+    ----------
+    samples, outside : random admissible positions, and how many of them lay outside beyond `tolerance`
+    rays, known_rays : random rays that found an end, and how many of these ends lie on known curves
+    inner, reached : places just inside the boundary, and how many inverse kinematics reached
+    rounds, found_late : tests until nothing new was found, and curves that were traced because of them
+    """
+
+    samples: int
+    outside: int
+    rays: int
+    known_rays: int
+    inner: int
+    reached: int
+    rounds: int
+    found_late: int
+    tolerance: float
+
+    @property
+    def success(self) -> bool:
+        """Whether no test failed in the last round."""
+        return not self.outside and self.known_rays == self.rays and self.reached == self.inner
+
+    @property
+    def missed_share(self) -> float:
+        """With 95 % confidence, less than this share of random positions lies in a part that was missed."""
+        return 1 - 0.05 ** (1 / self.samples) if self.samples else 1.0
+
+    def __str__(self) -> str:
+        told = [
+            f"Of {self.samples} random admissible positions {self.outside or 'none'} lay outside.",
+            f"{self.known_rays} of {self.rays} rays ended on known curves.",
+            f"{self.reached} of {self.inner} places just inside the boundary were reached by inverse kinematics.",
+        ]
+        if self.found_late:
+            told.append(
+                f"The tests led to {self.found_late} curves that had been missed; they are traced now."
+            )
+        told.append(
+            f"With 95 % confidence less than {100 * self.missed_share:.3g} % of admissible positions were missed."
+        )
+        return " ".join(told)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Work done: points of curves, Newton steps, factorizations, positions sampled, rays."""
+
+    points: int
+    newton_steps: int
+    factorizations: int
+    samples: int
+    starts: int
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """What two outputs of a mechanism can reach.
+
+    Attributes
+    ----------
+    name : of the system
+    outputs : their names, `units` "m" or "rad"
+    curves : all parts of boundary, barriers and crossable curves
+    area, area_error, perimeter : of what can be reached; the error is an estimate
+    components : connected parts, the largest first
+    status : "mapped", or "incomplete" if a curve was lost or a test failed
+    message : one sentence
+    verification : of `sarrus.verify_workspace`, None before
+    effort : work done
+    map : the `WorkspaceMap` that made it, from which it can be continued
+    """
+
+    name: str
+    outputs: tuple[str, str]
+    units: tuple[str, str]
+    curves: tuple[BoundaryCurve, ...] = field(repr=False)
+    area: float
+    area_error: float
+    perimeter: float
+    components: tuple[Component, ...] = field(repr=False)
+    status: Literal["mapped", "incomplete"]
+    message: str
+    verification: Verification | None = None
+    effort: Effort | None = field(default=None, repr=False)
+    map: Any = field(default=None, repr=False, compare=False)
+
+    @property
+    def success(self) -> bool:
+        """Whether nothing was lost."""
+        return self.status == "mapped"
+
+    @property
+    def boundary(self) -> tuple[BoundaryCurve, ...]:
+        """The curves that bound what can be reached, of outer boundary and voids; each once."""
+        return tuple(curve for curve in self.curves if curve.kind in ("outer", "void") and not curve.again)
+
+    def of_kind(self, kind: CurveKind) -> tuple[BoundaryCurve, ...]:
+        """The curves of one kind."""
+        return tuple(curve for curve in self.curves if curve.kind == kind)
+
+    def contains(self, points: ArrayLike) -> Array:
+        """Which points (k, 2) can be reached; nearer to the boundary than its polyline it may err."""
+        loops = [loop for part in self.components for loop in part.loops]
+        return inside(loops, np.atleast_2d(np.asarray(points, dtype=float)))
+
+    def to_csv(self, path: Any) -> None:
+        """Write all curves as a table: curve, kind, cause, both outputs, inward normal."""
+        import csv
+        from pathlib import Path
+
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["curve", "kind", "cause", *self.outputs, "inward_1", "inward_2"])
+            for n, curve in enumerate(self.curves):
+                for u, normal in zip(curve.u, curve.inward, strict=True):
+                    writer.writerow([n, curve.kind, curve.cause, *map(repr, (*u.tolist(), *normal.tolist()))])
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw it; see `sarrus.views.plot_workspace`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_workspace(self, ax, **options)
+
+    def __str__(self) -> str:
+        from importlib import import_module
+
+        return str(import_module("sarrus.views").workspace_report(self))

@@ -1,0 +1,102 @@
+"""Planar mechanisms with workspaces that are known in closed form, made of spatial joints."""
+
+from math import atan2, cos, sin
+
+import numpy as np
+
+import sarrus as sr
+
+DEGREE = np.pi / 180
+Limits = dict[object, tuple[float | None, float | None]]
+Case = tuple[sr.System, tuple[object, object], Limits]
+
+
+def arm(lengths: list[float]) -> tuple[sr.System, sr.Point]:
+    """Links on hinges along x, and the tip."""
+    bodies: list[sr.Body] = []
+    joints = []
+    x = 0.0
+    for n, length in enumerate(lengths, start=1):
+        body = sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=(x, 0, 0))
+        before = bodies[-1] if bodies else sr.ground
+        joints.append(sr.Revolute(f"q{n}", before, body, point=(x, 0, 0), axis=(0, 0, 1)))
+        bodies.append(body)
+        x += length
+    return sr.System(sr.Model("arm", bodies=bodies, joints=joints)), bodies[-1].point(lengths[-1], 0, 0)
+
+
+def arm_2r() -> Case:
+    system, tip = arm([1, 0.7])
+    return system, tip["x", "y"], {"q1": (-60 * DEGREE, 120 * DEGREE), "q2": (20 * DEGREE, 150 * DEGREE)}
+
+
+def arm_2r_both_elbows() -> Case:
+    system, tip = arm([1, 0.7])
+    return system, tip["x", "y"], {"q1": (-90 * DEGREE, 90 * DEGREE), "q2": (-120 * DEGREE, 120 * DEGREE)}
+
+
+def arm_3r() -> Case:
+    """The arm of Haug et al. 1996."""
+    system, tip = arm([4, 2, 1])
+    return system, tip["x", "y"], {f"q{n}": (-60 * DEGREE, 60 * DEGREE) for n in (1, 2, 3)}
+
+
+def platform(base: list[tuple[float, float]], corners: list[tuple[float, float]]) -> Case:
+    """A platform in the plane, its legs as lengths without bodies; limits are to be filled in."""
+    body = sr.Body("platform", mass=1, inertia=(1, 1, 1), position=(0.3, 1.2, 0))
+    plane = sr.Planar("plane", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    legs = [
+        sr.Length(sr.ground.point(*foot, 0), body.point(*corner, 0), f"leg {n}")
+        for n, (foot, corner) in enumerate(zip(base, corners, strict=True), start=1)
+    ]
+    system = sr.System(sr.Model("3-RPR", bodies=[body], joints=[plane]))
+    return system, body.point(0, 0, 0)["x", "y"], dict.fromkeys(legs, (None, None))
+
+
+def platform_haug() -> Case:
+    """The planar Stewart platform of Haug et al. 1996: two legs meet in one corner."""
+    system, output, legs = platform([(-1, 0), (1, 0), (2, 0)], [(-1, 0), (-1, 0), (1, 0)])
+    return system, output, dict(zip(legs, [(2**0.5, 2), (2**0.5, 2), (1, 3)], strict=True))
+
+
+def platform_equilateral() -> Case:
+    r = 3**-0.5
+    base, corners = [(0, 0), (3, 0), (1.5, 1.5 * 3**0.5)], [(-0.5, -r / 2), (0.5, -r / 2), (0, r)]
+    system, output, legs = platform(base, corners)
+    return system, output, dict.fromkeys(legs, (0.8, 2.2))
+
+
+def five_bar() -> Case:
+    """Two cranks of 1.2 m at (-1, 0) and (1, 0), two rods of 1.5 m: five hinges, three redundant equations."""
+    A1, A2, P = np.array([-1.0, 0.0]), np.array([1.0, 0.0]), np.array([0.1, 1.9])
+    B1, B2 = _corner(A1, 1.2, P, 1.5), _corner(P, 1.5, A2, 1.2)
+    cranks = [_bar("crank_1", A1, B1), _bar("crank_2", A2, B2)]
+    rods = [_bar("rod_1", B1, P), _bar("rod_2", B2, P)]
+    joints = [
+        _hinge("a1", sr.ground, cranks[0], A1),
+        _hinge("a2", sr.ground, cranks[1], A2),
+        _hinge("b1", cranks[0], rods[0], B1),
+        _hinge("b2", cranks[1], rods[1], B2),
+        _hinge("p", rods[0], rods[1], P),
+    ]
+    system = sr.System(sr.Model("five-bar", bodies=[*cranks, *rods], joints=joints))
+    return system, rods[0].point(1.5, 0, 0)["x", "y"], {}
+
+
+def _bar(name: str, start: np.ndarray, end: np.ndarray) -> sr.Body:
+    half = 0.5 * atan2(end[1] - start[1], end[0] - start[0])
+    pose = {"position": (*start, 0), "orientation": (cos(half), 0, 0, sin(half))}
+    return sr.Body(name, mass=1, inertia=(1, 1, 1), **pose)
+
+
+def _hinge(name: str, i: sr.Body, j: sr.Body, at: np.ndarray) -> sr.Revolute:
+    return sr.Revolute(name, i, j, point=(*at, 0), axis=(0, 0, 1))
+
+
+def _corner(a: np.ndarray, r_a: float, b: np.ndarray, r_b: float) -> np.ndarray:
+    """The left one of the two points at given distances from two others."""
+    d = b - a
+    away = float(np.linalg.norm(d))
+    along = (away**2 + r_a**2 - r_b**2) / (2 * away)
+    across = (r_a**2 - along**2) ** 0.5
+    return a + along * d / away + across * np.array([-d[1], d[0]]) / away

@@ -1,0 +1,47 @@
+"""Tests of maps: nothing outside, rays end on known curves, the boundary is reached; what was missed is traced."""
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+from .mechanisms import arm_3r, five_bar, platform_haug
+
+
+@pytest.mark.parametrize("case", [arm_3r, five_bar])
+def test_maps_pass_their_tests(case: object) -> None:
+    system, output, limits = case()
+    found = sr.workspace(system, output, limits=limits, samples=400, rays=12)
+    tests = found.verification
+    assert tests is not None
+    assert tests.success
+    assert tests.samples == 400
+    assert tests.rays > 5
+    assert tests.inner >= 4
+    assert f"{tests.samples} random admissible positions none lay outside" in str(found)
+
+
+def test_parts_that_were_missed_are_traced() -> None:
+    """A map that was stopped after the first of four parts."""
+    system, output, limits = platform_haug()
+    map_ = sr.WorkspaceMap(system, output, limits=limits)
+    while not map_.branches or map_.explorer.open:
+        next(map_)
+    first = map_.result()
+    assert len(first.components) < 4
+    map_.in_a_row = map_.repeats
+    found = sr.verify_workspace(first, samples=300, rays=10)
+    assert len(found.components) == 4
+    assert found.verification is not None
+    assert found.verification.found_late > 10
+    assert found.verification.success
+
+
+def test_contains_agrees_with_distances() -> None:
+    system, output, limits = five_bar()
+    found = sr.workspace(system, output, limits=limits, verify=False)
+    points = np.random.default_rng(0).uniform(-3, 3, size=(3000, 2))
+    d1, d2 = (np.hypot(points[:, 0] - x, points[:, 1]) for x in (-1, 1))
+    margin = np.min([2.7 - d1, 2.7 - d2, d1 - 0.3, d2 - 0.3], axis=0)
+    clear = abs(margin) > 1e-3
+    assert np.array_equal(found.contains(points)[clear], margin[clear] > 0)

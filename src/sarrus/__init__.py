@@ -132,7 +132,9 @@ _HOMES = {
         "singularities state_derivatives verify_workspace workspace WorkspaceMap"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
-    "results": "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory Workspace",
+    "results": (
+        "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory Workspace"
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

@@ -15,6 +15,7 @@ import pytest
 from sarrus.model import Curve, Force, Joint, Model, ModelError, blueprint, load
 from sarrus.model.body import Body
 from sarrus.model.expression import Expression
+from sarrus.model.file.numbers import Numbers
 from sarrus.model.file.stated import function_in
 from sarrus.model.file.typed import measures, typed
 from sarrus.model.inertia import Inertia
@@ -146,6 +147,12 @@ def test_a_function_of_time_keeps_its_variable() -> None:
     assert form.validate_python("10*sin(2*pi*t)", context=numbers).value({"t": 0.25}) == 10
     with pytest.raises(ValueError, match=r"expects N, but .* is in"):
         form.validate_python("1 m * t", context=numbers)
+
+
+def test_an_unknown_name_in_a_function_is_told_its_variable() -> None:
+    numbers = Numbers({"parameters": {"pace": 2.0}})
+    with pytest.raises(ModelError, match='unknown name "x"; choose from t, pace'):
+        numbers.function("sin(pace*x)", "N", "s")
 
 
 def test_a_curve_may_be_a_formula() -> None:

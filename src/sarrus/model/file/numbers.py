@@ -104,7 +104,7 @@ class Numbers:
         tree = parse(text)
         full = {name: Name(full_name(text, name)) for name in tree.names() if name not in variables}
         for name in full.values():
-            self._need(name.name, text)
+            self._need(name.name, text, variables)
         return tree.replaced(full)
 
     def parameters(self) -> dict[str, float]:
@@ -114,8 +114,8 @@ class Numbers:
             self._need(name, name)
         return {name: self.values[name] for name in names}
 
-    def _need(self, name: str, text: str) -> None:
-        """Work out the value of a name."""
+    def _need(self, name: str, text: str, variables: tuple[str, ...] = ()) -> None:
+        """Work out the value of a name; the variables of its formula are offered where it is unknown."""
         if name in self.values:
             return
         if name in self.open:
@@ -123,7 +123,7 @@ class Numbers:
             raise ModelError(f"holds formulas that go in a circle, {circle}; give one of them a number")
         if len(self.open) >= LONGEST_CHAIN:
             raise ModelError(f"needs a chain of more than {LONGEST_CHAIN} names; give one of them a number")
-        raw, unit = self._definition(name, text)
+        raw, unit = self._definition(name, text, variables)
         self.open.append(name)
         try:
             self._define(name, raw, unit)
@@ -151,7 +151,7 @@ class Numbers:
             told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
             raise ModelError(f"{told}; give it in {expected}, or leave the unit away")
 
-    def _definition(self, name: str, text: str) -> tuple[Any, str | None]:
+    def _definition(self, name: str, text: str, variables: tuple[str, ...]) -> tuple[Any, str | None]:
         """Return what the file says for a name, and the unit that its place declares."""
         found = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
         for raw, home in found:
@@ -162,7 +162,7 @@ class Numbers:
                 told = f"uses {quote(name)}, which is {show(raw)} and no number"
                 wrong = Echo if home.section == "parameters" else ModelError
                 raise wrong(f"{told}; name one of its numbers, as in {name}.x")
-        raise self._unknown(name, text)
+        raise self._unknown(name, text, variables)
 
     def _homes(self, name: str) -> Iterator[Home]:
         """Yield every part that a path may lead into: parameters and points come before the others."""
@@ -196,8 +196,8 @@ class Numbers:
         measure = measures(kind).get(home.steps[0]) if kind and home.steps else None
         return measure.unit if measure else None
 
-    def _unknown(self, name: str, text: str) -> ModelError:
-        known = [*self._parameter_names(), *self._part_numbers()]
+    def _unknown(self, name: str, text: str, variables: tuple[str, ...]) -> ModelError:
+        known = [*variables, *self._parameter_names(), *self._part_numbers()]
         hint = suggest(name, known) if known else "define it under parameters"
         if text.strip() == name and "." not in name and "did you mean" not in hint:
             return ModelError(f"must be a number, but is {quote(text)}; {FORMS}")

@@ -213,3 +213,12 @@ def test_a_kept_loop_depends_on_its_constants(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(alpha_loop, "NEWTON_SHARE", 0.5)
     assert compiled_function(alpha_loop.newton, update=None).__name__ != newton
     assert Path(alpha_loop.__file__).exists()
+
+
+@pytest.mark.parametrize("until", [1e-4, 1e-3, 0.01])
+def test_a_short_run_with_a_tight_tolerance(until: float) -> None:
+    """The first step is no shorter than round-off of the constraints allows."""
+    run = sr.simulate(slider_crank(), until=until, t_eval=[until], rtol=1e-8, atol=1e-10)
+    assert run.success, run.message
+    assert run.nrejected == 0
+    assert run["slider"].velocity[-1, 0] == pytest.approx(2.5589 * until, rel=1e-3)  # from rest

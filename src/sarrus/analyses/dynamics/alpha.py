@@ -273,11 +273,19 @@ class AlphaStepper:
             lu.column_order,
         ])  # fmt: skip
 
+    def _finest(self) -> float:
+        """The step at which round-off in Φ, over h, is as large in v as what Newton's method may leave there."""
+        state, tolerances = self._state, self.settings.tolerances
+        noise = 2 * np.finfo(float).eps * abs(state.q0).max(initial=0.0)
+        relative = noise / (tolerances.atol_v + tolerances.rtol_v * abs(state.v0))
+        return float(np.sqrt(np.mean(relative**2))) / loop.NEWTON_SHARE
+
     def _first_step(self) -> float:
         """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
         state, span = self._state, self._span
+        longest = max(0.01 * span, self._finest())  # the loop cuts a step at the end
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
         try:
@@ -288,7 +296,7 @@ class AlphaStepper:
         jerk = self.scheme.error * (a - state.a0) / ahead / tolerances.of_q(state.q0)
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
-        return float(min(max(guess, 1e-7 * span), 0.01 * span, self.settings.max_step))
+        return float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
 
     def steps(self) -> Any:
         """What was kept for derivatives, or None."""

@@ -113,6 +113,8 @@ if TYPE_CHECKING:
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
     from .system import System as System
+    from .views import animate as animate
+    from .views import view as view
 
 __version__ = "0.1.0"
 
@@ -135,6 +137,7 @@ _HOMES = {
     "results": (
         "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory Workspace"
     ),
+    "views": "animate view",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

@@ -19,8 +19,10 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "slider at x = 4.749343770 m" in told.out
     assert "compiling kernels" in told.err
     assert sorted(file.name for file in tmp_path.iterdir()) == [
-        f"slider_crank_{figure}.{ending}" for figure in ("check", "motion") for ending in ("png", "svg")
+        "motion.html",
+        *(f"slider_crank_{figure}.{ending}" for figure in ("check", "motion") for ending in ("png", "svg")),
     ]
+    assert (tmp_path / "motion.html").stat().st_size < 1_500_000
     assert ET.parse(tmp_path / "slider_crank_motion.svg").getroot().tag.endswith("svg")
 
 
@@ -57,6 +59,19 @@ def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert figure.exists()
 
 
+def test_view(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "crank.html"
+    assert main(["view", SLIDER_CRANK, "--assemble", "--output", str(page)]) == 0
+    assert "slider-crank" in page.read_text()
+    assert f"wrote {page}" in capsys.readouterr().err
+
+
+def test_view_of_a_motion(tmp_path: Path) -> None:
+    page = tmp_path / "crank.html"
+    assert main(["view", SLIDER_CRANK, "--until", "0.2", "--trace", "rod", "--output", str(page)]) == 0
+    assert '"traces":[{"body":2' in page.read_text()
+
+
 def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema"]) == 0
     assert json.loads(capsys.readouterr().out)["$schema"].startswith("https://json-schema.org")
@@ -86,6 +101,12 @@ MISUSE = [
     ("paper --seed -3", "--seed: must be a whole number of at least 0, but is -3"),
     ("run none.yaml", "none.yaml: does not exist; check the path"),
     ("walk", "invalid choice: 'walk'"),
+    ("view {} --output x.doc", "must end in .html, .glb, .png, .gif or .mp4, but is x.doc"),
+    (
+        f"view {SLIDER_CRANK} --output x.gif",
+        "x.gif: a film needs a motion; say how long it lasts with --until",
+    ),
+    ("view {} --until 1 --trace rope", "no body 'rope' in slider-crank"),
     ("demo --output {}", "is a file, not a folder; choose another --output"),
 ]
 

@@ -91,7 +91,7 @@ def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
     from ..views import check_figure, motion_figure
 
     figures = {"motion": motion_figure(motion, "slider", "crank"), "check": check_figure(report, TOLERANCE)}
-    files = []
+    files = [motion.animate(folder / "motion.html", traces=["rod"])]
     for name, figure in figures.items():
         for ending in ("png", "svg"):
             files.append(folder / f"slider_crank_{name}.{ending}")

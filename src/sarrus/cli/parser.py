@@ -14,6 +14,7 @@ VERBS = {
     "statics": "find where a model file comes to rest, and what its joints bear",
     "modes": "print the vibration modes of a model file about its rest",
     "workspace": "map what two outputs of a model can reach, its boundary and barriers",
+    "view": "show a model file, or its motion, in the browser",
     "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",

@@ -10,6 +10,7 @@ from pathlib import Path
 
 MOST_STEPS = 1_000_000  # output intervals: all states are kept in memory
 FIGURES = (".png", ".svg", ".pdf")
+SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 
 
 def positive(text: str) -> float:
@@ -61,10 +62,19 @@ def _whole(text: str, least: int, most: int | None) -> int:
 
 def figure_file(text: str) -> Path:
     """A file whose ending Matplotlib can write."""
+    return _file(text, FIGURES)
+
+
+def scene_file(text: str) -> Path:
+    """A file that a mechanism or its motion can be written to."""
+    return _file(text, SCENES)
+
+
+def _file(text: str, endings: tuple[str, ...]) -> Path:
     path = Path(text)
-    if path.suffix.lower() not in FIGURES:
+    if path.suffix.lower() not in endings:
         raise argparse.ArgumentTypeError(
-            f"must end in {', '.join(FIGURES[:-1])} or {FIGURES[-1]}, but is {text}"
+            f"must end in {', '.join(endings[:-1])} or {endings[-1]}, but is {text}"
         )
     return path
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from .body import Body
 from .drivers import Driver
@@ -62,6 +63,12 @@ class Model:
             if self.origin and any(part.name == name for part in parts):
                 return self.origin.where((section, name))
         return ""
+
+    def view(self, file: Any = None, **options: Any) -> Any:
+        """Show the mechanism in three dimensions, in the browser, a notebook or a file; see `sarrus.view`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").view(self, file, **options)
 
     def sections(self) -> dict[str, Sequence[Body | Joint | Driver | Force]]:
         """Return the bodies, joints, drivers and forces under these names."""

@@ -172,6 +172,12 @@ class Trajectory:
 
         return import_module("sarrus.views").plot(self, *names, ax=ax)
 
+    def animate(self, file: Any = None, **options: Any) -> Any:
+        """Play the motion in three dimensions, in the browser, a notebook or a file; see `sarrus.animate`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").animate(self, file, **options)
+
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
     """Place in q of a coordinate given by its short or full name; a KeyError naming the owner if there is none."""

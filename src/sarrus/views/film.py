@@ -1,0 +1,236 @@
+"""Pictures and films without a browser: PNG, GIF and MP4."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..euler import A
+from .browser import Shown
+from .browser.scene import GHOSTS, front, pace
+from .camera import Camera, camera
+from .looks import Part, Span
+from .raster import Canvas
+from .shapes.mesh import along
+
+SIZE = (720, 450)  # [pixels] of a film
+LARGE = (1200, 750)  # [pixels] of a picture
+FINER = 2  # each pixel is the mean of so many by so many
+RATE = {".gif": 20, ".mp4": 30}  # frames per second
+SAMPLES = 24  # positions that the camera shall see
+BACKGROUND, INK = np.array([0.933, 0.945, 0.957]), "#23282e"
+LIGHT = np.array([0.35, 0.45, 0.82])  # in axes of the camera: right, up, back
+AMBIENT, GHOST = 0.52, 0.38
+MISSING = 'pictures and films need Pillow: pip install "sarrus[plot]"'
+NO_FFMPEG = (
+    "an .mp4 film needs the program ffmpeg, which is not on the PATH; install it, or write a .gif or .html"
+)
+
+
+def write_picture(shown: Sequence[Shown], file: Path, view: str | None = None) -> Path:
+    """Write the first frame of runs as PNG, and return the path."""
+    studio = _Studio(shown, LARGE, view)
+    studio.image(float(shown[0].frames.t[0]), clock=False).save(file)
+    return file
+
+
+def write_film(shown: Sequence[Shown], file: Path, speed: float | None, view: str | None = None) -> Path:
+    """Write runs as GIF or MP4, and return the path.
+
+    Raises
+    ------
+    ImportError
+        If Pillow is not installed.
+    OSError
+        If an MP4 is wanted and there is no ffmpeg.
+    """
+    ending = file.suffix.lower()
+    ffmpeg = shutil.which("ffmpeg")
+    if ending == ".mp4" and ffmpeg is None:
+        raise OSError(NO_FFMPEG)
+    studio = _Studio(shown, SIZE, view)
+    times = _times(shown, speed, RATE[ending])
+    images = (studio.image(t) for t in times)
+    if ending == ".gif":
+        _gif(images, file)
+    else:
+        _mp4(images, str(ffmpeg), file)
+    return file
+
+
+def _times(shown: Sequence[Shown], speed: float | None, rate: int) -> Array:
+    start, end = min(run.frames.t[0] for run in shown), max(run.frames.t[-1] for run in shown)
+    lasts = (end - start) / pace(shown, speed)["speed"]
+    return np.linspace(start, end, max(2, round(lasts * rate)))
+
+
+def _gif(images: Iterator[Any], file: Path) -> None:
+    first, *others = (image.convert("P", palette=1, colors=128) for image in images)
+    wait = 1000 // RATE[".gif"]
+    first.save(file, save_all=True, append_images=others, duration=wait, loop=0, optimize=False)
+
+
+def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
+    size, rate = f"{SIZE[0]}x{SIZE[1]}", str(RATE[".mp4"])
+    told = [ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate]
+    told += ["-i", "-", "-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
+    with subprocess.Popen(told, stdin=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        for image in images:
+            process.stdin.write(image.tobytes())
+        process.stdin.close()
+    if process.returncode:
+        raise OSError(f"{file}: ffmpeg could not write the film, it ended with code {process.returncode}")
+
+
+class _Studio:
+    """Runs in front of a camera that stands still."""
+
+    def __init__(self, shown: Sequence[Shown], size: tuple[int, int], view: str | None) -> None:
+        self.shown, self.size = shown, size
+        places = np.concatenate([_places(run) for run in shown])
+        wide, high = size[0] * FINER, size[1] * FINER
+        self.camera: Camera = camera(places, shown[0].sketch.up, view or front(shown[0]), wide, high)
+        self.up, self.places = shown[0].sketch.up, places
+
+    def image(self, t: float, *, clock: bool = True) -> Any:
+        """The picture at a time, as an image of Pillow."""
+        try:
+            from PIL import Image, ImageDraw, ImageFont
+        except ImportError:
+            raise ImportError(MISSING) from None
+        canvas = Canvas(self.camera.width, self.camera.height, BACKGROUND)
+        self._ground(canvas)
+        for number, run in enumerate(self.shown):
+            self._run(canvas, run, t, None if number == 0 else GHOSTS[(number - 1) % len(GHOSTS)])
+        image = Image.fromarray(canvas.smaller(FINER))
+        pen = ImageDraw.Draw(image)
+        for run in self.shown:
+            self._traces(pen, run, t)
+        pen.text((14, 10), self.shown[0].sketch.name, fill=INK, font=ImageFont.load_default(17))
+        if clock:
+            pen.text((14, self.size[1] - 26), f"t = {t:.2f} s", fill=INK, font=ImageFont.load_default(15))
+        return image
+
+    def _run(self, canvas: Canvas, run: Shown, t: float, ghost: str | None) -> None:
+        q = _state(run, t)
+        solid = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) == 1]
+        glass = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) < 1]
+        if solid:
+            drawn = [self._lit(mesh, _rgb(part.color), part.mesh.faces, both=False) for mesh, part in solid]
+            canvas.draw(*(np.concatenate(column) for column in zip(*drawn, strict=True)))
+        for mesh, part in glass:
+            if not (ghost and part.kind == "ground"):
+                lit = self._lit(mesh, _rgb(ghost or part.color), part.mesh.faces, both=True)
+                canvas.blend(*lit, _opacity(part, ghost))
+
+    def _lit(self, vertices: Array, color: Array, faces: Array, *, both: bool) -> tuple[Array, Array]:
+        """Triangles that are seen, in pixels, with their colours."""
+        corners = vertices[faces]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        h = across / np.where(size > 0, size, 1.0)
+        towards = np.einsum("ij,ij->i", h, self.camera.place - corners[:, 0])
+        seen = (size[:, 0] > 0) & ((towards > 0) | both)
+        h = np.where(towards[:, None] > 0, h, -h)[seen] @ self.camera.axes
+        light = AMBIENT + (1 - AMBIENT) * np.maximum(h @ (LIGHT / np.linalg.norm(LIGHT)), 0.0)
+        return self.camera.seen(corners[seen]), np.clip(light[:, None] * color * 1.08, 0, 1)
+
+    def _ground(self, canvas: Canvas) -> None:
+        """Lines of a grid below, as thin triangles."""
+        sketch = self.shown[0].sketch
+        level = float((self.places @ self.up).min()) if sketch.floor is None else sketch.floor
+        corners = _grid(self.places, self.up, level - 1e-3 * sketch.size, 1e-3 * sketch.size)
+        ahead = np.all((corners - self.camera.place) @ self.camera.axes[:, 2] < -1e-3 * sketch.size, axis=1)
+        canvas.draw(self.camera.seen(corners[ahead]), np.tile([0.83, 0.85, 0.87], (int(ahead.sum()), 1)))
+
+    def _traces(self, pen: Any, run: Shown, t: float) -> None:
+        for body, point in run.traces:
+            path = _path(run, body, point)
+            seen = self.camera.seen(path)[:, :2] / FINER
+            past = seen[run.frames.t <= t]
+            if len(past) > 1:
+                pen.line([tuple(p) for p in past.tolist()], fill=run.sketch.colors[body - 1], width=2)
+
+
+def _opacity(part: Part | Span, ghost: str | None) -> float:
+    return (part.opacity if isinstance(part, Part) else 1.0) * (GHOST if ghost else 1.0)
+
+
+def _rgb(color: str) -> Array:
+    return np.array([int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+
+
+def _state(run: Shown, t: float) -> Array:
+    at = run.frames
+    k = int(np.clip(np.searchsorted(at.t, t), 0, len(at.t) - 1))
+    if k == 0 or t >= at.t[-1]:
+        return np.asarray(at.q[k])
+    s = (t - at.t[k - 1]) / (at.t[k] - at.t[k - 1])
+    return np.asarray((1 - s) * at.q[k - 1] + s * at.q[k])
+
+
+def _frame(q: Array, body: int) -> tuple[Array, Array]:
+    if not body:
+        return np.zeros(3), np.eye(3)
+    p = q[7 * body - 4 : 7 * body]
+    return q[7 * body - 7 : 7 * body - 4], np.asarray(A(p / np.linalg.norm(p)), dtype=float)
+
+
+def _moved(run: Shown, q: Array) -> Iterator[tuple[Array, Part | Span]]:
+    """Yield the vertices of every part in space."""
+    for part in run.sketch.parts:
+        r, axes = _frame(q, part.body)
+        yield part.mesh.moved(r, axes).vertices, part
+    for span in run.sketch.spans:
+        start, end = (
+            r + axes @ s
+            for (r, axes), s in ((_frame(q, b), s) for b, s in zip(span.bodies, span.points, strict=True))
+        )
+        way = end - start
+        length = float(np.linalg.norm(way)) or 1e-9
+        place = end - span.length * way / length if span.grip == "end" else start
+        scale = length / span.length if span.grip == "both" else 1.0
+        yield span.mesh.stretched((1, 1, scale)).moved(place, along(way)).vertices, span
+
+
+def _places(run: Shown) -> Array:
+    """Corners of all that is drawn, over the run: the boxes around each part."""
+    few = run.frames.q[:: max(1, len(run.frames.q) // SAMPLES)]
+    found = []
+    for q in few:
+        for vertices, _ in _moved(run, q):
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
+            found += [low, high]
+    return np.array(found)
+
+
+def _path(run: Shown, body: int, point: Array) -> Array:
+    return np.array([r + axes @ point for r, axes in (_frame(q, body) for q in run.frames.q)])
+
+
+def _grid(places: Array, up: Array, level: float, half: float) -> Array:
+    """Triangles (n, 3, 3) of the lines of a square grid at a height around places."""
+    side = np.eye(3)[0] if abs(up[0]) < 0.9 else np.eye(3)[1]
+    side = (side - (side @ up) * up) / np.linalg.norm(side - (side @ up) * up)
+    ahead = np.cross(up, side)
+    reach = 1.2 * float(np.linalg.norm(np.ptp(places, axis=0)))
+    step = 10.0 ** np.floor(np.log10(reach / 3))
+    center = places.mean(axis=0)
+    middle = [round(float(center @ axis) / step) * step for axis in (side, ahead)]
+    lines = np.arange(-np.ceil(reach / step), np.ceil(reach / step) + 1) * step
+    found = []
+    for n, (along_it, across) in enumerate(((side, ahead), (ahead, side))):
+        base = level * up + middle[n] * along_it + middle[1 - n] * across
+        for x in lines:
+            for low in lines[:-1]:  # in pieces, so that none begins behind the camera
+                a, b = base + x * across + low * along_it, base + x * across + (low + step) * along_it
+                w = half * across
+                found += [[a - w, b - w, b + w], [a - w, b + w, a + w]]
+    return np.array(found)

@@ -1,0 +1,188 @@
+"""GLB, the binary form of glTF 2.0: a mechanism, and its motion as an animation, for other programs."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..euler import A
+from .browser import Shown
+from .looks import Part, Span
+from .shapes import normals
+
+FLOAT, UINT = 5126, 5125  # component types of glTF
+VERTICES, INDICES = 34962, 34963  # targets of buffer views
+LEAST = 1e-6  # glTF wants scales that are not 0
+
+
+def write_glb(shown: Shown, file: Path) -> Path:
+    """Write a run, or a position, as GLB; z (or what is up) becomes the y axis of glTF. Returns the path."""
+    writer = _Writer(shown)
+    file.write_bytes(writer.bytes())
+    return file
+
+
+class _Writer:
+    def __init__(self, shown: Shown) -> None:
+        self.shown, self.sketch = shown, shown.sketch
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.meshes: list[dict[str, Any]] = []
+        self.materials: dict[tuple[str, float], int] = {}
+        self.nodes: list[dict[str, Any]] = []
+        self.channels: list[dict[str, Any]] = []
+        self.samplers: list[dict[str, Any]] = []
+        self.times = (
+            self._accessor(shown.frames.t - shown.frames.t[0], "SCALAR") if len(shown.frames.t) > 1 else -1
+        )
+        self._fill()
+
+    def bytes(self) -> bytes:
+        """The whole file."""
+        told = json.dumps(self._told(), separators=(",", ":")).encode()
+        told += b" " * (-len(told) % 4)
+        body = bytes(self.data) + b"\0" * (-len(self.data) % 4)
+        chunks = (
+            struct.pack("<I4s", len(told), b"JSON") + told + struct.pack("<I4s", len(body), b"BIN\0") + body
+        )
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+    def _told(self) -> dict[str, Any]:
+        told: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "Sarrus"},
+            "scene": 0,
+            "scenes": [{"name": self.sketch.name, "nodes": [0]}],
+            "nodes": self.nodes,
+            "meshes": self.meshes,
+            "materials": [_material(*look) for look in self.materials],
+            "accessors": self.accessors,
+            "bufferViews": self.views,
+            "buffers": [{"byteLength": len(self.data) + -len(self.data) % 4}],
+        }
+        if self.channels:
+            told["animations"] = [
+                {"name": self.shown.name, "channels": self.channels, "samplers": self.samplers}
+            ]
+        return told
+
+    def _fill(self) -> None:
+        """The root turns up into y; below it the ground, the bodies, and what spans them."""
+        turn = np.array([1.0, 0, 0, 0]) if self.sketch.up[1] > 0.99 else _to_y(self.sketch.up)
+        self._node(self.sketch.name, rotation=_xyzw(turn), children=[])
+        for number, name in enumerate(("ground", *self.sketch.bodies)):
+            node = self._node(name, children=[])
+            self.nodes[0]["children"].append(node)
+            for part in self.sketch.parts:
+                if part.body == number:
+                    self.nodes[node]["children"].append(self._node(part.name, mesh=self._mesh(part)))
+            if number:
+                q = self.shown.frames.q[:, 7 * number - 7 : 7 * number]
+                self._moves(node, translation=q[:, :3], rotation=_xyzw(_unit(q[:, 3:])))
+        for span in self.sketch.spans:
+            node = self._node(span.name, mesh=self._mesh(span))
+            self.nodes[0]["children"].append(node)
+            self._moves(node, **self._stretched(span))
+        for one in self.nodes:
+            if not one.get("children", True):
+                del one["children"]
+
+    def _node(self, name: str, **entries: Any) -> int:
+        plain = {
+            key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in entries.items()
+        }
+        self.nodes.append({"name": name, **plain})
+        return len(self.nodes) - 1
+
+    def _moves(self, node: int, **paths: Array) -> None:
+        """Where a node is at first, and, if there is a motion, at all times."""
+        for path, values in paths.items():
+            self.nodes[node][path] = values[0].tolist()
+            if self.times >= 0 and np.ptp(values, axis=0).any():
+                output = self._accessor(values, "VEC4" if values.shape[1] == 4 else "VEC3")
+                self.samplers.append({"input": self.times, "output": output, "interpolation": "LINEAR"})
+                target = {"node": node, "path": path}
+                self.channels.append({"sampler": len(self.samplers) - 1, "target": target})
+
+    def _stretched(self, span: Span) -> dict[str, Array]:
+        ends = [self._path(body, point) for body, point in zip(span.bodies, span.points, strict=True)]
+        way = ends[1] - ends[0]
+        length = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), LEAST)
+        start = ends[1] - span.length * way / length if span.grip == "end" else ends[0]
+        scale = np.ones((len(way), 3))
+        if span.grip == "both":
+            scale[:, 2:] = length / span.length
+        return {"translation": start, "rotation": _along(way / length), "scale": scale}
+
+    def _path(self, body: int, point: Array) -> Array:
+        if not body:
+            return np.tile(point, (len(self.shown.frames.q), 1))
+        q = self.shown.frames.q[:, 7 * body - 7 : 7 * body]
+        return np.array([x[:3] + A(x[3:]) @ point for x in q])
+
+    def _mesh(self, part: Part | Span) -> int:
+        look = (part.color, getattr(part, "opacity", 1.0))
+        material = self.materials.setdefault(look, len(self.materials))
+        attributes = {
+            "POSITION": self._accessor(part.mesh.vertices, "VEC3", VERTICES),
+            "NORMAL": self._accessor(normals(part.mesh), "VEC3", VERTICES),
+        }
+        triangles = self._accessor(part.mesh.faces.reshape(-1, 1), "SCALAR", INDICES)
+        primitive = {"attributes": attributes, "indices": triangles, "material": material}
+        self.meshes.append({"name": part.name, "primitives": [primitive]})
+        return len(self.meshes) - 1
+
+    def _accessor(self, values: Array, kind: str, target: int | None = None) -> int:
+        whole = target == INDICES
+        data = np.ascontiguousarray(values, dtype="<u4" if whole else "<f4")
+        rows = data.reshape(len(data), -1)
+        view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.data), "byteLength": data.nbytes}
+        self.views.append(view | ({"target": target} if target else {}))
+        self.data += data.tobytes()
+        accessor = {
+            "bufferView": len(self.views) - 1,
+            "componentType": UINT if whole else FLOAT,
+            "count": len(rows),
+        }
+        bounds = {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        self.accessors.append({**accessor, "type": kind, **bounds})
+        return len(self.accessors) - 1
+
+
+def _material(color: str, opacity: float) -> dict[str, Any]:
+    channels = [int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    surface = {"baseColorFactor": [*linear, opacity], "metallicFactor": 0.1, "roughnessFactor": 0.55}
+    glass = {"alphaMode": "BLEND"} if opacity < 1 else {}
+    return {"pbrMetallicRoughness": surface, "doubleSided": opacity < 1, **glass}
+
+
+def _xyzw(p: Array) -> Array:
+    """Euler parameters, scalar first, as glTF has them, scalar last."""
+    return np.roll(p, -1, axis=-1)
+
+
+def _unit(p: Array) -> Array:
+    return np.asarray(p / np.linalg.norm(p, axis=1, keepdims=True))
+
+
+def _along(ways: Array) -> Array:
+    """Rotations (n, 4), scalar last, of z into unit vectors: by the shortest way, without jumps of sign."""
+    w = 1 + ways[:, 2]
+    found = np.column_stack([-ways[:, 1], ways[:, 0], np.zeros(len(ways)), w])
+    found[w < 1e-9] = [1.0, 0.0, 0.0, 0.0]
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def _to_y(up: Array) -> Array:
+    """Euler parameters of the shortest rotation of ``up`` into y."""
+    y = np.array([0.0, 1.0, 0.0])
+    if up @ y < -1 + 1e-9:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    p = np.array([1 + up @ y, *np.cross(up, y)])
+    return np.asarray(p / np.linalg.norm(p))

@@ -1,0 +1,226 @@
+"""A model as drawn parts: all that a picture, a page or a film of it is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...euler import A
+from ...model import Model, blueprint
+from ...model.blueprint import Blueprint
+from .anchors import Anchor, anchors, centers, points_of
+from .body import Outline, body_meshes
+from .force import force_parts
+from .joint import RAILS, Room, joint_parts
+from .part import PALETTE, Part, Span
+
+SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
+THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
+TYRES = ("tyre", "road_tyre")
+SMALLEST = 1e-9  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """A model as meshes that move with its bodies.
+
+    Attributes
+    ----------
+    name : of the model
+    bodies : names; body number n has the coordinates ``q[7 (n - 1) : 7 n]``
+    parts, spans : what is drawn
+    colors : of the bodies
+    centers : of mass, in body axes (nb, 3) [m]
+    up : unit vector against gravity; z if there is none
+    size : extent of the drawing [m]
+    unit : thickness of a rod [m]
+    low : height of the lowest point, along ``up`` [m]
+    floor : height of the road on which tyres stand [m], None without tyres
+    weighs : whether there is gravity
+    """
+
+    name: str
+    bodies: tuple[str, ...]
+    parts: tuple[Part, ...]
+    spans: tuple[Span, ...]
+    colors: tuple[str, ...]
+    centers: Array
+    up: Array
+    size: float
+    unit: float
+    low: float
+    floor: float | None
+    weighs: bool
+
+
+def sketch(model: Model, positions: Array | None = None) -> Sketch:
+    """Draw a model.
+
+    Parameters
+    ----------
+    model : Model
+    positions : (n, nq) positions that rails shall reach, and above which the ground lies; by default the initial one
+
+    Raises
+    ------
+    ModelError
+        If anything is wrong in the model, or if a mesh cannot be read.
+    """
+    plan = blueprint(model)
+    return _Drawing(
+        model, plan, plan.q[None] if positions is None or not len(positions) else positions
+    ).sketch()
+
+
+class _Drawing:
+    def __init__(self, model: Model, plan: Blueprint, positions: Array) -> None:
+        self.model, self.plan, self.positions = model, plan, positions
+        self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
+        self.masses = centers(plan)
+        gravity = np.array(model.gravity, dtype=float)
+        weight = np.linalg.norm(gravity)
+        self.up = -gravity / weight if weight else np.array([0.0, 0.0, 1.0])
+        self.size, self.low = self._extent()
+        self.unit = self._unit()
+        self.room = Room(self.unit, self.size, self.up, dict(self._travels()))
+
+    def sketch(self) -> Sketch:
+        drawn = [*self._bodies(), *self._joints(), *self._forces()]
+        return Sketch(
+            self.model.name,
+            self.plan.bodies,
+            tuple(one for one in drawn if isinstance(one, Part)),
+            tuple(one for one in drawn if isinstance(one, Span)),
+            tuple(_color(n) for n in range(1, len(self.plan.bodies) + 1)),
+            np.array([self.masses[n + 1][2] for n in range(len(self.plan.bodies))]),
+            self.up,
+            self.size,
+            self.unit,
+            self.low,
+            self._road(),
+            any(self.model.gravity),
+        )
+
+    def _bodies(self) -> Iterator[Part]:
+        for number, name in enumerate(self.plan.bodies, start=1):
+            told = f"body, {self.masses[number][0]:.4g} kg"
+            for mesh, opacity in body_meshes(self._outline(number), self.unit, self.size):
+                yield Part(name, "body", told, number, mesh, _color(number), opacity)
+
+    def _outline(self, number: int) -> Outline:
+        points: list[Array] = []
+        hinges: list[Array | None] = []
+        guide = None
+        for anchor in (*self.joints, *(f for f in self.forces if len({*f.bodies}) == 2)):
+            for side, body in enumerate(anchor.bodies):
+                if body == number:
+                    points.append(anchor.points[side])
+                    hinges.append(anchor.axes[side][:, 2] if anchor.kind == "revolute" else None)
+                    if anchor.kind == "translational" and side:
+                        guide = anchor.points[side], anchor.axes[side]
+        return Outline(points, hinges, *self.masses[number], guide)
+
+    def _joints(self) -> Iterator[Part | Span]:
+        for anchor in self.joints:
+            yield from joint_parts(_long(anchor, self._distance(anchor)), self.room)
+
+    def _forces(self) -> Iterator[Part | Span]:
+        for anchor in self.forces:
+            length = max(self._distance(anchor), self.unit)
+            yield from force_parts(anchor, self.room, length, self._axle(anchor))
+
+    def _axle(self, tyre: Anchor) -> Array:
+        """The axis of a wheel in axes of its body: that of a hinge near its centre, or across the way ahead."""
+        body, place = tyre.bodies[0], tyre.points[0]
+        for joint in self.joints:
+            for side, number in enumerate(joint.bodies):
+                near = np.linalg.norm(joint.points[side] - place) < self.unit
+                if number == body and near and joint.kind == "revolute":
+                    return joint.axes[side][:, 2]
+        across = np.cross(self.up, [1.0, 0.0, 0.0] if abs(self.up[0]) < 0.9 else [0.0, 1.0, 0.0])
+        return np.asarray(self._axes(body, self.plan.q).T @ across)
+
+    def _road(self) -> float | None:
+        roads = [getattr(anchor.part, "road", None) for anchor in self.forces if anchor.kind in TYRES]
+        flat = [float(road) for road in roads if isinstance(road, int | float)]
+        return min(flat, default=self.low) if roads else None
+
+    def _travels(self) -> Iterator[tuple[str, tuple[float, float]]]:
+        for anchor in self.joints:
+            if anchor.kind in RAILS:
+                found = [self._travel(anchor, q) for q in self.positions]
+                yield anchor.name, (min(found), max(found))
+
+    def _travel(self, anchor: Anchor, q: Array) -> float:
+        i, j = self._places(anchor, q)
+        return float((j - i) @ self._axes(anchor.bodies[0], q) @ anchor.axes[0][:, 2])
+
+    def _distance(self, anchor: Anchor) -> float:
+        i, j = self._places(anchor, self.positions[0])
+        return float(np.linalg.norm(j - i))
+
+    def _places(self, anchor: Anchor, q: Array) -> tuple[Array, Array]:
+        i, j = (
+            self._global(body, point, q) for body, point in zip(anchor.bodies, anchor.points, strict=True)
+        )
+        return i, j
+
+    def _global(self, body: int, point: Array, q: Array) -> Array:
+        origin = q[7 * body - 7 : 7 * body - 4] if body else np.zeros(3)
+        return np.asarray(origin + self._axes(body, q) @ point)
+
+    def _axes(self, body: int, q: Array) -> Array:
+        return np.asarray(A(q[7 * body - 4 : 7 * body]), dtype=float) if body else np.eye(3)
+
+    def _extent(self) -> tuple[float, float]:
+        """Size of the drawing in its first position, and the lowest height in all of them."""
+        places = [self._all_places(q) for q in self.positions]
+        first = places[0]
+        size = float(np.linalg.norm(first.max(axis=0) - first.min(axis=0)))
+        low = float(min((found @ self.up).min() for found in places))
+        return (size if size > SMALLEST else _lonely(self.masses)), low
+
+    def _all_places(self, q: Array) -> Array:
+        found = [self._global(n, center, q) for n, (_, _, center) in self.masses.items()]
+        for anchor in (*self.joints, *self.forces):
+            found += self._places(anchor, q)
+            if anchor.kind in TYRES:
+                found.append(found[-1] - float(anchor.part.radius) * self.up)
+        return np.array(found)
+
+    def _unit(self) -> float:
+        extents = [
+            max(_apart([*points_of(n, self.joints), self.masses[n][2]]), default=0.0) for n in self.masses
+        ]
+        known = [extent for extent in extents if extent > SMALLEST]
+        typical = float(np.median(known)) if known else self.size
+        return float(np.clip(SLENDER * typical, THINNEST * self.size, THICKEST * self.size))
+
+
+def _apart(points: Sequence[Array]) -> list[float]:
+    return [float(np.linalg.norm(a - b)) for a, b in combinations(points, 2)]
+
+
+def _lonely(masses: dict[int, tuple[float, Array, Array]]) -> float:
+    """The size of a drawing of bodies in one place: of what has their inertia."""
+    sizes = [4 * float(np.sqrt(np.trace(inertia) / mass)) for mass, inertia, _ in masses.values()]
+    return max([*sizes, SMALLEST])
+
+
+def _long(anchor: Anchor, length: float) -> Anchor:
+    """The anchor of a link that was given without a length, with its length in the first position."""
+    part: Any = anchor.part
+    if getattr(part, "length", 0.0) is not None:
+        return anchor
+    from dataclasses import replace
+
+    return anchor._replace(part=replace(part, length=length))
+
+
+def _color(number: int) -> str:
+    return PALETTE[(number - 1) % len(PALETTE)]

@@ -1,0 +1,97 @@
+"""Triangles to pixels: flat areas of colour with depth, drawn row by row with NumPy alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..algebra import Array
+
+FAR = np.inf
+
+
+class Canvas:
+    """A picture that triangles are drawn into, nearer ones over farther ones.
+
+    Attributes
+    ----------
+    pixels : (height, width, 3) colours, 0 to 1
+    depth : (height, width) distance of what is seen [m]
+    """
+
+    def __init__(self, width: int, height: int, background: Array) -> None:
+        self.pixels = np.tile(np.asarray(background, dtype=np.float32), (height, width, 1))
+        self.depth = np.full((height, width), FAR)
+
+    def draw(self, corners: Array, colors: Array) -> None:
+        """Draw triangles: corners (n, 3, 3) as x, y [pixels] and depth, colours (n, 3)."""
+        owner, row, column, depth = _covered(corners, *self.depth.shape)
+        place = row * self.depth.shape[1] + column
+        order = np.argsort(-depth, kind="stable")  # the nearest is written last
+        place, depth, owner = place[order], depth[order], owner[order]
+        nearer = depth < self.depth.reshape(-1)[place]
+        place, depth, owner = place[nearer], depth[nearer], owner[nearer]
+        self.depth.reshape(-1)[place] = depth
+        self.pixels.reshape(-1, 3)[place] = colors[owner]
+
+    def blend(self, corners: Array, colors: Array, opacity: float) -> None:
+        """Draw triangles as glass over what is there."""
+        glass = Canvas(self.depth.shape[1], self.depth.shape[0], np.zeros(3))
+        glass.draw(corners, colors)
+        seen = glass.depth < self.depth
+        self.pixels[seen] = (1 - opacity) * self.pixels[seen] + opacity * glass.pixels[seen]
+
+    def smaller(self, factor: int) -> Array:
+        """The picture with every ``factor`` by ``factor`` pixels as one, as bytes (height, width, 3)."""
+        height, width = (n // factor for n in self.depth.shape)
+        blocks = self.pixels[: height * factor, : width * factor].reshape(height, factor, width, factor, 3)
+        return np.asarray(np.clip(255 * blocks.mean(axis=(1, 3)) + 0.5, 0, 255), dtype=np.uint8)
+
+
+def _covered(corners: Array, height: int, width: int) -> tuple[Array, Array, Array, Array]:
+    """Triangle, row, column and depth of every pixel whose centre a triangle covers."""
+    x, y, z = (corners[:, :, n] for n in range(3))
+    low, high = np.ceil(y.min(axis=1) - 0.5), np.floor(y.max(axis=1) - 0.5)
+    first, last = np.clip(low, 0, height).astype(int), np.clip(high, -1, height - 1).astype(int)
+    owner, row = _expanded(first, np.maximum(last - first + 1, 0))
+    left, right = _crossings(x[owner], y[owner], row + 0.5)
+    first = np.clip(np.ceil(left - 0.5), 0, width).astype(int)
+    last = np.clip(np.floor(right - 0.5), -1, width - 1).astype(int)
+    line, column = _expanded(first, np.maximum(last - first + 1, 0))
+    owner, row = owner[line], row[line]
+    slope_x, slope_y = _slopes(x, y, z)
+    depth = z[:, 0][owner] + slope_x[owner] * (column + 0.5 - x[:, 0][owner])
+    return owner, row, column, depth + slope_y[owner] * (row + 0.5 - y[:, 0][owner])
+
+
+def _expanded(first: Array, count: Array) -> tuple[Array, Array]:
+    """Numbers first, first + 1, ... of every entry, ``count`` of them, with the entry that each belongs to."""
+    owner = np.repeat(np.arange(len(first)), count)
+    start = np.cumsum(count) - count
+    return owner, first[owner] + np.arange(len(owner)) - start[owner]
+
+
+def _crossings(x: Array, y: Array, height: Array) -> tuple[Array, Array]:
+    """Where a horizontal line enters and leaves each triangle."""
+    left, right = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        rise = y[:, b] - y[:, a]
+        meets = (
+            (np.minimum(y[:, a], y[:, b]) <= height) & (height <= np.maximum(y[:, a], y[:, b])) & (rise != 0)
+        )
+        at = x[:, a] + (height - y[:, a]) / np.where(rise == 0, 1.0, rise) * (x[:, b] - x[:, a])
+        left, right = (
+            np.where(meets, np.minimum(left, at), left),
+            np.where(meets, np.maximum(right, at), right),
+        )
+    empty = left > right
+    return np.where(empty, 0.0, left), np.where(empty, -1.0, right)
+
+
+def _slopes(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
+    """How depth grows along x and y on each triangle; 0 where it is seen edge on."""
+    ax, ay, az = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0], z[:, 1] - z[:, 0]
+    bx, by, bz = x[:, 2] - x[:, 0], y[:, 2] - y[:, 0], z[:, 2] - z[:, 0]
+    area = ax * by - ay * bx
+    safe = np.where(area == 0, 1.0, area)
+    flat = area == 0
+    return np.where(flat, 0.0, (az * by - ay * bz) / safe), np.where(flat, 0.0, (ax * bz - az * bx) / safe)

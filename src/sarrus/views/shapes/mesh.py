@@ -1,0 +1,59 @@
+"""A triangle mesh: its corners and triangles, how it is moved, and the normals that shade it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+
+
+class Mesh(NamedTuple):
+    """Corners (n, 3) [m] and triangles (m, 3); corners are shared where the surface is smooth."""
+
+    vertices: Array
+    faces: Array
+
+    def moved(self, r: Array, axes: Array | None = None) -> Mesh:
+        """The mesh turned by a matrix, then shifted by r."""
+        turned = self.vertices if axes is None else self.vertices @ np.asarray(axes).T
+        return Mesh(turned + np.asarray(r), self.faces)
+
+    def stretched(self, factors: Iterable[float]) -> Mesh:
+        """The mesh stretched along its axes; turned inside out by a mirror, it is turned back."""
+        scale = np.array([*factors], dtype=float)
+        return Mesh(self.vertices * scale, self.faces if np.prod(scale) > 0 else self.faces[:, ::-1])
+
+
+EMPTY = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+
+
+def joined(meshes: Iterable[Mesh]) -> Mesh:
+    """All meshes as one."""
+    parts = [EMPTY, *meshes]
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    faces = [part.faces + start for part, start in zip(parts, starts, strict=True)]
+    return Mesh(np.concatenate([part.vertices for part in parts]), np.concatenate(faces))
+
+
+def normals(mesh: Mesh) -> Array:
+    """Unit normals at the corners (n, 3): means of the triangles around, by their areas."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    total = np.zeros_like(mesh.vertices)
+    for k in range(3):
+        np.add.at(total, mesh.faces[:, k], across)
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.asarray(np.where(size > 0, total / np.where(size > 0, size, 1.0), [0.0, 0.0, 1.0]))
+
+
+def along(direction: Array) -> Array:
+    """A rotation matrix whose third column is along a direction."""
+    h = np.asarray(direction, dtype=float)
+    h = h / np.linalg.norm(h)
+    helper = np.eye(3)[np.argmin(abs(h))]
+    f = np.cross(helper, h)
+    f /= np.linalg.norm(f)
+    return np.column_stack([f, np.cross(h, f), h])

@@ -1,0 +1,141 @@
+"""Round bodies: profiles turned about an axis, and tubes along a path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ...algebra import Array
+from .mesh import Mesh, along, joined
+
+AROUND = 24  # corners of a circle
+TINY = 1e-12  # [m] rods shorter than this have no direction
+
+Profile = Sequence[Sequence[float]] | Array
+
+
+def turned(profiles: Iterable[Profile], around: int = AROUND) -> Mesh:
+    """Profiles of pairs (radius, z) turned about z; edges between two profiles are sharp."""
+    return joined(_turned(np.array(profile, dtype=float), around) for profile in profiles)
+
+
+def _turned(profile: Array, around: int) -> Mesh:
+    angles = np.linspace(0.0, 2 * np.pi, around, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    rows = [np.column_stack([r * circle, np.full(around, z)]) for r, z in profile]
+    return Mesh(np.concatenate(rows), _quads(len(profile), around, closed=False))
+
+
+def _quads(rows: int, around: int, *, closed: bool) -> Array:
+    """Triangles between neighbouring rows of ``around`` corners each, wound so that they face outwards."""
+    k, n = np.meshgrid(np.arange(rows if closed else rows - 1), np.arange(around), indexing="ij")
+    a, b = k * around + n, k * around + (n + 1) % around
+    c, d = ((k + 1) % rows) * around + n, ((k + 1) % rows) * around + (n + 1) % around
+    return np.stack([a, b, d, a, d, c], axis=-1).reshape(-1, 3)
+
+
+def disc(radius: float, low: float, high: float, around: int = AROUND) -> Mesh:
+    """A cylinder about z from ``low`` to ``high``."""
+    top = [(radius, high), (0, high)]
+    return turned([[(0, low), (radius, low)], [(radius, low), (radius, high)], top], around)
+
+
+def cone(radius: float, top: float, low: float, high: float) -> Mesh:
+    """A cone about z, from ``radius`` at ``low`` to ``top`` at ``high``."""
+    return turned([[(0, low), (radius, low)], [(radius, low), (top, high)], [(top, high), (0, high)]])
+
+
+def ball(radius: float, center: Array | Sequence[float] = (0.0, 0.0, 0.0)) -> Mesh:
+    """A sphere."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 13)
+    return turned([np.column_stack([radius * np.cos(angles), radius * np.sin(angles)])]).moved(
+        np.asarray(center)
+    )
+
+
+def rod(start: Array, end: Array, radius: float) -> Mesh:
+    """A round rod between two points."""
+    way = np.asarray(end, dtype=float) - start
+    length = float(np.linalg.norm(way))
+    if length < TINY:
+        return ball(radius, start)
+    return disc(radius, 0.0, length).moved(np.asarray(start), along(way))
+
+
+def ring(radius: float, thickness: float, around: int = 32) -> Mesh:
+    """A torus about z: the radius of its middle line, and that of its section."""
+    angles = np.linspace(0.0, 2 * np.pi, around, endpoint=False)
+    path = radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(around)])
+    return tube(path, thickness, closed=True)
+
+
+def wheel(radius: float, width: float) -> Mesh:
+    """A tyre about z."""
+    half, inner, bulge = width / 2, 0.62 * radius, 0.94 * radius
+    tread = [(inner, -half), (bulge, -half), (radius, -0.6 * half), (radius, 0.6 * half), (bulge, half)]
+    return turned([[*tread, (inner, half)], [(inner, half), (inner, -half)]], 40)
+
+
+def rim(radius: float, width: float) -> Mesh:
+    """The disc in a tyre, with its hub."""
+    half = width / 2
+    return joined(
+        [disc(0.62 * radius, -0.3 * half, 0.3 * half, 40), disc(0.16 * radius, -0.6 * half, 0.6 * half)]
+    )
+
+
+def arrow(length: float, radius: float) -> Mesh:
+    """An arrow along z from the origin."""
+    neck = length - min(5 * radius, 0.5 * length)
+    return joined([disc(radius, 0.0, neck, 12), cone(2.6 * radius, 0.0, neck, length)])
+
+
+def tube(path: Array, radius: float, *, closed: bool = False, around: int = 8) -> Mesh:
+    """A tube along a path (n, 3) that turns gently."""
+    ahead, behind = np.roll(path, -1, axis=0), np.roll(path, 1, axis=0)
+    if not closed:
+        ahead[-1], behind[0] = path[-1], path[0]
+    tangents = ahead - behind
+    angles = np.linspace(0.0, 2 * np.pi, around, endpoint=False)
+    circle = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    rows = [
+        point + circle @ axes[:, :2].T for point, axes in zip(path, _carried(tangents, closed), strict=True)
+    ]
+    return Mesh(np.concatenate(rows), _quads(len(path), around, closed=closed))
+
+
+def _carried(tangents: Array, closed: bool) -> list[Array]:
+    """Axes along a path, each turned as little as may be from the one before; a closed path's are about z."""
+    axes = [along(tangents[0])]
+    for tangent in tangents[1:]:
+        h = tangent / np.linalg.norm(tangent)
+        f = np.array([0.0, 0.0, 1.0]) if closed else axes[-1][:, 0] - (axes[-1][:, 0] @ h) * h
+        f = f / np.linalg.norm(f)
+        axes.append(np.column_stack([f, np.cross(h, f), h]))
+    if closed:
+        h, f = axes[0][:, 2], np.array([0.0, 0.0, 1.0])
+        axes[0] = np.column_stack([f, np.cross(h, f), h])
+    return axes
+
+
+def coil(length: float, radius: float, wire: float, turns: int = 9) -> Mesh:
+    """A coil spring along z from 0 to ``length``, with straight ends on its axis."""
+    angles = np.linspace(0.0, 2 * np.pi * turns, 16 * turns + 1)
+    low, high = 0.12 * length, 0.88 * length
+    body = np.column_stack(
+        [radius * np.cos(angles), radius * np.sin(angles), np.linspace(low, high, len(angles))]
+    )
+    first, last = (
+        np.array([[0, 0, 0], [0, 0, 0.8 * low]]),
+        np.array([[0, 0, length - 0.8 * low], [0, 0, length]]),
+    )
+    return tube(np.concatenate([first, body, last]), wire)
+
+
+def spiral(inner: float, outer: float, wire: float, turns: int = 3) -> Mesh:
+    """A flat spiral spring about z."""
+    angles = np.linspace(0.0, 2 * np.pi * turns, 20 * turns + 1)
+    radius = np.linspace(inner, outer, len(angles))
+    path = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.zeros(len(angles))])
+    return tube(path, wire)

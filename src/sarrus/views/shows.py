@@ -1,0 +1,177 @@
+"""``view`` and ``animate``: a model or its runs as a page, in the browser, a notebook or a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..model import Model, Point, blueprint
+from ..results import Trajectory
+from ..system import System
+from .arrows import arrows
+from .browser import Page, Shown, write_page
+from .browser.page import in_notebook
+from .film import write_film, write_picture
+from .frames import MOST, Frames, frames
+from .glb import write_glb
+from .looks import Sketch, sketch
+
+SAMPLES = 60  # positions of a run that rails are made long enough for
+
+Trace = str | Point
+
+
+def view(
+    model: Model | System,
+    file: str | Path | None = None,
+    *,
+    q: Array | None = None,
+    names: bool = False,
+    frames: bool = False,
+) -> Page | Path:
+    """Show a mechanism in three dimensions: in the browser, in a notebook, or as a file.
+
+    Bodies are drawn by their shapes if they have any, otherwise from their joints and points alone.
+
+    Parameters
+    ----------
+    model : Model or System
+    file : ``.html`` for a page that works without a network, ``.glb`` for other programs, ``.png`` for a
+        picture; left out, a notebook shows the page, and elsewhere it is opened in the browser
+    q : (nq,) a position, as `assemble` gives it; by default the model's own
+    names, frames : whether names of bodies and their frames are on at first; the page has switches
+
+    Returns
+    -------
+    Page, or the path of the file
+
+    Raises
+    ------
+    ModelError
+        If anything is wrong in the model, or a mesh cannot be read.
+    ValueError
+        If the file has an ending that cannot be written, or q the wrong length.
+    """
+    said = model.model if isinstance(model, System) else model
+    here = _position(said, q)
+    still = Shown(said.name, sketch(said, here), Frames(np.zeros(1), here, np.zeros_like(here)))
+    ending = _ending(file, (".html", ".glb", ".png"))
+    if ending == ".glb":
+        return _glb(still, file)
+    if ending == ".png":
+        return write_picture([still], Path(str(file)))
+    return _given(write_page([still], names=names, frames=frames), file)
+
+
+def _position(model: Model, q: Array | None) -> Array:
+    """The position asked for, or the model's own, as the only row."""
+    own = blueprint(model).q
+    if q is not None and np.shape(q) != own.shape:
+        raise ValueError(f"{model.name} has {len(own)} coordinates, but q has {np.size(q)}")
+    return np.asarray(own if q is None else q, dtype=float)[None]
+
+
+def animate(
+    run: Trajectory,
+    file: str | Path | None = None,
+    *,
+    beside: Iterable[Trajectory] = (),
+    labels: Sequence[str] = (),
+    traces: Iterable[Trace] = (),
+    reactions: Sequence[str] | bool | None = None,
+    forces: bool = True,
+    arrows: bool = False,
+    speed: float | None = None,
+    names: bool = False,
+    count: int = MOST,
+    play: bool = True,
+) -> Page | Path:
+    """Play a run: in the browser, in a notebook, or as a file.
+
+    Parameters
+    ----------
+    run : Trajectory
+    file : ``.html`` for a page that works without a network, ``.glb`` for other programs, ``.gif`` or ``.mp4`` for a
+        film; left out, a notebook shows the page, and elsewhere it is opened in the browser
+    beside : further runs, drawn over the first, each in one colour
+    labels : names of all runs, the first one's too
+    traces : bodies, by name (their centres of mass), and points whose paths are drawn
+    reactions : names of joints and drivers whose reactions are arrows, or whether all; left out, all if they are few
+    forces : whether springs, loads, tyres and contacts are arrows
+    arrows : whether arrows are on at first; the page has switches
+    speed : at first, times that of life; by default 1, or slow enough to be seen
+    names : whether names of bodies are on at first
+    count : number of frames
+    play : whether it plays when it is opened
+
+    Returns
+    -------
+    Page, or the path of the file
+
+    Raises
+    ------
+    KeyError
+        If there is no such body, joint or driver.
+    ValueError
+        If the file has an ending that cannot be written, or a run holds no states or does not know its system.
+    """
+    ending = _ending(file, (".html", ".glb", ".gif", ".mp4"))
+    runs = [run, *beside]
+    told = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
+    if len(told) != len(runs):
+        raise ValueError(f"there are {len(runs)} runs, but {len(told)} labels; give one for each")
+    wanted = ([], False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces)
+    shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, told, strict=True)]
+    if ending == ".glb":
+        return _glb(shown[0], file)
+    if ending in (".gif", ".mp4"):
+        return write_film(shown, Path(str(file)), speed)
+    return _given(write_page(shown, speed=speed, names=names, arrows=arrows, play=play), file)
+
+
+def _name(run: Trajectory, n: int) -> str:
+    return run.name if not n else f"{run.name} ({n + 1})"
+
+
+def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Shown:
+    if run.system is None:
+        raise ValueError(f"{run.name}: this trajectory does not know its system, so it cannot be drawn")
+    at = frames(run, count)
+    few = at.q[:: max(1, len(at.q) // SAMPLES)]
+    drawn = sketch(run.system.model, few)
+    return Shown(name, drawn, at, arrows(run, at, *wanted), [_place(trace, run, drawn) for trace in traces])
+
+
+def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
+    """Number of the body, and the point in its axes."""
+    if isinstance(trace, Point):
+        poses = {body.name: body.pose() for body in run.system.model.bodies}
+        local = trace.resolve(poses, "traces")
+        return run.bodies.index(local.body) + 1, np.array(local.s)
+    if trace not in run.bodies:
+        raise KeyError(f"no body {trace!r} in {run.name}; its bodies are {', '.join(run.bodies)}")
+    number = run.bodies.index(trace)
+    return number + 1, drawn.centers[number]
+
+
+def _ending(file: str | Path | None, known: Sequence[str]) -> str:
+    ending = ".html" if file is None else Path(file).suffix.lower()
+    if ending not in known:
+        raise ValueError(f"{file}: the ending must be one of {', '.join(known)}")
+    return ending
+
+
+def _glb(shown: Shown, file: str | Path | None) -> Path:
+    return write_glb(shown, Path(str(file)))
+
+
+def _given(page: Page, file: str | Path | None) -> Page | Path:
+    if file is not None:
+        return page.save(file)
+    if not in_notebook():
+        page.open()
+    return page

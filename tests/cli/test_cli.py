@@ -206,6 +206,7 @@ def test_every_verb_answers_in_json(tmp_path: Path, capsys: pytest.CaptureFixtur
         "kinematics": [SLIDER_CRANK],
         "statics": [SLIDER_CRANK],
         "modes": [SLIDER_CRANK],
+        "view": [SLIDER_CRANK, "--output", str(tmp_path / "crank.glb")],
         "check": [SLIDER_CRANK],
         "schema": [],
         "completion": ["bash"],

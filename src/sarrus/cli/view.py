@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import model_file
@@ -61,7 +62,7 @@ def _still(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     from ..views import view
 
     start = assemble(System(model)) if chosen.assemble else None
-    answer.put(model=model.name)
+    answer.put(model=model.name, message="drawn as the file says it")
     if start is not None:
         answer.say(start.message)
         answer.put(message=start.message)

@@ -1,0 +1,75 @@
+"""Every built-in element, between moving bodies at random: forward, backward, and differences of whole simulations."""
+
+from functools import cache
+
+import numpy as np
+from tests.sensitivity.zoo import zoo
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.chain import Chain, Nodes
+from sarrus.analyses.sensitivity.derivatives import inner
+from sarrus.elements import BUILT_IN
+from sarrus.model.written import with_numbers
+
+MEASURES = {"Angle", "Travel"}  # they measure joints, and are no part of the equations
+KINDS = ("q", "v", "a", "lam")
+
+
+@cache
+def swung() -> sr.Trajectory:
+    return sr.simulate(zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, keep_steps=True)
+
+
+def test_the_zoo_is_complete() -> None:
+    present = {p.kind.__name__ for p in zoo().populations if p.count}
+    assert {kind.__name__ for kind in BUILT_IN} - present == MEASURES
+
+
+def changes(system: sr.System, columns: int) -> tuple[np.ndarray, ...]:
+    """Random changes of all numbers that are no places of curves, and of the guess."""
+    random = np.random.default_rng(1)
+    db = random.normal(size=(len(system.b), columns))
+    db[system.memory_places], db[system.nb :] = 0, 0
+    for p in system.populations:
+        starts = np.cumsum([0, *p.kind.widths()])
+        for n, kind in enumerate(p.kind.fields.values()):
+            if kind == "Curve":
+                db[p.at + starts[n] + p.kind.size() * np.arange(p.count)] = 0
+    dq, dv = (random.normal(size=(system.nq, columns)) for _ in range(2))
+    for n in range(3, system.nq, 7):  # Euler parameters of a guess are brought to unit length
+        p = swung().steps.start.asked.q[n : n + 4]
+        dq[n : n + 4] -= np.outer(p, p @ dq[n : n + 4])
+    return db, dq, dv
+
+
+def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
+    run = swung()
+    chain, bars = Chain(zoo(), run.steps), Nodes.zeros(run.steps, 3)
+    random = np.random.default_rng(2)
+    for kind in KINDS:
+        getattr(bars, kind)[:] = random.normal(size=getattr(bars, kind).shape)
+    db, dq, dv = changes(zoo(), 4)
+    forward, back = inner(bars, chain.along(db, dq, dv)), chain.gradients(bars)
+    backward = back.b.T @ db + back.q.T @ dq + back.v.T @ dv
+    assert abs(forward - backward).max() < 1e-10 * abs(forward).max()
+
+
+def test_derivatives_are_those_of_differenced_simulations() -> None:
+    system, steps, start = zoo(), swung().steps, swung().steps.start
+    db, dq, dv = changes(system, 1)
+    found = Chain(system, steps).along(db, dq, dv)
+
+    def moved(e: float) -> object:
+        other = sr.System(with_numbers(system.model, {}))
+        other.b[:] = system.b + e * db[:, 0]
+        begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
+        settings = {"rtol": 1e-4, "atol": 1e-5, "keep_steps": True, "given": steps.h}
+        return sr.HHT().run(other, begin, np.array([0.0, 0.2]), **settings).steps
+
+    e = 2e-5
+    ends = {d: moved(d) for d in (e, -e, e / 2, -e / 2)}
+    for kind in KINDS:
+        coarse, fine = ((getattr(ends[d], kind) - getattr(ends[-d], kind)) / (2 * d) for d in (e, e / 2))
+        wanted = (4 * fine - coarse) / 3
+        limit = 1e-6 if kind in ("q", "v") else 1e-4
+        assert abs(getattr(found, kind)[:, :, 0] - wanted).max() < limit * abs(wanted).max(), kind

@@ -27,14 +27,17 @@ if TYPE_CHECKING:
     from .analyses import NoDerivative as NoDerivative
     from .analyses import Peak as Peak
     from .analyses import Radau as Radau
+    from .analyses import Within as Within
     from .analyses import WorkspaceMap as WorkspaceMap
     from .analyses import assemble as assemble
     from .analyses import equilibrium as equilibrium
+    from .analyses import fit as fit
     from .analyses import inverse_dynamics as inverse_dynamics
     from .analyses import kinematics as kinematics
     from .analyses import linearize as linearize
     from .analyses import mobility as mobility
     from .analyses import modes as modes
+    from .analyses import optimize as optimize
     from .analyses import simulate as simulate
     from .analyses import singularities as singularities
     from .analyses import state_derivatives as state_derivatives
@@ -107,6 +110,7 @@ if TYPE_CHECKING:
     from .results import Happened as Happened
     from .results import Mobility as Mobility
     from .results import Modes as Modes
+    from .results import Optimum as Optimum
     from .results import Reaction as Reaction
     from .results import Singularity as Singularity
     from .results import Solution as Solution
@@ -130,12 +134,13 @@ _HOMES = {
     "system": "System",
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
-        "ODE Peak Radau assemble equilibrium inverse_dynamics kinematics linearize mobility modes sensitivity simulate "
-        "singularities state_derivatives verify_workspace workspace WorkspaceMap"
+        "ODE Peak Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize mobility "
+        "modes optimize sensitivity simulate singularities state_derivatives verify_workspace workspace"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
-        "Assembly Equilibrium Gradient Happened Mobility Modes Reaction Singularity Solution Trajectory Workspace"
+        "Assembly Equilibrium Gradient Happened Mobility Modes Optimum Reaction Singularity Solution Trajectory "
+        "Workspace"
     ),
     "views": "animate view",
 }

@@ -8,6 +8,7 @@ from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
+from .optimization import Within, fit, optimize
 from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_derivatives
 from .singular_positions import singularities
 from .statics import equilibrium
@@ -30,14 +31,17 @@ __all__ = [
     "NoDerivative",
     "Peak",
     "Radau",
+    "Within",
     "WorkspaceMap",
     "assemble",
     "equilibrium",
+    "fit",
     "inverse_dynamics",
     "kinematics",
     "linearize",
     "mobility",
     "modes",
+    "optimize",
     "sensitivity",
     "simulate",
     "singularities",

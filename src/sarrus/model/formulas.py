@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .errors import ModelError
@@ -28,12 +28,15 @@ class Formulas:
         only the names before it.
     points
         The named global points. [m]
+    in_functions
+        The names that stand in functions, such as a force over time, whose numbers are not kept as formulas.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     expressions: Mapping[Path, Expression] = field(default_factory=dict)
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    in_functions: frozenset[str] = frozenset()
 
     def free(self) -> tuple[str, ...]:
         """Return the parameters that do not follow from others."""
@@ -47,6 +50,18 @@ class Formulas:
             if values[name] is None:
                 values[name] = tree.value(values)
         return values
+
+    def with_values(self, given: Mapping[str, float]) -> Formulas:
+        """Return the same formulas with numbers in the place of some parameters."""
+        if not given:
+            return self
+        values = self.values(given)
+        numbers = {name: Number(float(value)) for name, value in given.items()}
+        return replace(
+            self,
+            parameters={name: float(values[name]) for name in self.parameters},
+            definitions={**self.definitions, **numbers},
+        )
 
     def derivatives(self, parameter: str) -> dict[Path, float]:
         """Return the exact derivative of every number that depends on a parameter, by its place.

@@ -7,6 +7,7 @@ from .happened import Happened
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
 from .modes import Modes
+from .optimum import Optimum
 from .reaction import Reaction
 from .singularity import Singularity
 from .solution import Solution, State
@@ -27,6 +28,7 @@ __all__ = [
     "JointMotion",
     "Mobility",
     "Modes",
+    "Optimum",
     "Reaction",
     "Repetition",
     "Singularity",

@@ -1,5 +1,6 @@
 """Pictures: figures with Matplotlib (the extra `plot`), imported when the first is drawn, and pages for the browser."""
 
+from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient
 from .mechanism import mechanism_figure
 from .modes import modes_table, plot_modes
 from .plots import check_figure, motion_figure, plot
@@ -11,11 +12,15 @@ from .workspace import plot_workspace, workspace_report
 __all__ = [
     "animate",
     "check_figure",
+    "gradient_table",
     "mechanism_figure",
     "modes_table",
     "motion_figure",
+    "optimum_table",
     "paper_tables",
     "plot",
+    "plot_convergence",
+    "plot_gradient",
     "plot_modes",
     "plot_reaction",
     "plot_workspace",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,3 +70,20 @@ class Evaluation:
                     sampling.spread(kind, n, np.broadcast_to(bar, sampling.t.shape), nodes, column)
             named.append({name: float(found[variable.at]) for name, variable in outputs.named.items()})
         return nodes, Explicit(by_b, by_c, named)
+
+    def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
+        """The change of every response's output at its times, (nt, k), with changes of states and numbers (…, k)."""
+        return [self._signal_along(n, dots, b, c, named) for n in range(len(self._responses))]
+
+    def _signal_along(self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> Array:
+        outputs, sampling, columns = self._outputs[n], self._samplings[n], b.shape[1]
+        found = np.zeros((len(sampling.t), columns))
+        for k in range(columns):
+            changes = {}
+            for (kind, place), variable in outputs.inputs.items():
+                numbers = {"b": b, "c": c}.get(kind)
+                own = sampling.gathered(kind, place, dots, k) if numbers is None else float(numbers[place, k])
+                changes[variable.at] = own
+            changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
+            found[:, k] = outputs.tape.along(changes)[self._found[n].at]
+        return found

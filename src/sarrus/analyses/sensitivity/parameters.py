@@ -7,15 +7,17 @@ the model; it is recorded once and differentiated exactly.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
 from ...model import Model, SarrusError, blueprint
+from ...model.formulas import Formulas
 from ...model.show import suggest
 from ...model.tape import Tape, Traced, value_of
-from ...model.written import exchanged, named, steps_of, written_numbers
+from ...model.written import exchanged, named, steps_of, with_numbers, written_numbers
 from ...system import System
 from ...system.population import places_of
 from .chain import Gradients
@@ -119,40 +121,74 @@ class Parameters:
 
     def _model(self) -> Model:
         """The model with recorded numbers in the places that depend on the parameters."""
-        model, places = self.system.model, self._from_file()
-        places |= self._from_design()
-        places |= {name: value for name, value in self.variables.items() if name in self._known}
+        model, places = self.system.model, self._places(self.variables)
+        self._refuse_other(places)
         return exchanged(model, lambda steps, value: places.get(named(steps), value))
 
-    def _from_file(self) -> dict[str, Any]:
+    def _places(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The numbers of the model, by name, for numbers of any kind as values of the parameters."""
+        places = self._from_file(given) | self._from_design(given)
+        return places | {name: value for name, value in given.items() if name in self._known}
+
+    def _from_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Numbers that follow from the parameters of the model file."""
         formulas = self.system.model.formulas
-        given = {n: v for n, v in self.variables.items() if n in formulas.parameters and n not in self._known}
-        if not given:
+        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._known}
+        if not own:
             return {}
-        values = formulas.values(given)
-        found = {
+        values = formulas.values(own)
+        moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
+        for name in moving & formulas.in_functions:
+            told = f"{', '.join(own)} changes {name}, which stands in a function of time or of a length"
+            raise UnknownParameter(
+                f"{told}; derivatives go through numbers only: scale the function by a number"
+            )
+        return {
             named(steps_of(path)): tree.value(values)
             for path, tree in formulas.expressions.items()
-            if path[0] not in ("parameters", "points")
+            if path[0] not in ("parameters", "points") and moving.intersection(tree.names())
         }
-        return {name: value for name, value in found.items() if isinstance(value, Traced)}
 
-    def _from_design(self) -> dict[str, Any]:
+    def _from_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
         if self._formula is None:
             return {}
-        given = {name: self.variables.get(name, value) for name, value in self._design.items()}
-        found = {
-            own: entry
-            for name, value in self._formula(given).items()
-            for own, entry in _entries(name, value, self._known)
+        own = {name: given.get(name, value) for name, value in self._design.items()}
+        return {
+            found: entry
+            for name, value in self._formula(own).items()
+            for found, entry in _entries(name, value, self._known)
         }
-        self._refuse_other(found)
-        return found
+
+    def model_at(self, values: Sequence[float]) -> Model:
+        """The model with other values of the parameters.
+
+        Raises
+        ------
+        UnknownParameter
+            For numbers of elements and of the start, which are no numbers of the model.
+        """
+        given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
+        for name in given:
+            if (
+                name not in self._design
+                and name not in self._known
+                and name not in self.system.model.parameters
+            ):
+                raise UnknownParameter(
+                    f"{name} is no number of the model; take one of {', '.join([*self._known][:5])} ..."
+                )
+        model = self.system.model
+        own = {name: value for name, value in given.items() if name in model.parameters}
+        return with_numbers(replace(model, formulas=model.formulas.with_values(own)), self._places(given))
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""
         for name, entry in found.items():
+            if name not in self._known:
+                told = (
+                    f"{name} follows from a formula, but is no number that derivatives can be taken through"
+                )
+                raise UnknownParameter(f"{told}; leave the parameters that it depends on away")
             given, own = float(value_of(entry)), self._known[name]
             if abs(given - own) > SAME * max(1.0, abs(own)):
                 told = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
@@ -201,6 +237,11 @@ class Parameters:
         size, nq = len(self.system.b), self.system.nq
         b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
         return b, q, v, c
+
+
+def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:
+    """Whether a name of a file is one of some others, or follows from them."""
+    return name in on or any(_depends(formulas, own, on) for own in formulas.definitions[name].names())
 
 
 def _entries(name: str, value: Any, known: Mapping[str, float]) -> list[tuple[str, Any]]:

@@ -1,0 +1,86 @@
+"""What an optimization gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+
+NORMAL_95 = 1.959963984540054  # standard deviations on both sides that hold 95 % of a normal distribution
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The best design found.
+
+    Attributes
+    ----------
+    names : of the design variables
+    x, x0 : their values, and those at the start (p,)
+    value, value0 : of the objective
+    success : whether the solver says that it converged
+    message : one sentence: how it went
+    history : (n, 2) the objective at each evaluation, and the size of its gradient in scaled variables
+    trace : (n, p) the values of the variables there
+    constraints : values of the constrained responses by name
+    covariance : (p, p) of fitted parameters; empty for other problems
+    poor : combinations of parameters that the data hardly determine, in words
+    model : the model of the best design
+    run : its simulation
+    """
+
+    names: tuple[str, ...]
+    x: Array
+    x0: Array = field(repr=False)
+    value: float
+    value0: float
+    success: bool
+    message: str
+    history: Array = field(repr=False)
+    trace: Array = field(repr=False)
+    constraints: Mapping[str, float] = field(default_factory=dict)
+    covariance: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+    poor: tuple[str, ...] = ()
+    model: Any = field(default=None, repr=False)
+    run: Any = field(default=None, repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a design variable.
+
+        Raises
+        ------
+        KeyError
+            If there is none of this name.
+        """
+        if name not in self.names:
+            raise KeyError(f"no design variable {name!r}; there are {', '.join(self.names)}")
+        return float(self.x[self.names.index(name)])
+
+    @property
+    def deviations(self) -> Array:
+        """Standard deviations of fitted parameters (p,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """The 95 % confidence interval of a fitted parameter."""
+        value, wide = self[name], NORMAL_95 * float(self.deviations[self.names.index(name)])
+        return value - wide, value + wide
+
+    def table(self) -> str:
+        """Design variables before and after as a text."""
+        from importlib import import_module
+
+        return str(import_module("sarrus.views").optimum_table(self))
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the convergence; see `sarrus.views.plot_convergence`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_convergence(self, ax)

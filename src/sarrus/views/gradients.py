@@ -1,0 +1,80 @@
+"""Influences of numbers on responses, and the convergence of optimizations: tables and figures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
+
+if TYPE_CHECKING:
+    from ..results import Gradient, Optimum
+
+
+def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
+    """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
+    lines = [f"{found.responses[response]} = {found.values[response]:.9g}"]
+    width = max([len(name) for name in found.names[:]] + [10])
+    lines.append(f"  {'number':<{width}}{'value':>14}{'derivative':>16}{'by 1 % more':>14}")
+    influences = found.influences(response)
+    for name in found.ranked(response)[:most]:
+        k = found.names.index(name)
+        change = f"{influences[k]:>+14.4g}" if found.at[k] else f"{'(value 0)':>14}"
+        lines.append(f"  {name:<{width}}{found.at[k]:>14.6g}{found.matrix[response, k]:>+16.7g}{change}")
+    if len(found.names) > most:
+        lines.append(f"  and {len(found.names) - most} more of less influence")
+    return "\n".join(lines)
+
+
+def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int = 15) -> Any:
+    """Draw the changes of a response for 1 % more of each number as bars, the largest on top.
+
+    Returns
+    -------
+    Matplotlib axes
+    """
+    ax = _tidy(_window_axes() if ax is None else ax)
+    names = [name for name in found.ranked(response) if found.at[found.names.index(name)]][:most][::-1]
+    influences = found.influences(response)
+    changes = [influences[found.names.index(name)] for name in names]
+    ax.barh(names, changes, color=[BLUE if change >= 0 else ORANGE for change in changes])
+    ax.axvline(0, color=GREY, linewidth=0.8)
+    ax.set_xlabel(f"change of {found.responses[response]} for 1 % more")
+    return ax
+
+
+def optimum_table(found: Optimum) -> str:
+    """Design variables before and after; with confidence intervals where parameters were fitted."""
+    lines = [f"objective {found.value0:.6g} -> {found.value:.6g}: {found.message}"]
+    width, fitted = max(len(name) for name in found.names), bool(found.covariance.size)
+    lines.append(
+        f"  {'variable':<{width}}{'start':>14}{'found':>14}" + (f"{'95 % interval':>26}" if fitted else "")
+    )
+    for k, name in enumerate(found.names):
+        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g}"
+        if fitted:
+            low, high = found.interval(name)
+            line += f"{f'{low:.6g} to {high:.6g}':>26}"
+        lines.append(line)
+    lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
+    return "\n".join([*lines, *(f"  hardly determined: {told}" for told in found.poor)])
+
+
+def plot_convergence(found: Optimum, ax: Any = None) -> Any:
+    """Draw the objective and the size of its gradient over the simulations.
+
+    Returns
+    -------
+    Matplotlib axes
+    """
+    ax = _tidy(_window_axes() if ax is None else ax)
+    count = np.arange(1, len(found.history) + 1)
+    ax.plot(count, found.history[:, 0], color=BLUE, marker="o", markersize=3, label="objective")
+    ax.set_xlabel("simulation")
+    ax.set_ylabel("objective", color=BLUE)
+    other = ax.twinx()
+    other.semilogy(count, np.maximum(found.history[:, 1], 1e-16), color=ORANGE, linewidth=1.2)
+    other.set_ylabel("size of its gradient", color=ORANGE)
+    other.spines["top"].set_visible(False)
+    return ax

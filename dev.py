@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One command each from a fresh clone: demo, test, robots, sundials, check, docs, format, clean. Standard library only.
+"""One command each: demo, test, robots, sundials, cluster, check, docs, format, clean. Standard library only.
 
 The first use makes `.venv` beside this file and installs Sarrus into it with what the command needs; a stamp
 remembers what was installed, and the work is done again when pyproject.toml or the Python version changes.
@@ -26,6 +26,7 @@ EXTRAS = {
     "demo": ["plot"],
     "test": ["test"],
     "robots": ["robots"],
+    "cluster": ["test", "dask"],
     "sundials": ["test", "ida"],
     "check": ["lint", "test"],
     "docs": ["docs"],
@@ -35,6 +36,7 @@ COMMANDS = {
     "demo": [[str(BIN / "sarrus"), "demo"]],
     "test": [[PYTHON, "-m", "pytest"]],
     "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
+    "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],

@@ -116,6 +116,21 @@ if TYPE_CHECKING:
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
+    from .studies import Distribution as Distribution
+    from .studies import Grid as Grid
+    from .studies import Kinematics as Kinematics
+    from .studies import LatinHypercube as LatinHypercube
+    from .studies import Listed as Listed
+    from .studies import MonteCarlo as MonteCarlo
+    from .studies import Range as Range
+    from .studies import Simulation as Simulation
+    from .studies import Sobol as Sobol
+    from .studies import Statics as Statics
+    from .studies import StudyTable as StudyTable
+    from .studies import Values as Values
+    from .studies import Vibration as Vibration
+    from .studies import open_study as open_study
+    from .studies import study as study
     from .system import System as System
     from .views import animate as animate
     from .views import view as view
@@ -143,6 +158,10 @@ _HOMES = {
         "Workspace"
     ),
     "views": "animate view",
+    "studies": (
+        "Distribution Grid Kinematics LatinHypercube Listed MonteCarlo Range Simulation Sobol Statics StudyTable "
+        "Values Vibration open_study study"
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

@@ -15,6 +15,7 @@ VERBS = {
     "modes": "print the vibration modes of a model file about its rest",
     "workspace": "map what two outputs of a model can reach, its boundary and barriers",
     "view": "show a model file, or its motion, in the browser",
+    "study": "run a model for many values of its numbers, and tabulate the responses",
     "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",

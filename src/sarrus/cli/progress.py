@@ -53,5 +53,14 @@ class Bar:
         if self._live:
             full = min(int(WIDTH * self._done / self.total), WIDTH)
             bar = "█" * full + "·" * (WIDTH - full)
-            print(f"\r\033[K  {self.title} {bar} {what}", end="", file=sys.stderr, flush=True)
+            print(
+                f"\r\033[K  {self.title} {bar} {what or self._to_go()}", end="", file=sys.stderr, flush=True
+            )
             self._shown = time.perf_counter()
+
+    def _to_go(self) -> str:
+        """The time that is left, once a tenth is done."""
+        part = self._done / self.total
+        if not 0.1 <= part < 1:
+            return ""
+        return f"{(time.perf_counter() - self._start) * (1 - part) / part:.0f} s to go"

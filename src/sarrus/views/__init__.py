@@ -6,6 +6,7 @@ from .modes import modes_table, plot_modes
 from .plots import check_figure, motion_figure, plot
 from .reactions import plot_reaction
 from .shows import animate, view
+from .studies import plot_study
 from .tables import paper_tables
 from .workspace import plot_workspace, workspace_report
 
@@ -23,6 +24,7 @@ __all__ = [
     "plot_gradient",
     "plot_modes",
     "plot_reaction",
+    "plot_study",
     "plot_workspace",
     "view",
     "workspace_report",

@@ -6,13 +6,13 @@ atom = number [unit] | path | function(sum {, sum}) | (sum) | ${sum}
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from ..errors import ModelError
 from ..show import quote, suggest
 from .functions import CONSTANTS, FUNCTIONS
 from .tokens import Token, tokens
-from .tree import REGISTRY, Call, Expression, Name, Number, call
+from .tree import REGISTRY, Call, Expression, Function, Name, Number, call
 from .units import UnitFactor, in_si
 
 DEEPEST = 48  # brackets within brackets
@@ -50,16 +50,17 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     return tree
 
 
-def parse(text: str) -> Expression:
-    """Return the tree of a formula whose names are looked up later."""
-    return _Parser(text).whole()
+def parse(text: str, *, functions: Mapping[str, Function] | None = None) -> Expression:
+    """Return the tree of a formula whose names are looked up later; ``functions`` are known beside the usual ones."""
+    return _Parser(text, functions or {}).whole()
 
 
 class _Parser:
     """Reads tokens from left to right; ``at`` is the next one."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, functions: Mapping[str, Function]) -> None:
         self.text = text
+        self.functions = functions
         self.tokens = tokens(text)
         self.at = 0
         self.depth = 0
@@ -179,8 +180,13 @@ class _Parser:
         while self._taken(","):
             args.append(self._sum())
         self._expect(")")
+        own = self.functions.get(name)
+        if own and len(args) in own.counts:
+            return Call(own, tuple(args))
         if name not in FUNCTIONS:
-            raise ModelError(f"calls the unknown function {quote(name)}; {suggest(name, FUNCTIONS)}")
+            known = (*FUNCTIONS, *self.functions)
+            told = f"calls {name} with {len(args)} arguments; give it {own.counts[0]}" if own else ""
+            raise ModelError(told or f"calls the unknown function {quote(name)}; {suggest(name, known)}")
         return _called(name, args)
 
 

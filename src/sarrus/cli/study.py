@@ -1,0 +1,90 @@
+"""``sarrus study FILE``: many runs of one model with other numbers, on this machine or a cluster."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .answer import Answer, log
+from .progress import Bar
+from .values import figure_file, natural, refuse_unwritable
+
+if TYPE_CHECKING:
+    from ..studies import StudyTable
+
+EXAMPLES = (
+    "sarrus study springs.yaml",
+    "sarrus study springs.yaml --workers 4 --csv springs.csv --figure springs.png",
+    "sarrus study springs.yaml --dask tcp://10.0.0.7:8786 --folder results",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The study file, who runs the cases, and what to write."""
+    parser.add_argument("study", type=Path, help="a .yaml or .json study file")
+    parser.add_argument(
+        "--folder",
+        type=Path,
+        help="folder for the results; a study that was stopped goes on from it (the study file's name, without ending)",
+    )
+    parser.add_argument("--workers", type=natural, help="processes (as many as there are processors)")
+    parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
+    parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
+    parser.add_argument("--csv", type=Path, help="file for the table")
+    parser.add_argument(
+        "--figure", type=figure_file, help="file for plots of the responses, .png, .svg or .pdf"
+    )
+    parser.add_argument("--plot", metavar="RESPONSE", help="the response to draw (the first)")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Run what is left of the study; 1 if every case failed."""
+    from ..io import load_any
+    from ..studies.conduct import carry_out
+    from ..studies.file import read_study_file
+
+    refuse_unwritable([chosen.csv, chosen.figure])
+    asked = read_study_file(chosen.study, load_any)
+    _refuse_unknown(chosen.plot, [one.name for one in asked.task.responses])
+    folder = chosen.folder or chosen.study.with_suffix("")
+    total = len(asked.cases)
+    try:
+        with Bar(f"{asked.name}: {total} cases", total) as bar, _executor(chosen.dask) as executor:
+            table = carry_out(asked, folder, chosen.workers, executor, chosen.retry_failed, bar.reach)
+    except KeyboardInterrupt:
+        log.info("%s holds the cases that are done; the same command goes on with the others", folder)
+        raise
+    answer.say(table)
+    answer.put(study=table.name, message=str(table).splitlines()[0], folder=folder, cases=len(table))
+    answer.put(statistics=table.statistics(), failures=table.failures, columns=table.columns)
+    answer.wrote(folder)
+    _write(chosen, table, answer)
+    return 0 if table.success.any() else 1
+
+
+def _refuse_unknown(response: str | None, known: list[str]) -> None:
+    from ..model.errors import SarrusError
+
+    if response is not None and response not in known:
+        raise SarrusError(f"--plot: there is no response {response!r}; there are {', '.join(known)}")
+
+
+def _executor(address: str | None) -> AbstractContextManager[Any]:
+    """The cluster's executor, if one is wanted."""
+    if address is None:
+        return nullcontext()
+    from ..studies.cluster import dask_executor
+
+    return dask_executor(address)
+
+
+def _write(chosen: argparse.Namespace, table: StudyTable, answer: Answer) -> None:
+    if chosen.csv:
+        table.to_csv(chosen.csv)
+        answer.wrote(chosen.csv)
+    if chosen.figure:
+        axes = table.plot(chosen.plot)
+        axes[0].figure.savefig(chosen.figure, dpi=150)
+        answer.wrote(chosen.figure)

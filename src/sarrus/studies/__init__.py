@@ -1,0 +1,17 @@
+"""Studies: one analysis for many values of a model's numbers, on one machine or many."""
+
+from .conduct import study as study
+from .parameters import Distribution as Distribution
+from .parameters import Range as Range
+from .parameters import Values as Values
+from .runs import Kinematics as Kinematics
+from .runs import Simulation as Simulation
+from .runs import Statics as Statics
+from .runs import Vibration as Vibration
+from .samples import Grid as Grid
+from .samples import LatinHypercube as LatinHypercube
+from .samples import Listed as Listed
+from .samples import MonteCarlo as MonteCarlo
+from .samples import Sobol as Sobol
+from .table import StudyTable as StudyTable
+from .table import open_study as open_study

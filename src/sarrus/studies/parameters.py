@@ -1,0 +1,188 @@
+"""What one parameter of a study may be: listed values, a range, or a distribution of SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import exp, isfinite, log
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
+
+from ..model import ModelError, SarrusError, parse_expression
+from ..model.show import show, suggest
+
+Array: TypeAlias = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@runtime_checkable
+class Parameter(Protocol):
+    """Values of one number: those of a grid, and those that belong to places between 0 and 1."""
+
+    def grid(self) -> Array:
+        """The values that a grid takes."""
+        ...
+
+    def at(self, u: Array) -> Array:
+        """The values at places u between 0 and 1; equidistant places are equally probable values."""
+        ...
+
+
+@dataclass(frozen=True)
+class Values:
+    """Listed values, all equally probable."""
+
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not self.values or not all(isfinite(value) for value in self.values):
+            raise SarrusError(f"listed values must be finite numbers, one at least, but are {self.values}")
+
+    def grid(self) -> Array:
+        """The values."""
+        return np.array(self.values, dtype=float)
+
+    def at(self, u: Array) -> Array:
+        """Each value over an equal part of (0, 1)."""
+        places = np.minimum((np.asarray(u) * len(self.values)).astype(int), len(self.values) - 1)
+        return np.asarray(self.grid()[places])
+
+
+@dataclass(frozen=True)
+class Range:
+    """All values from `low` to `high`, equally probable; on a grid `count` of them.
+
+    Parameters
+    ----------
+    low, high : in SI units
+    count : on a grid
+    log : equidistant, and equally probable, in the logarithm
+    """
+
+    low: float
+    high: float
+    count: int = 5
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.low) and isfinite(self.high) and self.low < self.high):
+            raise SarrusError(
+                f"a range must rise from a low to a high number, but is {self.low} to {self.high}"
+            )
+        if self.log and self.low <= 0:
+            raise SarrusError(f"a range in the logarithm must be positive, but begins at {self.low}")
+        if self.count < 2:
+            raise SarrusError(f"a range has two values at least on a grid, but count is {self.count}")
+
+    def grid(self) -> Array:
+        """`count` values with both ends."""
+        return self.at(np.linspace(0.0, 1.0, self.count))
+
+    def at(self, u: Array) -> Array:
+        """Values in proportion."""
+        if self.log:
+            return np.array([exp(log(self.low) * (1 - x) + log(self.high) * x) for x in np.asarray(u)])
+        return np.asarray(self.low * (1 - np.asarray(u)) + self.high * np.asarray(u))
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution of ``scipy.stats`` by its name there, with its arguments.
+
+    Parameters
+    ----------
+    name : ``"norm"``, ``"lognorm"``, ``"triang"``, ``"truncnorm"``, ``"weibull_min"`` ...
+    arguments : as SciPy calls them: ``{"loc": 10, "scale": 0.5}``
+    count : on a grid: quantiles in the middle of as many equally probable parts
+    """
+
+    name: str
+    arguments: Mapping[str, float] = field(default_factory=dict)
+    count: int = 5
+
+    def __post_init__(self) -> None:
+        if not np.all(np.isfinite(self.at(np.array([0.25, 0.5, 0.75])))):
+            raise SarrusError(
+                f"the distribution {self.name} with {dict(self.arguments)} has no values; {_SCIPY}"
+            )
+
+    def grid(self) -> Array:
+        """Quantiles."""
+        return self.at((np.arange(self.count) + 0.5) / self.count)
+
+    def at(self, u: Array) -> Array:
+        """Quantiles."""
+        return np.asarray(self.frozen().ppf(np.asarray(u)), dtype=float)
+
+    def frozen(self) -> Any:
+        """SciPy's distribution.
+
+        Raises
+        ------
+        SarrusError
+            If SciPy has none of this name, or not with these arguments.
+        """
+        from scipy import stats
+
+        known = [name for name in dir(stats) if hasattr(getattr(stats, name), "ppf")]
+        if self.name not in known:
+            raise SarrusError(f"there is no distribution {self.name!r}; {suggest(self.name, known)}")
+        try:
+            return getattr(stats, self.name)(**self.arguments)
+        except TypeError as wrong:
+            raise SarrusError(
+                f"the distribution {self.name}: {str(wrong).split(') ')[-1]}; {_SCIPY}"
+            ) from None
+
+
+_SCIPY = "see scipy.stats for its arguments"
+
+
+def parameter_of(given: Any) -> Parameter:
+    """A parameter of what a user writes for one.
+
+    A list is `Values`; a mapping with ``from`` and ``to`` a `Range`, one with ``distribution`` a `Distribution`, its
+    other entries SciPy's arguments. Texts are formulas of numbers with units, ``"5 kN/m"``.
+
+    Raises
+    ------
+    SarrusError
+        For anything else.
+    """
+    if isinstance(given, Parameter):
+        return given
+    if isinstance(given, Mapping):
+        return _of_mapping(dict(given))
+    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        return Values(tuple(number(value) for value in given))
+    return Values((number(given),))
+
+
+def _of_mapping(given: dict[str, Any]) -> Parameter:
+    count = {"count": whole(given.pop("count"), "count")} if "count" in given else {}
+    if "distribution" in given:
+        name = str(given.pop("distribution"))
+        return Distribution(name, {key: number(value) for key, value in given.items()}, **count)
+    if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
+        told = f"its keys are {', '.join(given) or 'none'}"
+        raise SarrusError(f"{told}; give from and to (and count, log), or distribution and its arguments")
+    return Range(number(given["from"]), number(given["to"]), log=bool(given.get("log", False)), **count)
+
+
+def number(given: Any) -> float:
+    """A number, or a text such as ``20 mm``, in SI units."""
+    try:
+        found = parse_expression(given).value() if isinstance(given, str) else given
+    except ModelError as wrong:
+        raise SarrusError(f"{given!r} {wrong.sentence}") from None
+    if isinstance(found, bool) or not isinstance(found, int | float | np.number):
+        raise SarrusError(f"a number is expected, but {show(given)} is given; write it as in 1.5e-3 or 20 mm")
+    return float(found)
+
+
+def whole(given: Any, what: str, least: int = 1) -> int:
+    """A whole number, of at least 1 if nothing else is said."""
+    is_number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
+    if not is_number or int(given) != given or given < least:
+        raise SarrusError(f"{what} must be a whole number of at least {least}, but is {show(given)}")
+    return int(given)

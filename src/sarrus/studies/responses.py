@@ -1,0 +1,136 @@
+"""Responses of a run as formulas: ``max(slider.x) - min(slider.x)``, ``integral(abs(motor.torque.x))``.
+
+Names are outputs of a motion, and numbers of the model. Inside of a reduction they are histories over time; a history
+that is not reduced stands for its final value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..model import Expression, ModelError, SarrusError
+from ..model.expression import Call, Number, parse
+from ..model.expression.tree import Function
+from .parameters import Array
+
+Lookup = Callable[[str], Any]
+
+
+def reductions(t: Array) -> dict[str, Function]:
+    """What makes one number of a history over the times t.
+
+    ``final(x)``, ``initial(x)``, ``at(x, t)``, ``min(x)``, ``max(x)``, ``mean(x)`` over time, ``integral(x)`` over
+    time (trapezoidal rule), ``rms(x)``: the root of the mean square. Also ``min(x, y)`` and ``max(x, y)``, moment by
+    moment.
+    """
+    times = np.asarray(t, dtype=float)
+    span = float(times[-1] - times[0]) if len(times) > 1 else 0.0
+
+    def over(x: Any) -> Array:
+        return np.broadcast_to(np.asarray(x, dtype=float), times.shape)
+
+    def mean(x: Any) -> float:
+        return float(np.trapezoid(over(x), times)) / span if span else float(over(x)[-1])
+
+    found: dict[str, tuple[int, Callable[..., float]]] = {
+        "final": (1, lambda x: float(over(x)[-1])),
+        "initial": (1, lambda x: float(over(x)[0])),
+        "at": (2, lambda x, when: float(np.interp(when, times, over(x)))),
+        "min": (1, lambda x: float(over(x).min())),
+        "max": (1, lambda x: float(over(x).max())),
+        "mean": (1, mean),
+        "rms": (1, lambda x: float(np.sqrt(mean(over(x) ** 2)))),
+        "integral": (1, lambda x: float(np.trapezoid(over(x), times))),
+    }
+    return {name: Function(name, (count,), value, _no_partials) for name, (count, value) in found.items()}
+
+
+def _no_partials(*args: Expression) -> tuple[Expression, ...]:
+    raise SarrusError("a reduction over time has no derivative as a formula; use sensitivity()")
+
+
+@dataclass(frozen=True)
+class Response:
+    """A number that a run has: a formula, or a function of the result."""
+
+    name: str
+    of: str | Callable[[Any], float]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.of, str):
+            self._tree(np.zeros(1))
+
+    def _tree(self, t: Array) -> Expression:
+        try:
+            return parse(str(self.of), functions=reductions(t))
+        except ModelError as wrong:
+            raise SarrusError(f"response {self.name!r} {wrong.sentence}") from None
+
+    def times(self) -> tuple[float, ...]:
+        """The times [s] at which it asks for a value."""
+        if not isinstance(self.of, str):
+            return ()
+        nodes = [one for one in self._tree(np.zeros(1)).nodes() if isinstance(one, Call)]
+        return tuple(
+            one.args[1].number
+            for one in nodes
+            if one.function.name == "at" and isinstance(one.args[1], Number)
+        )
+
+    def names(self) -> tuple[str, ...]:
+        """The names of outputs and numbers in its formula."""
+        return self._tree(np.zeros(1)).names() if isinstance(self.of, str) else ()
+
+    def value(self, result: Any, t: Array, lookup: Lookup) -> float:
+        """Its value.
+
+        Raises
+        ------
+        SarrusError
+            If it is not one finite number.
+        """
+        if isinstance(self.of, str):
+            tree = self._tree(t)
+            found = tree.value({name: lookup(name) for name in tree.names()})
+        else:
+            found = self.of(result)
+        number = float(np.ravel(found)[-1]) if np.size(found) else np.nan
+        if not np.isfinite(number):
+            raise SarrusError(f"response {self.name!r} is {number}, no finite number")
+        return number
+
+
+def responses_of(given: Any) -> tuple[Response, ...]:
+    """Responses of what a user writes: a mapping of names to formulas or functions, a list of formulas, or one."""
+    if isinstance(given, Mapping):
+        return tuple(Response(str(name), _formula(of, name)) for name, of in given.items())
+    if isinstance(given, str) or callable(given):
+        given = [given]
+    return tuple(Response(_title(of), _formula(of, _title(of))) for of in given)
+
+
+def _formula(of: Any, name: Any) -> str | Callable[[Any], float]:
+    if isinstance(of, str):
+        return of
+    if callable(of):
+        function: Callable[[Any], float] = of
+        return function
+    raise SarrusError(f"response {name!r} must be a formula such as max(slider.x), but is {of!r}")
+
+
+def _title(of: Any) -> str:
+    return of if isinstance(of, str) else str(getattr(of, "__name__", "response"))
+
+
+def described(responses: tuple[Response, ...]) -> Iterator[tuple[str, str]]:
+    """Name and formula of each; of a function, its module and name."""
+    for one in responses:
+        of: Any = one.of
+        yield (
+            one.name,
+            of if isinstance(of, str) else f"{of.__module__}.{getattr(of, '__qualname__', 'function')}",
+        )

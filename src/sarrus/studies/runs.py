@@ -1,0 +1,318 @@
+"""What a study does in every case: one analysis of the case's system."""
+
+from __future__ import annotations
+
+import re
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ..analyses import (
+    assemble,
+    dynamics,
+    equilibrium,
+    kinematics,
+    modes,
+    simulate,
+)
+from ..analyses.sensitivity.outputs import Outputs, States, UnknownOutput
+from ..model import SarrusError
+from ..model.show import suggest
+from ..model.written import written_numbers
+from ..results import Equilibrium, Modes
+from ..system import System
+from .parameters import Array, number, whole
+from .source import Start
+
+METHODS = {name.lower(): getattr(dynamics, name) for name in dynamics.__all__ if name[0].isupper()}
+
+
+class TooLong(SarrusError):
+    """A case that took longer than a study allows."""
+
+
+class Found(NamedTuple):
+    """What one analysis gave: its result, the times of its histories, and a look-up of histories by name."""
+
+    result: Any
+    t: Array
+    lookup: Callable[[str], Any]
+
+
+@dataclass(frozen=True)
+class Run(ABC):
+    """One analysis of a system."""
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The result; `until` is the clock time at which it is given up."""
+
+    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
+        """The result, with its histories.
+
+        Raises
+        ------
+        SarrusError
+            With its sentence, if the analysis failed.
+        """
+        result = self.result(system, start, times, time.monotonic() + limit)
+        if not result.success:
+            raise SarrusError(result.message)
+        states = _states(result)
+        return Found(result, states.t, _lookup(system, states, result))
+
+    def short(self) -> Run | None:
+        """The same in little time, for compiling all that it needs; None if that cannot be known."""
+        return self
+
+    def described(self) -> dict[str, Any]:
+        """What a study file says."""
+        said = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {"type": self.kind, **{n: _plain(v) for n, v in said.items() if v is not None and v != np.inf}}
+
+
+@dataclass(frozen=True)
+class Simulation(Run):
+    """`simulate` from the assembled start.
+
+    Parameters
+    ----------
+    until : end time [s]
+    steps : intervals of the histories that responses are made of; times of ``at(x, t)`` are added
+    method, rtol, atol, max_step : as in `simulate`
+    """
+
+    kind = "simulate"
+    until: float
+    steps: int = 1000
+    method: Any = None
+    rtol: float = 1e-6
+    atol: float = 1e-8
+    max_step: float = np.inf
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The trajectory."""
+        _refuse_late(times, self.until)
+        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
+        given = {n: getattr(self, n) for n in ("method", "rtol", "atol", "max_step")}
+        begin = assemble(system, start.q, start.v)
+        return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
+
+    def short(self) -> Run | None:
+        """The first thousandth."""
+        return replace(self, until=self.until / 1000, steps=1)
+
+
+@dataclass(frozen=True)
+class Kinematics(Run):
+    """`kinematics`: the motion that the drivers prescribe, in `steps` intervals until a time [s]."""
+
+    kind = "kinematics"
+    until: float
+    steps: int = 1000
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The trajectory."""
+        _refuse_late(times, self.until)
+        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
+        return kinematics(system, grid, start.q, progress=_watch(until))
+
+    def short(self) -> Run | None:
+        """One interval."""
+        return replace(self, until=self.until / self.steps, steps=1)
+
+
+@dataclass(frozen=True)
+class Statics(Run):
+    """`equilibrium`: where the system rests, drivers held at a `time` [s]; not `stable`: the nearest of any kind."""
+
+    kind = "statics"
+    time: float = 0.0
+    stable: bool = True
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The equilibrium."""
+        return equilibrium(system, start.q, t=self.time, stable=self.stable)
+
+
+@dataclass(frozen=True)
+class Vibration(Run):
+    """`modes` about the `equilibrium`: outputs are ``mode1.frequency`` [Hz], ``mode1.damping_ratio`` ..."""
+
+    kind = "modes"
+    time: float = 0.0
+    stable: bool = True
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The modes, or the equilibrium that was not found."""
+        rest = equilibrium(system, start.q, t=self.time, stable=self.stable)
+        return modes(system, rest.q, t=self.time) if rest.success else rest
+
+
+Own: TypeAlias = Callable[[System], Any]
+
+
+@dataclass(frozen=True)
+class OwnRun(Run):
+    """A function of the system that returns a result, or a mapping of numbers by name."""
+
+    kind = "own"
+    function: Own = field(default=lambda system: None)
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """What the function returns."""
+        return self.function(system)
+
+    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
+        """The result; histories if it is a trajectory or the like."""
+        result = self.function(system)
+        if isinstance(result, Mapping):
+            return Found(result, np.zeros(1), lambda name: _entry(result, name))
+        if not getattr(result, "success", True):
+            raise SarrusError(str(getattr(result, "message", "the function reports no success")))
+        if not hasattr(result, "q"):
+            return Found(result, np.zeros(1), lambda name: _entry({}, name))
+        states = _states(result)
+        return Found(result, states.t, _lookup(system, states, result))
+
+    def short(self) -> Run | None:
+        """Unknown."""
+        return None
+
+    def described(self) -> dict[str, Any]:
+        """Where the function is defined."""
+        function: Any = self.function
+        return {"type": "own", "function": f"{function.__module__}.{getattr(function, '__qualname__', '')}"}
+
+
+KINDS: dict[str, type[Run]] = {one.kind: one for one in (Simulation, Kinematics, Statics, Vibration)}
+
+
+def run_of(given: Any) -> Run:
+    """A run of what a user writes: ``{"type": "simulate", "until": 5, "method": {"type": "hht", "alpha": -0.1}}``, a
+    kind's name, a `Run`, or a function of the system.
+
+    Raises
+    ------
+    SarrusError
+        For anything else.
+    """
+    if isinstance(given, Run):
+        return given
+    if callable(given):
+        return OwnRun(given)
+    said = dict(given) if isinstance(given, Mapping) else {"type": given}
+    kind = said.pop("type", "simulate")
+    if kind not in KINDS:
+        raise SarrusError(f"there is no analysis {kind!r}; {suggest(str(kind), KINDS)}")
+    run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in said.items()})
+    return run
+
+
+def _built(kind: Any, what: str, said: dict[str, Any]) -> Any:
+    """A dataclass with its numbers converted."""
+    known = {one.name: one for one in fields(kind)}
+    for name, value in said.items():
+        if name not in known:
+            raise SarrusError(f"{what} has no key {name!r}; {suggest(name, known)}")
+        if name == "method":
+            said[name] = _method(value)
+        elif name in ("steps",):
+            said[name] = whole(value, name)
+        elif not isinstance(value, bool):
+            said[name] = value if known[name].type == "str" else number(value)
+    if "until" in known and "until" not in said:
+        raise SarrusError(f"{what} needs an end time; give until in s")
+    return kind(**said)
+
+
+def _method(given: Any) -> Any:
+    said = dict(given) if isinstance(given, Mapping) else {"type": given}
+    kind = str(said.pop("type", "hht")).lower()
+    if kind not in METHODS:
+        raise SarrusError(f"there is no method {kind!r}; {suggest(kind, METHODS)}")
+    return _built(METHODS[kind], f"the method {kind}", said)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        return {"type": type(value).__name__.lower(), **asdict(value)}
+    return value
+
+
+def _refuse_late(times: tuple[float, ...], until: float) -> None:
+    if any(not 0 <= t <= until for t in times):
+        raise SarrusError(f"at(..., t) needs times between 0 and {until:g} s, but is given {max(times):g}")
+
+
+def _watch(until: float) -> Callable[[float], None]:
+    """Told of the progress of a run, ends it when its clock time is over."""
+
+    def watch(reached: float) -> None:
+        if time.monotonic() > until:
+            raise TooLong(f"took longer than it may, it had reached t = {reached:.6g} s; raise time_limit")
+
+    return watch
+
+
+def _states(result: Any) -> States:
+    if isinstance(result, Equilibrium | Modes):
+        q, lam = result.q[None], getattr(result, "lam", np.zeros(0))[None]
+        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lam)
+    return States(result.t, result.q, result.v, result.a, result.lam)
+
+
+def _lookup(system: System, states: States, result: Any) -> Callable[[str], Any]:
+    """Histories by name: outputs of a motion, what modes have, and numbers of the model."""
+    outputs = Outputs(system, states, system.b, lambda name: number_of(system, name))
+
+    def lookup(name: str) -> Any:
+        if isinstance(result, Modes) and MODAL.fullmatch(name):
+            return _modal(result, name)
+        try:
+            found = outputs(name)
+        except UnknownOutput as unknown:
+            try:
+                return number_of(system, name)
+            except KeyError:
+                raise unknown from None
+        return np.asarray(getattr(found, "value", found), dtype=float)
+
+    return lookup
+
+
+MODAL = re.compile(r"mode(?P<place>\d+)\.(?P<word>frequency|natural_frequency|damping_ratio)")
+COLUMNS = {
+    "frequency": "frequencies",
+    "natural_frequency": "natural_frequencies",
+    "damping_ratio": "damping_ratios",
+}
+
+
+def _modal(found: Modes, name: str) -> float:
+    """A number of one mode; the first is mode 1."""
+    match = MODAL.fullmatch(name)
+    assert match is not None
+    values, place = getattr(found, COLUMNS[match["word"]]), int(match["place"])
+    if not 0 < place <= len(values):
+        raise SarrusError(f"there is no {name}; {found.name} has {len(values)} modes, the first is mode1")
+    return float(values[place - 1])
+
+
+def number_of(system: System, name: str) -> float:
+    """A number of the model, or a parameter of its file."""
+    return {**written_numbers(system.model), **system.model.parameters}[name]
+
+
+def _entry(found: Mapping[str, Any], name: str) -> float:
+    if name not in found:
+        raise SarrusError(
+            f"the function returned no {name!r}; {suggest(name, found) if found else 'return a mapping'}"
+        )
+    return float(found[name])

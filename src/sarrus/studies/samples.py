@@ -1,0 +1,164 @@
+"""Which cases a study runs: all combinations, samples that fill the space, random ones, or listed ones."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from itertools import product
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..model import SarrusError
+from ..model.show import suggest
+from .parameters import Array, Parameter, number, whole
+
+
+@dataclass(frozen=True)
+class Sample(ABC):
+    """A way to choose cases."""
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def cases(self, parameters: Mapping[str, Parameter]) -> Array:
+        """The values of all parameters in every case (n, p)."""
+
+    def described(self) -> dict[str, Any]:
+        """What a study file says."""
+        return {"type": self.kind, **asdict(self)}
+
+
+@dataclass(frozen=True)
+class Grid(Sample):
+    """All combinations of the parameters' values; the last parameter changes fastest."""
+
+    kind = "grid"
+
+    def cases(self, parameters: Mapping[str, Parameter]) -> Array:
+        """The combinations."""
+        found = list(product(*(one.grid() for one in parameters.values())))
+        return np.array(found, dtype=float).reshape(len(found), len(parameters))
+
+
+@dataclass(frozen=True)
+class Spread(Sample):
+    """`count` cases from points in the unit cube; the same `seed` gives the same cases."""
+
+    count: int
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        whole(self.count, "the count of a sample")
+        whole(self.seed, "a seed", 0)
+
+    @abstractmethod
+    def points(self, width: int) -> Array:
+        """Points in the unit cube (count, width)."""
+
+    def cases(self, parameters: Mapping[str, Parameter]) -> Array:
+        """Every parameter at its column of the points."""
+        u = self.points(len(parameters))
+        columns = [one.at(u[:, k]) for k, one in enumerate(parameters.values())]
+        return np.column_stack(columns) if columns else np.zeros((self.count, 0))
+
+
+@dataclass(frozen=True)
+class LatinHypercube(Spread):
+    """Every parameter once in each of `count` equally probable parts."""
+
+    kind = "latin_hypercube"
+
+    def points(self, width: int) -> Array:
+        """SciPy's Latin hypercube."""
+        from scipy.stats import qmc
+
+        return np.asarray(qmc.LatinHypercube(width, seed=np.random.default_rng(self.seed)).random(self.count))
+
+
+@dataclass(frozen=True)
+class Sobol(Spread):
+    """A scrambled Sobol sequence: means converge faster than those of random samples. `count` is a power of two."""
+
+    kind = "sobol"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.count & (self.count - 1):
+            nearest = 2 ** round(float(np.log2(self.count)))
+            raise SarrusError(f"a Sobol sample has a power of 2 cases, not {self.count}; take {nearest}")
+
+    def points(self, width: int) -> Array:
+        """SciPy's Sobol sequence."""
+        from scipy.stats import qmc
+
+        found = qmc.Sobol(width, seed=np.random.default_rng(self.seed))
+        return np.asarray(found.random_base2(self.count.bit_length() - 1))
+
+
+@dataclass(frozen=True)
+class MonteCarlo(Spread):
+    """Independent random cases."""
+
+    kind = "monte_carlo"
+
+    def points(self, width: int) -> Array:
+        """Random numbers of NumPy's generator PCG64."""
+        return np.random.default_rng(self.seed).random((self.count, width))
+
+
+@dataclass(frozen=True)
+class Listed(Sample):
+    """Cases that are listed one by one, each with a value for every parameter, in the parameters' order."""
+
+    kind = "listed"
+    rows: tuple[tuple[float, ...], ...]
+
+    def cases(self, parameters: Mapping[str, Parameter]) -> Array:
+        """The list."""
+        if any(len(row) != len(parameters) for row in self.rows):
+            raise SarrusError(f"every listed case needs {len(parameters)} numbers: {', '.join(parameters)}")
+        return np.array(self.rows, dtype=float).reshape(len(self.rows), len(parameters))
+
+
+SPREADS: dict[str, type[Spread]] = {one.kind: one for one in (LatinHypercube, Sobol, MonteCarlo)}
+
+
+def sample_of(given: Any) -> Sample:
+    """A sample of what a user writes for one: ``{"type": "sobol", "count": 64, "seed": 1}``, or nothing for a grid.
+
+    Raises
+    ------
+    SarrusError
+        For anything else.
+    """
+    if isinstance(given, Sample):
+        return given
+    said = {"type": given or "grid"} if given is None or isinstance(given, str) else given
+    if not isinstance(said, Mapping):
+        raise SarrusError(f"a sample is a mapping with a type, but is {given!r}; give one as in Sobol(64)")
+    entries = {str(key): value for key, value in said.items()}
+    kind = entries.pop("type", "grid")
+    return _made(str(kind), entries)
+
+
+def _made(kind: str, entries: dict[str, Any]) -> Sample:
+    known = {"grid": set[str](), "listed": {"rows"}} | {name: {"count", "seed"} for name in SPREADS}
+    if kind not in known:
+        raise SarrusError(f"there is no sample {kind!r}; {suggest(kind, known)}")
+    if entries.keys() - known[kind]:
+        wrong = sorted(entries.keys() - known[kind])[0]
+        raise SarrusError(f"the sample {kind} has no key {wrong!r}; it takes {sorted(known[kind]) or 'none'}")
+    if kind in SPREADS:
+        if "count" not in entries:
+            raise SarrusError(f"the sample {kind} needs a count; give the number of cases")
+        seed = whole(entries.get("seed", 0), "a seed", 0)
+        return SPREADS[kind](whole(entries["count"], "the count of a sample"), seed)
+    return Listed(_rows(entries.get("rows", ()))) if kind == "listed" else Grid()
+
+
+def _rows(given: Any) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(given, Sequence) or not all(isinstance(row, Sequence) for row in given):
+        raise SarrusError("the sample listed needs rows of numbers, one for each parameter")
+    return tuple(tuple(number(value) for value in row) for row in given)

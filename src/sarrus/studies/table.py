@@ -1,0 +1,214 @@
+"""What a study gives back: a table with a row for each case."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..model import SarrusError
+from .ledger import read_cases, read_study
+from .parameters import Array
+
+
+@dataclass(frozen=True, eq=False)
+class StudyTable:
+    """Parameters and responses of all cases.
+
+    Attributes
+    ----------
+    name : of the study
+    parameters, responses : names of the columns
+    values : (n, p) of the parameters
+    found : (n, r) the responses, nan where a case failed or was not run
+    success : (n,) whether the case went well
+    messages : a sentence for each case that failed, an empty text for the others
+    seconds : (n,) that each case took
+    facts : what was studied: model, sample with its seed, analysis, responses, versions
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    responses: tuple[str, ...]
+    values: Array = field(repr=False)
+    found: Array = field(repr=False)
+    success: Any = field(repr=False)
+    messages: tuple[str, ...] = field(repr=False)
+    seconds: Array = field(repr=False)
+    facts: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, name: str) -> Array:
+        """A column: a parameter or a response (n,).
+
+        Raises
+        ------
+        KeyError
+            If there is no such column.
+        """
+        names = (*self.parameters, *self.responses)
+        if name not in names:
+            raise KeyError(f"no column {name!r} in the study {self.name}; its columns are {', '.join(names)}")
+        both = np.column_stack([self.values, self.found])
+        return np.asarray(both[:, names.index(name)])
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """All columns by name, with ``success``, ``message`` and ``seconds``."""
+        numbers = {name: self[name] for name in (*self.parameters, *self.responses)}
+        told = np.array(self.messages, dtype=object)
+        return {**numbers, "success": self.success, "message": told, "seconds": self.seconds}
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """The sentence of every case that failed, by its number."""
+        return {case: told for case, told in enumerate(self.messages) if not self.success[case] and told}
+
+    def best(self, response: str, count: int = 1, *, largest: bool = False) -> list[dict[str, float]]:
+        """The cases with the smallest (or largest) response, parameters and responses by name."""
+        column = self[response] * (-1.0 if largest else 1.0)
+        order = [int(case) for case in np.argsort(column, kind="stable") if np.isfinite(column[case])]
+        return [self.case(case) for case in order[:count]]
+
+    def case(self, number: int) -> dict[str, float]:
+        """One case: parameters and responses by name."""
+        both = np.concatenate([self.values[number], self.found[number]])
+        return {n: float(x) for n, x in zip((*self.parameters, *self.responses), both, strict=True)}
+
+    def distinct(self, *responses: str, tolerance: float = 1e-6) -> list[tuple[int, int]]:
+        """Cases that ended differently, each with how many ended alike: of many starts, the solutions that there are.
+
+        Two cases are alike if their responses differ by less than `tolerance`, in proportion where they exceed 1.
+
+        Parameters
+        ----------
+        responses : which to compare; by default all
+        """
+        names = responses or self.responses
+        ends = np.column_stack([self[name] for name in names]) if names else np.zeros((len(self), 0))
+        kinds: dict[int, int] = {}
+        for case in np.flatnonzero(self.success):
+            alike = [one for one in kinds if _close(ends[one], ends[case], tolerance)]
+            key = alike[0] if alike else int(case)
+            kinds[key] = kinds.get(key, 0) + 1
+        return sorted(kinds.items(), key=lambda kind: -kind[1])
+
+    def statistics(self) -> dict[str, dict[str, float]]:
+        """Mean, standard deviation, least, median and largest value of every response over the cases that went well."""
+        return {
+            name: _statistics(self[name][np.asarray(self.success, dtype=bool)]) for name in self.responses
+        }
+
+    def to_array(self) -> np.ndarray[Any, Any]:
+        """A structured array of NumPy with all columns but the sentences."""
+        numbers = {name: column for name, column in self.columns.items() if name != "message"}
+        kinds = [(name, np.asarray(column).dtype) for name, column in numbers.items()]
+        found = np.zeros(len(self), dtype=kinds)
+        for name, column in numbers.items():
+            found[name] = column
+        return found
+
+    def to_pandas(self) -> Any:
+        """A data frame of pandas, which is not installed with Sarrus."""
+        return import_module("pandas").DataFrame(self.columns)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write all columns, numbers with all their digits."""
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["case", *self.columns])
+            for case, row in enumerate(zip(*self.columns.values(), strict=True)):
+                writer.writerow([case, *(_written(entry) for entry in row)])
+
+    def plot(self, response: str | None = None, *, axes: Any = None) -> Any:
+        """Draw a response over every parameter, with its distribution; see `sarrus.views.plot_study`."""
+        return import_module("sarrus.views").plot_study(self, response, axes)
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        failed = len(self) - int(np.sum(self.success))
+        told = f", {failed} without a result" if failed else ""
+        yield f"{self.name}: {len(self)} cases{told}, {self.seconds.sum():.3g} s of computing"
+        width = max([8, *(len(name) for name in self.responses)])
+        heads = ("mean", "std", "least", "median", "largest")
+        yield f"{'response':<{width}}" + "".join(f"{head:>14}" for head in heads)
+        for name, found in self.statistics().items():
+            yield f"{name:<{width}}" + "".join(f"{found[head]:>14.6g}" for head in heads)
+        for told, count in _counted(self.failures.values()):
+            yield f"{count} failed: {told}"
+
+
+def _statistics(x: Array) -> dict[str, float]:
+    if not len(x):
+        return dict.fromkeys(("mean", "std", "least", "median", "largest"), float("nan"))
+    spread = float(x.std(ddof=1)) if len(x) > 1 else 0.0
+    return {
+        "mean": float(x.mean()),
+        "std": spread,
+        "least": float(x.min()),
+        "median": float(np.median(x)),
+        "largest": float(x.max()),
+    }
+
+
+def _counted(sentences: Any, most: int = 3) -> list[tuple[str, int]]:
+    """The most frequent sentences."""
+    counts: dict[str, int] = {}
+    for told in sentences:
+        counts[told] = counts.get(told, 0) + 1
+    return sorted(counts.items(), key=lambda entry: -entry[1])[:most]
+
+
+def _close(a: Array, b: Array, tolerance: float) -> bool:
+    return bool(np.all(abs(a - b) <= tolerance * np.maximum(1.0, np.maximum(abs(a), abs(b)))))
+
+
+def _written(entry: Any) -> Any:
+    return repr(float(entry)) if isinstance(entry, float | np.floating) else entry
+
+
+def open_study(folder: str | Path) -> StudyTable:
+    """Read the table of a study from its folder, also while it runs or after it was stopped.
+
+    Raises
+    ------
+    SarrusError
+        If the folder holds no study.
+    """
+    facts = read_study(Path(folder))
+    return table_of(facts, dict(read_cases(Path(folder))))
+
+
+def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTable:
+    """The table of the outcomes so far."""
+    values = np.array(facts["cases"], dtype=float)
+    responses = tuple(facts["responses"])
+    n, r = len(values), len(responses)
+    found, success, seconds = np.full((n, r), np.nan), np.zeros(n, dtype=bool), np.zeros(n)
+    messages = [""] * n
+    for case, outcome in outcomes.items():
+        if not case < n:
+            raise SarrusError(f"{facts['name']}: the results hold a case {case}, but there are {n}")
+        found[case], success[case], seconds[case] = outcome.responses, outcome.success, outcome.seconds
+        messages[case] = outcome.message
+    names = tuple(facts["parameters"])
+    return StudyTable(
+        facts["name"],
+        names,
+        responses,
+        values.reshape(n, len(names)),
+        found,
+        success,
+        tuple(messages),
+        seconds,
+        facts,
+    )

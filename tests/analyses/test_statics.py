@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.analyses.driven import MASS, G, J, L, pendulum
+from tests.analyses.linkages import bennett, sarrus
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
@@ -119,3 +120,11 @@ def test_a_linkage_that_does_not_close() -> None:
     found = sr.equilibrium(sr.System(sr.Model("contradiction", bodies=[rod], joints=[post, rope, far])))
     assert not found.success
     assert "could not be assembled" in found.message
+
+
+def test_a_rest_where_motions_cross_is_told() -> None:
+    """Sarrus' linkage hangs with straight arms, where each pair of them could move by itself for an instant."""
+    rest = sr.equilibrium(sarrus())
+    assert rest.q[2] == pytest.approx(-2)
+    assert "the constraints lose rank here" in rest.message
+    assert "lose rank" not in sr.equilibrium(bennett()).message

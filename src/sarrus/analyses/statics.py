@@ -10,6 +10,7 @@ from ..results import Equilibrium
 from ..results.equilibrium import Stability
 from ..system import System
 from .balance import Balance
+from .degrees_of_freedom import mobility
 from .driven_path import coordinate_scale
 from .onto import largest, onto
 from .slide import newton_step, slide_step
@@ -121,13 +122,20 @@ class _Search:
         force = largest(now.Q)
         balanced = now.residual <= BALANCED * force or force == 0
         if balanced and size <= ROUND_OFF:
-            told = f"{self.system.name} balances after {count} steps; {_words(now)}"
+            told = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             return self.result(now, True, told, count)
         told = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "
             "it may be free to fall or to turn for ever, or start from another position"
         )
         return self.result(now, False, told, count)
+
+    def _crossing(self, now: Balance) -> str:
+        """What to know of a position where the constraints lose rank: not all motions that are counted go on."""
+        kind = mobility(self.system, now.q, t=self.t).kind
+        if kind not in ("branching", "shaky"):
+            return ""
+        return "; the constraints lose rank here, so that fewer motions go on than are counted"
 
     def result(self, now: Balance, success: bool, message: str, count: int) -> Equilibrium:
         spectrum = now.spectrum

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from .analyses import mobility as mobility
     from .analyses import modes as modes
     from .analyses import optimize as optimize
+    from .analyses import repeat as repeat
+    from .analyses import resume as resume
     from .analyses import simulate as simulate
     from .analyses import singularities as singularities
     from .analyses import state_derivatives as state_derivatives
@@ -131,6 +133,7 @@ if TYPE_CHECKING:
     from .studies import Vibration as Vibration
     from .studies import open_study as open_study
     from .studies import study as study
+    from .results import load_run as load_run
     from .system import System as System
     from .views import animate as animate
     from .views import view as view
@@ -150,12 +153,12 @@ _HOMES = {
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
         "ODE Peak Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize mobility "
-        "modes optimize sensitivity simulate singularities state_derivatives verify_workspace workspace"
+        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
         "Assembly Equilibrium Gradient Happened Mobility Modes Optimum Reaction Singularity Solution Trajectory "
-        "Workspace"
+        "Workspace load_run"
     ),
     "views": "animate view",
     "studies": (

@@ -3,7 +3,7 @@
 from .assembly import assemble
 from .assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .degrees_of_freedom import mobility
-from .dynamics import HHT, IDA, ODE, Event, GeneralizedAlpha, Impact, Radau, simulate
+from .dynamics import HHT, IDA, ODE, Event, GeneralizedAlpha, Impact, Radau, repeat, resume, simulate
 from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
@@ -42,6 +42,8 @@ __all__ = [
     "mobility",
     "modes",
     "optimize",
+    "repeat",
+    "resume",
     "sensitivity",
     "simulate",
     "singularities",

@@ -55,6 +55,16 @@ class Independence:
         self._saddle = Saddle(self._system, "I", self.kept)
         self._dropped = np.setdiff1d(np.arange(self._system.m), self.kept)
 
+    def state(self) -> Array:
+        """What the choice was made of, for `resume`."""
+        return self._null
+
+    def resume(self, null: Array) -> None:
+        """Take over a choice made before."""
+        self._null = null
+        if null.shape[1]:
+            self._choose(null)
+
     def renew(self, t: float, q: Array) -> bool:
         """Choose again at another position, if the choice is no longer good there; true if there is another choice.
 
@@ -65,6 +75,7 @@ class Independence:
         null = rank_of(self._system.Phi_q(q, t)).null
         if null.shape != self._null.shape:
             return False
+        self._null = null
         self._choose(null)
         return True
 

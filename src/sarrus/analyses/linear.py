@@ -60,6 +60,19 @@ class SparseLU:
         if not self._refactor(data) > 0.0:
             raise SingularMatrix("the matrix is singular to working precision")
 
+    @classmethod
+    def ordered(
+        cls, indptr: Array, indices: Array, row_place: Array, column_order: Array, factors: Array
+    ) -> SparseLU:
+        """With a pivot order and factors that were found before."""
+        made = cls.__new__(cls)
+        made.n, made._indptr, made._indices = len(indptr) - 1, indptr, indices
+        made.row_place, made.column_order = row_place, column_order
+        made._arrange()
+        made.pointers, made.rows, made.diagonal = compiled()["symbolic"](made.n, made.indptr, made.indices)
+        made.factors, made.work = factors.copy(), np.zeros(made.n, factors.dtype)
+        return made
+
     def _order(self, data: Array) -> tuple[Array, Array]:
         """Row places and column order of the sparser of two factorizations."""
         matrix = csc_array((data, self._indices, self._indptr), shape=(self.n, self.n))

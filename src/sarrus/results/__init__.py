@@ -5,6 +5,7 @@ from .equilibrium import Equilibrium
 from .gradient import Gradient, StateDerivatives
 from .happened import Happened
 from .joint_motion import JointMotion
+from .load_run import load_run
 from .mobility import Mobility, Repetition
 from .modes import Modes
 from .optimum import Optimum
@@ -39,4 +40,5 @@ __all__ = [
     "Trajectory",
     "Verification",
     "Workspace",
+    "load_run",
 ]

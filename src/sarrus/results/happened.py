@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..algebra import Array
@@ -25,3 +26,10 @@ class Happened:
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)
+
+
+def happened_of(state: Mapping[str, Array]) -> list[Happened]:
+    """The events of a checkpoint."""
+    columns = (state[f"event_{name}"] for name in ("of", "t", "q", "v", "after"))
+    rows = zip(*columns, strict=True)
+    return [Happened(str(state["event_names"][n]), float(t), q, v, after) for n, t, q, v, after in rows]

@@ -5,6 +5,18 @@ from .events import Event, Impact
 from .ida import IDA
 from .ode import ODE
 from .radau import Radau
+from .recipe import repeat, resume
 from .simulation import simulate
 
-__all__ = ["HHT", "IDA", "ODE", "Event", "GeneralizedAlpha", "Impact", "Radau", "simulate"]
+__all__ = [
+    "HHT",
+    "IDA",
+    "ODE",
+    "Event",
+    "GeneralizedAlpha",
+    "Impact",
+    "Radau",
+    "repeat",
+    "resume",
+    "simulate",
+]

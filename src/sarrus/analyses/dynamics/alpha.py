@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -264,7 +265,11 @@ class AlphaStepper:
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
         self._control.numbers[2] = 0.0
-        lu, matrix = self.matrix.lu, self.matrix
+        self._show_matrix()
+
+    def _show_matrix(self) -> None:
+        """The matrix as the loop takes it."""
+        lu, matrix, views = self.matrix.lu, self.matrix, self.matrix.views
         self._arrays = loop.Matrix._make([
             matrix.values, matrix.segments, matrix.places, matrix.weights, matrix.data,
             *(views[name] for name in ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v")),
@@ -297,6 +302,40 @@ class AlphaStepper:
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
         return float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
+
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on, see `Stepper`."""
+        if self.keeping.wanted:
+            raise ValueError(
+                "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
+            )
+        found = {f"state_{name}": array for name, array in zip(loop.State._fields, self._state, strict=True)}
+        ready = self._arrays is not None
+        found |= {f"matrix_{name}": array for name, array in self.matrix.state().items() if ready}
+        numbers = np.array([self.t, self._span, self._vain])
+        found |= {
+            "b": self.b,
+            "numbers": self._control.numbers,
+            "counts": self._control.counts,
+            "own": numbers,
+        }
+        return found | {"tally": self.tally.counts(), "null": self.independence.state()}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.independence.resume(state["null"])
+        self.matrix.keep(self.independence.kept)
+        for name, array in zip(loop.State._fields, self._state, strict=True):
+            array[:] = state[f"state_{name}"]
+        self.b[:], self._control.numbers[:] = state["b"], state["numbers"]
+        self._control.counts[:] = state["counts"]
+        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
+        self.tally, self._arrays = Tally.of(state["tally"]), None
+        if "matrix_factors" in state:
+            self.matrix.resume(
+                *(state[f"matrix_{name}"] for name in ("row_place", "column_order", "factors"))
+            )
+            self._show_matrix()
 
     def steps(self) -> Any:
         """What was kept for derivatives, or None."""

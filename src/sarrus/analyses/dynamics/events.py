@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from ...algebra import Array
 from ...model.expression import Expression, parse
 from ...results import Happened
+from ...results.happened import happened_of
 from ...results.trajectory import place_of
 from ...system import System
 from .nodes import Nodes
@@ -128,33 +129,33 @@ class Watch:
         )
         along = event.reset.along if isinstance(event.reset, Impact) else None
         self.output: Any = Output(system, along) if along else self.function
-        self.count, self._last = 0, 0.0
+        self.count, self.last = 0, 0.0
 
     def begin(self, t: float, q: Array, v: Array, crossed: bool) -> None:
         """A start; where it has just crossed zero, its sign is that of its change."""
         value = float(self.function(t, q, v))
-        self._last = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else value
+        self.last = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else value
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
         since = nodes.t[0]
         for t, q, v in _looks(nodes):
             value = float(self.function(t, q, v))
-            if self._last * value < 0 and value * self.event.direction >= 0:
+            if self.last * value < 0 and value * self.event.direction >= 0:
                 yield self._root(nodes, sampler, since, t)
             if value != 0:
-                self._last, since = value, t
+                self.last, since = value, t
 
     def _root(self, nodes: Nodes, sampler: Sampler, before: float, after: float) -> float:
         def value(t: float) -> float:
             sample = sampler.states(nodes, np.array([t]))
             return float(self.function(t, sample.q[0], sample.v[0]))
 
-        if value(after) * self._last > 0:  # making the state consistent has moved the crossing behind it
+        if value(after) * self.last > 0:  # making the state consistent has moved the crossing behind it
             return after
         start = before
         for _ in range(HALVINGS):
-            if value(start) * self._last > 0:
+            if value(start) * self.last > 0:
                 return float(brentq(value, start, after, xtol=NEAR * max(1.0, abs(after)), rtol=1e-15))
             start = before + 0.5 * ((start if start > before else after) - before)
         return before
@@ -201,6 +202,24 @@ class Watches:
         """A start at a state, perhaps where one of them has just crossed zero."""
         for watch in self._all:
             watch.begin(t, q, v, watch is crossed)
+
+    def state(self) -> dict[str, Array]:
+        """What is known of them so far."""
+        happened, every = self.happened, self._all
+        names = [watch.name for watch in every]
+        found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
+        found["watch_last"] = np.array([watch.last for watch in every])
+        found["event_of"] = np.array([names.index(event.name) for event in happened], dtype=np.int64)
+        found["event_names"] = np.array(names, dtype="U")
+        return found | {
+            f"event_{n}": np.array([getattr(e, n) for e in happened]) for n in ("t", "q", "v", "after")
+        }
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        for n, watch in enumerate(self._all):
+            watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
+        self.happened = happened_of(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
         """All crossings within the nodes, in the order of time."""

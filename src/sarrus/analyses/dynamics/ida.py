@@ -8,6 +8,7 @@ Multipliers are the derivatives of unknowns Λ and Μ, λ = Λ', μ = Μ', which
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,6 +101,15 @@ class IDAStepper:
     def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
         a, lam = self._equations.motion.acceleration(float(t), q, v)
         return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
+
+    def state(self) -> dict[str, Array]:
+        """IDA keeps its past to itself."""
+        raise ValueError(
+            "a run with IDA() cannot be saved as it goes; choose HHT(), GeneralizedAlpha(), Radau() or ODE()"
+        )
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """There is no such state."""
 
     def steps(self) -> None:
         """No steps are kept."""

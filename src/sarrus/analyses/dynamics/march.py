@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Happened, Solution, Trajectory
+from ...results import Assembly, Happened, Solution, Trajectory, load_run
+from ...results.saved import Store
 from ...system import System
 from .events import Event, Watch, Watches
 from .nodes import Nodes, joined
@@ -17,6 +21,8 @@ from .sample_loop import Samples
 from .sampler import Sampler
 from .stepper import Stepper, Trouble
 
+PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
+COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 CHUNK = 400  # steps for one call of a method
 WATCHED = 40  # the same, where events are looked for
 CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
@@ -35,6 +41,7 @@ class Plan:
     events : what is looked for
     dense : whether the motion is wanted at any time
     progress : called with the time reached after every chunk of steps
+    store : where states are written as they are computed, instead of being kept in memory
     """
 
     times: Array
@@ -44,6 +51,7 @@ class Plan:
     events: Sequence[Event] = ()
     dense: bool = False
     progress: Callable[[float], None] | None = None
+    store: Store | None = None
 
 
 class March:
@@ -63,14 +71,20 @@ class March:
         self._samples: list[Samples] = []
         self._written = 0
         self._dense: list[Nodes] = []
+        self._marked, self._pause = time.perf_counter(), PAUSE
 
-    def go(self, start: Assembly) -> Trajectory:
-        """From the start to the end; whatever happens, what was computed is returned."""
+    def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
+        """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
         status, message = "finished", "reached the end"
         try:
-            self._begin(0.0, start.q, start.v, None)
+            if state is None:
+                self._begin(0.0, start.q, start.v, None)
+            else:
+                self._resume(state)
+            self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._stretch()
+                self._save()
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
         except KeyboardInterrupt:
@@ -83,6 +97,34 @@ class March:
         self.stepper.restart(t, q, v, self.plan.until)
         if self.watches:
             self.watches.begin(t, q, v, crossed)
+
+    def _resume(self, state: Mapping[str, Array]) -> None:
+        self.stepper.resume(state)
+        self.sampler.resume(state)
+        self.watches.resume(state)
+        self._written = int(state["written"])
+
+    def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
+        """Hand over what was computed; mark it as safe now and then, at the start, and at the end with what is told."""
+        store = self.plan.store
+        if store is None:
+            return
+        for samples in self._samples or [self.sampler.room(np.zeros(0))]:
+            store.write(samples, self.stepper.tally.steps())
+            self.stepper.tally.history.clear()
+        self._samples.clear()
+        now = time.perf_counter()
+        if force or told is not None or now - self._marked > self._pause:
+            state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
+            state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
+            (store.mark if told is None else store.finish)(state)
+            self._marked = time.perf_counter()
+            self._pause = max(PAUSE, PATIENT * (self._marked - now))
+
+    def _told(self) -> dict[str, Any]:
+        counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
+        message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
+        return {"status": "cut short", "message": message, "t": self.stepper.t, **counts}
 
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and what happened during them."""
@@ -141,6 +183,15 @@ class March:
             self._dense.append(nodes)
 
     def _result(self, status: str, message: str) -> Trajectory:
+        if self.plan.store:
+            told = {**self._told(), "status": status, "message": message}
+            if (
+                status == "stopped"
+            ):  # in the midst of things: the last checkpoint stays, and can be gone on from
+                self.plan.store.retell(json.dumps(told))
+            else:
+                self._save(told)
+            return load_run(self.plan.store.path, self.system)
         samples = self.sampler.room(np.zeros(0))
         if self._samples:
             samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))

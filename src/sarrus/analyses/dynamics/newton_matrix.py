@@ -78,10 +78,23 @@ class NewtonMatrix:
             self.lu = SparseLU(self.indptr, self.indices, data)
         else:
             self.lu.repivot(data)
+        self._place_numbers()
+
+    def _place_numbers(self) -> None:
         arranged = np.empty(len(self.indices), dtype=np.int64)
         arranged[self.lu.source] = np.arange(len(self.indices))
         self.places = arranged[self._place]
         self.data = np.zeros(len(self.indices))
+
+    def state(self) -> dict[str, Array]:
+        """Pivot order and factors; nothing before pivots are chosen."""
+        names = ("row_place", "column_order", "factors")
+        return {} if self.lu is None else {name: getattr(self.lu, name) for name in names}
+
+    def resume(self, row_place: Array, column_order: Array, factors: Array) -> None:
+        """Take over such a state."""
+        self.lu = SparseLU.ordered(self.indptr, self.indices, row_place, column_order, factors)
+        self._place_numbers()
 
 
 def _entries(system: System, name: str) -> tuple[Array, Array]:

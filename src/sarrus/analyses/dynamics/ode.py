@@ -5,6 +5,7 @@ For systems that are not stiff, and as an independent check of other methods.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -148,6 +149,26 @@ class ODEStepper:
     def _stuck_at(self, otherwise: Trouble | None = None) -> Trouble:
         q, v = np.split(self._solver.y, 2)
         return self._explained(q, v, otherwise)
+
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on, see `Stepper`."""
+        solver = self._solver
+        numbers = np.array([self.t, self._span, self._tiny, solver.h_abs])
+        found = {"b": self.b, "own": numbers, "y": solver.y, "f": solver.f, "tally": self.tally.counts()}
+        return found | {"null": self.independence.state()}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.independence.resume(state["null"])
+        self.motion.keep(self.independence.kept)
+        self._projection.keep(self.independence.kept)
+        self.b[:], own, y = state["b"], state["own"], state["y"]
+        q, v = np.split(y, 2)
+        self.restart(float(own[0]), q, v, float(own[0] + own[1]))
+        self._span, self._tiny, self._solver.h_abs = float(own[1]), int(own[2]), float(own[3])
+        self._solver.y, self._solver.f = y.copy(), state["f"].copy()
+        self.tally = Tally.of(state["tally"])
+        self.motion.evaluations = self.tally.nfev
 
     def steps(self) -> None:
         """No steps are kept."""

@@ -115,7 +115,14 @@ class PlacedMatrix:
         SingularMatrix
             If the matrix is singular.
         """
-        lu = SparseLU(self._indptr, self._indices, self.assembled())
+        return self._shown(SparseLU(self._indptr, self._indices, self.assembled()))
+
+    def resumed(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> Placed:
+        """With a pivot order and factors that were found before."""
+        self.weights[:] = weights
+        return self._shown(SparseLU.ordered(self._indptr, self._indices, row_place, column_order, factors))
+
+    def _shown(self, lu: SparseLU) -> Placed:
         arranged = np.empty(len(self._indices), dtype=np.int64)
         arranged[lu.source] = np.arange(len(self._indices))
         return Placed(

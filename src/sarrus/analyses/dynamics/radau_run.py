@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -52,6 +53,7 @@ CALLS = {  # scalars and arrays that each takes
     "BENDING": (1, 4),
     "REMEMBER": (1, 2),
 }
+KINDS, FACTORS = ("real", "pair", "motion"), ("row_place", "column_order", "factors", "weights")
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
 
 
@@ -196,6 +198,47 @@ class RadauStepper:
         motion.b[:] = self.b
         return motion
 
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on, see `Stepper`."""
+        found = {f"state_{name}": array for name, array in zip(loop.State._fields, self._state, strict=True)}
+        if self._arrays is not None:
+            for kind in KINDS:
+                shown = getattr(self._arrays, kind)
+                found |= {f"{kind}_{name}": getattr(shown, name) for name in FACTORS}
+        numbers = np.array([self.t, self._span, self._vain])
+        found |= {
+            "b": self.b,
+            "numbers": self._control.numbers,
+            "counts": self._control.counts,
+            "own": numbers,
+        }
+        found |= {"last_a": self._last[0], "last_lam": self._last[1]}
+        return found | {"tally": self.tally.counts(), "null": self.independence.state()}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.independence.resume(state["null"])
+        self._keep()
+        for name, array in zip(loop.State._fields, self._state, strict=True):
+            array[:] = state[f"state_{name}"]
+        self.b[:], self._control.numbers[:] = state["b"], state["numbers"]
+        self._control.counts[:] = state["counts"]
+        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
+        self.tally, self._arrays, self._last = (
+            Tally.of(state["tally"]),
+            None,
+            (state["last_a"], state["last_lam"]),
+        )
+        if "real_factors" in state:
+            kinds = zip(KINDS, (self.real, self.pair, self.motion), strict=True)
+            self._show([matrix.resumed(*(state[f"{kind}_{n}"] for n in FACTORS)) for kind, matrix in kinds])
+
+    def _show(self, placed_anew: list[placed.Placed]) -> None:
+        """The matrices as the loop takes them."""
+        views = self.numbers.views
+        shown = (self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT])
+        self._arrays = loop.Matrices._make([*shown, *placed_anew])
+
     def steps(self) -> None:
         """No steps are kept."""
 
@@ -242,8 +285,7 @@ class RadauStepper:
             placed_anew = [matrix.placed() for matrix in (self.real, self.pair, self.motion)]
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
-        shown = (self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT])
-        self._arrays = loop.Matrices._make([*shown, *placed_anew])
+        self._show(placed_anew)
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
     def _first_step(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from copy import copy
 from functools import cache
 from typing import Any, NamedTuple
@@ -170,13 +171,33 @@ class Sampler:
             self.matrix.choose_pivots()
         except (SingularMatrix, ValueError):
             return False
-        lu, matrix = self.matrix.lu, self.matrix
+        self._show_matrix()
+        return True
+
+    def _show_matrix(self) -> None:
+        """The matrix as the loop takes it."""
+        lu, matrix, views = self.matrix.lu, self.matrix, self.matrix.views
         self._arrays = Matrix(
             matrix.values, matrix.places, matrix.data, views["M"], views["Phi_q"], matrix.row_of, matrix.left_out,
             lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
             lu.column_order,
         )  # fmt: skip
-        return True
+
+    def choices(self) -> dict[str, Array]:
+        """The choices made so far, which decide on the last digits; for `resume`."""
+        found = {"sampler_null": self.independence.state()}
+        ready = self._arrays is not None
+        return found | {f"sampler_{name}": array for name, array in self.matrix.state().items() if ready}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Take over choices made before."""
+        self.independence.resume(state["sampler_null"])
+        self.matrix.keep(self.independence.kept)
+        if "sampler_factors" in state:
+            self.matrix.resume(
+                *(state[f"sampler_{name}"] for name in ("row_place", "column_order", "factors"))
+            )
+            self._show_matrix()
 
     def _shorten(self, out: loop.Samples) -> None:
         """The shortest multipliers, where equations are dependent."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +16,11 @@ from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import breakpoints as of_model
 from .events import Event
 from .ida import IDA
-from .march import March, Plan
+from .march import Plan
 from .ode import ODE
 from .outcome import nothing
 from .radau import Radau
+from .recipe import Recipe
 from .report import reporter
 from .room import refuse_too_large
 from .stepper import Settings, Trouble
@@ -43,6 +44,7 @@ def simulate(
     breakpoints: ArrayLike = (),
     dense_output: bool = False,
     keep_steps: bool = False,
+    save: str | os.PathLike[str] | None = None,
     progress: bool | Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -64,6 +66,8 @@ def simulate(
     dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
     keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
         `GeneralizedAlpha`)
+    save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
+        whatever happens, memory does not grow, and `resume` goes on with it; `load_run` opens it
     progress : true for a bar on the terminal, or a function that is called with the time reached
 
     Returns
@@ -94,14 +98,18 @@ def simulate(
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
+    plan = Plan(times, until, stops, np.zeros(0) if keep_steps else kinks, watched, dense_output)
+    recipe = Recipe(system.model, begin, chosen, settings, plan)
+    if save is not None and (dense_output or keep_steps):
+        raise ValueError(
+            "what is saved are the states at t_eval; leave dense_output and keep_steps out, or save"
+        )
     try:
-        refuse_too_large(system, len(times), dense_output or keep_steps)
-        stepper = chosen.stepper(system, begin, settings)
+        refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
+        with reporter(progress, until) as told:
+            return recipe.march(system, None if save is None else recipe.store(save, system), told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
-    plan = Plan(times, until, stops, np.zeros(0) if keep_steps else kinks, watched, dense_output)
-    with reporter(progress, until) as told:
-        return March(system, stepper, replace(plan, progress=told)).go(begin)
 
 
 def _stops(system: System, given: Array, until: float) -> tuple[Array, Array]:

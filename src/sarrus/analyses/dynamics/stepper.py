@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -64,6 +65,16 @@ class Tally:
         self.nsteps, self.nrejected = self.nsteps + steps, self.nrejected + rejected
         self.nfev, self.njev, self.nlu = self.nfev + residuals, self.njev + matrices, self.nlu + factors
 
+    def counts(self) -> Array:
+        """All numbers but the history."""
+        return np.array([self.nfev, self.njev, self.nlu, self.nsteps, self.nrejected])
+
+    @classmethod
+    def of(cls, counts: Array) -> Tally:
+        """What had been counted before."""
+        nfev, njev, nlu, nsteps, nrejected = (int(x) for x in counts)
+        return cls(nfev, njev, nlu, nsteps, nrejected)
+
     def steps(self) -> Array:
         """The history as one array."""
         return np.concatenate([np.zeros((0, HISTORY)), *self.history])
@@ -110,3 +121,15 @@ class Stepper(Protocol):
 
     def steps(self) -> Any:
         """The steps kept for derivatives, or None."""
+
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on later with the same numbers.
+
+        Raises
+        ------
+        ValueError
+            If the method cannot do so.
+        """
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state, in place of `restart`."""

@@ -1,0 +1,94 @@
+"""What a run was asked for, so that it can be repeated or gone on with from its own file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ...algebra import Array
+from ...model import Model
+from ...results import Assembly, Trajectory, load_run
+from ...results.saved import Store, recipe_of
+from ...system import System
+from .march import March, Plan
+from .report import reporter
+from .stepper import Settings
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Model, start, method and settings of a run."""
+
+    model: Model
+    start: Assembly
+    method: Any
+    settings: Settings
+    plan: Plan
+
+    def as_dict(self) -> dict[str, Any]:
+        """What is stored."""
+        return {"recipe": self, "system": _SystemOf(self.model)}
+
+    def march(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> March:
+        """The run, at its start."""
+        stepper = self.method.stepper(system, self.start, self.settings)
+        return March(system, stepper, replace(self.plan, store=store, progress=progress))
+
+    def store(self, path: str | os.PathLike[str], system: System) -> Store:
+        """A folder for the run."""
+        about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
+        about |= {"coordinates": list(system.coordinate_names), "method": repr(self.method)}
+        about["until"] = self.plan.until
+        return Store.create(path, self.plan.times, system, about, self.as_dict())
+
+
+@dataclass(frozen=True)
+class _SystemOf:
+    """The system of a stored model, made when it is asked for."""
+
+    model: Model
+
+    def __call__(self) -> System:
+        return System(self.model)
+
+
+def resume(
+    path: str | os.PathLike[str], *, progress: bool | Callable[[float], None] | None = None
+) -> Trajectory:
+    """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
+
+    Model and options are read from the folder, which runs code that it holds: trust where it comes from.
+
+    Parameters
+    ----------
+    path : the folder that was given to ``simulate(..., save=path)``
+    progress : as for `simulate`
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no run.
+    ValueError
+        If the run was given functions that could not be stored.
+    """
+    recipe: Recipe = recipe_of(Path(path))["recipe"]
+    store, state = Store.reopen(path)
+    system = System(recipe.model)
+    if _is_over(state):
+        return load_run(path, system)
+    with reporter(progress, recipe.plan.until) as told:
+        return recipe.march(system, store, told).go(recipe.start, state)
+
+
+def repeat(path: str | os.PathLike[str]) -> Trajectory:
+    """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
+    recipe: Recipe = recipe_of(Path(path))["recipe"]
+    return recipe.march(System(recipe.model), None, None).go(recipe.start)
+
+
+def _is_over(state: dict[str, Array]) -> bool:
+    return json.loads(str(state["told"]))["status"] not in ("cut short", "stopped")

@@ -1,0 +1,66 @@
+"""A saved run as a trajectory whose arrays are read where they are asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .happened import happened_of
+from .saved import arrays_of, recipe_of
+from .trajectory import Trajectory
+
+COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
+
+
+def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
+    """Open a run saved by ``simulate(..., save=path)``, also one that was cut short or is still going on.
+
+    Parameters
+    ----------
+    path : the folder
+    system : the system that moved, for reactions and joints
+    trusted : whether to make that system of the model in the folder, which runs code that the folder holds
+
+    Returns
+    -------
+    Trajectory
+        ``t`` and what is as small in memory; ``q``, ``v``, ``a``, ``lam`` and ``history`` are read from disk by what is
+        indexed, ``np.asarray(run.q)`` reads all.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no run.
+    ImportError
+        If zarr is not installed.
+    """
+    folder = Path(path)
+    about, arrays, state = arrays_of(folder)
+    told = json.loads(str(state["told"]))
+    if system is None and trusted:
+        system = recipe_of(folder)["system"]()
+    violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))
+    states: dict[str, Any] = {name: arrays[name] for name in ("q", "v", "a", "lam", "history")}
+    counts: dict[str, Any] = {name: told[name] for name in COUNTS}
+    return Trajectory(
+        name=about["name"],
+        bodies=tuple(about["bodies"]),
+        coordinate_names=tuple(about["coordinates"]),
+        t=np.asarray(arrays["t"]),
+        violation=violation[:, 0],
+        velocity_violation=violation[:, 1],
+        kinetic_energy=energy[:, 0],
+        potential_energy=energy[:, 1],
+        success=told["status"] in ("finished", "event"),
+        status=told["status"],
+        message=told["message"],
+        events=tuple(happened_of(state)),
+        joints=None if system is None else system.joint_coordinates,
+        system=system,
+        **states,
+        **counts,
+    )

@@ -1,0 +1,141 @@
+"""Runs that are saved as they go, killed, gone on with, repeated and read."""
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.dynamics import march
+from sarrus.results.saved import checkpoint
+
+METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau(), "ODE": sr.ODE()}
+TIMES = np.linspace(0, 20, 5001)
+
+
+def options(method: str) -> dict:
+    return {"until": 20.0, "t_eval": TIMES, "method": METHODS[method], "rtol": 1e-9, "atol": 1e-11}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_saved_run_is_the_run(method: str, tmp_path: Path) -> None:
+    given = {**options(method), "until": 1.0, "t_eval": np.linspace(0, 1, 333), "rtol": 1e-6}
+    plain = sr.simulate(slider_crank(), **given)
+    sr.simulate(slider_crank(), save=tmp_path / "run.sarrus", **given)
+    saved = sr.load_run(tmp_path / "run.sarrus", trusted=True)
+    for name in ("t", "q", "v", "a", "lam", "violation", "velocity_violation", "kinetic_energy", "history"):
+        assert np.array_equal(np.asarray(getattr(saved, name)), getattr(plain, name), equal_nan=True), name
+    assert (saved.status, saved.nsteps, saved.nfev, saved.njev) == (
+        "finished",
+        plain.nsteps,
+        plain.nfev,
+        plain.njev,
+    )
+    assert np.array_equal(saved["slider"].position, plain["slider"].position)
+    joint = next(iter(plain.system.rows))
+    assert np.array_equal(saved.reaction(joint).force, plain.reaction(joint).force)
+    again = sr.repeat(tmp_path / "run.sarrus")
+    assert np.array_equal(again.q, plain.q)
+
+
+CHILD = """
+import sys
+import tests.analyses.test_saving as here
+import sarrus as sr
+sr.simulate(here.slider_crank(), save=sys.argv[2], **here.options(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_killed_run_is_gone_on_with_to_the_same_bits(method: str, tmp_path: Path) -> None:
+    folder = tmp_path / "run.sarrus"
+    child = subprocess.Popen(
+        [sys.executable, "-c", CHILD, method, str(folder)], cwd=Path(__file__).parents[2]
+    )
+    try:
+        until = time.monotonic() + 120
+        while not _has_come_far(folder) and time.monotonic() < until and child.poll() is None:
+            time.sleep(0.01)
+    finally:
+        child.kill()
+        child.wait()
+    cut = sr.load_run(folder)
+    assert cut.status == "cut short"
+    assert 0 < len(cut.t) < len(TIMES)
+    plain = sr.simulate(slider_crank(), **options(method))
+    assert np.array_equal(np.asarray(cut.q), plain.q[: len(cut.t)])
+    resumed = sr.resume(folder)
+    assert resumed.success, resumed.message
+    for name in ("t", "q", "v", "a", "lam", "history"):
+        assert np.array_equal(np.asarray(getattr(resumed, name)), getattr(plain, name), equal_nan=True), name
+    assert (resumed.nsteps, resumed.nfev, resumed.njev) == (plain.nsteps, plain.nfev, plain.njev)
+
+
+def _has_come_far(folder: Path) -> bool:
+    try:
+        return int(checkpoint(folder)["written"]) > 0
+    except (FileNotFoundError, KeyError):
+        return False
+
+
+def test_a_run_that_was_stopped_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(march, "PAUSE", 0.0)
+    monkeypatch.setattr(march, "PATIENT", 0.0)
+
+    def stop(t: float) -> None:
+        if t > 5.0:
+            raise KeyboardInterrupt
+
+    floor = sr.Event("slider.x - 4.0", name="middle")
+    given = {**options("HHT"), "events": floor, "rtol": 1e-5}
+    cut = sr.simulate(slider_crank(), save=tmp_path / "r", progress=stop, **given)
+    assert cut.status == "stopped"
+    assert 4.0 < cut.t[-1] < 20
+    resumed, plain = sr.resume(tmp_path / "r"), sr.simulate(slider_crank(), **given)
+    assert np.array_equal(np.asarray(resumed.q), plain.q)
+    assert [e.t for e in resumed.events] == [e.t for e in plain.events]
+    assert len(plain.events) > len(cut.events) > 0
+
+
+def test_arrays_are_read_by_what_is_indexed(tmp_path: Path) -> None:
+    run = sr.simulate(slider_crank(), until=1.0, save=tmp_path / "r", t_eval=np.linspace(0, 1, 101))
+    q = np.asarray(run.q)
+    for key in (
+        5,
+        -1,
+        slice(3, 60, 7),
+        (slice(None), 2),
+        (slice(90, None), slice(0, 3)),
+        (7, 3),
+        [3, 4],
+        slice(5, 0, -1),
+    ):
+        assert np.array_equal(run.q[key], q[key]), key
+    assert run.q.shape == q.shape == (101, 21)
+
+
+def test_the_folder_describes_itself(tmp_path: Path) -> None:
+    sr.simulate(slider_crank(), until=0.1, save=tmp_path / "r", t_eval=[0.0, 0.1])
+    about = json.loads((tmp_path / "r" / "zarr.json").read_text())["attributes"]
+    assert about["bodies"] == list(slider_crank().bodies)
+    assert {"sarrus", "numpy", "numba", "python", "method", "until"} <= set(about)
+    axes = json.loads((tmp_path / "r" / "q" / "zarr.json").read_text())["dimension_names"]
+    assert axes == ["time", "coordinate"]
+
+
+def test_what_cannot_be_saved_is_told(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(FileExistsError, match="is there and is no saved run"):
+        sr.simulate(slider_crank(), until=1.0, save=tmp_path / "mine")
+    with pytest.raises(ValueError, match="leave dense_output"):
+        sr.simulate(slider_crank(), until=1.0, save=tmp_path / "r", dense_output=True)
+    with pytest.raises(FileNotFoundError):
+        sr.load_run(tmp_path / "none")
+    sr.simulate(slider_crank(), until=0.1, save=tmp_path / "r", events=sr.Event(lambda t, q, v: t - 1))
+    with pytest.raises(ValueError, match="does not hold its model and options"):
+        sr.resume(tmp_path / "r")

@@ -5,11 +5,11 @@ from .equilibrium import Equilibrium
 from .gradient import Gradient, StateDerivatives
 from .happened import Happened
 from .joint_motion import JointMotion
-from .load_run import load_run
 from .mobility import Mobility, Repetition
 from .modes import Modes
 from .optimum import Optimum
 from .reaction import Reaction
+from .reading import load_run
 from .singularity import Singularity
 from .solution import Solution, State
 from .steps import Steps

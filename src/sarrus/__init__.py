@@ -118,6 +118,7 @@ if TYPE_CHECKING:
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
+    from .results import load_run as load_run
     from .studies import Distribution as Distribution
     from .studies import Grid as Grid
     from .studies import Kinematics as Kinematics
@@ -133,7 +134,6 @@ if TYPE_CHECKING:
     from .studies import Vibration as Vibration
     from .studies import open_study as open_study
     from .studies import study as study
-    from .results import load_run as load_run
     from .system import System as System
     from .views import animate as animate
     from .views import view as view

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 from scipy.sparse.linalg import splu
 
 from .._jit import sparse_lu
 from .._jit.driver import compiled_function
 from ..algebra import Array
 
-ORDERINGS = ("MMD_AT_PLUS_A", "COLAMD")
+GRADES = 4  # of size, to a factor of two: whole costs, since SciPy's matching can run for ever on others
+TINY = 1e-30  # relative size, below which an entry is as bad as any other
 PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
 TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
 
@@ -74,19 +77,26 @@ class SparseLU:
         return made
 
     def _order(self, data: Array) -> tuple[Array, Array]:
-        """Row places and column order of the sparser of two factorizations."""
-        matrix = csc_array((data, self._indices, self._indptr), shape=(self.n, self.n))
-        best: Any = None
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            for ordering in ORDERINGS:
-                try:
-                    found = splu(matrix, permc_spec=ordering, diag_pivot_thresh=PIVOT_THRESHOLD)
-                except RuntimeError as trouble:
-                    raise SingularMatrix(str(trouble)) from None
-                if best is None or found.nnz < best.nnz:
-                    best = found
-        return best.perm_r.astype(np.int64), np.argsort(best.perm_c).astype(np.int64)
+        """Row places and column order of the sparsest of some factorizations."""
+        found = list(self._candidates(data))
+        places, columns, _ = min(found, key=lambda candidate: candidate[2])
+        return places, columns
+
+    def _candidates(self, data: Array) -> Iterator[tuple[Array, Array, int]]:
+        """Row places, column order and size of the factors: of the matrix, and with rows permuted for a large diagonal.
+
+        Where pivots can stay on the diagonal, a symmetric ordering keeps its promise; of the matrix as it is, with
+        zeros on the diagonal, it would fill a long chain.
+        """
+        whole = csc_array((data, self._indices, self._indptr), shape=(self.n, self.n))
+        lu = _superlu(whole, "COLAMD", symmetric=False)
+        yield lu.perm_r.astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
+        to = _large_diagonal(whole)
+        if to is not None:
+            permuted = csc_array((data.copy(), to[self._indices], self._indptr), shape=whole.shape)
+            permuted.sort_indices()
+            lu = _superlu(permuted, "MMD_AT_PLUS_A", symmetric=True)
+            yield lu.perm_r[to].astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
 
     def _arrange(self) -> None:
         """The pattern in pivot order, and where each number goes."""
@@ -125,3 +135,31 @@ class SparseLU:
         x = right[self.column_order].astype(self.factors.dtype)
         compiled()["solve_transposed"](self.pointers, self.rows, self.diagonal, self.factors, x)
         return x[self.row_place]
+
+
+def _superlu(matrix: csc_array, ordering: str, symmetric: bool) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            options = {"SymmetricMode": symmetric}
+            return splu(matrix, permc_spec=ordering, diag_pivot_thresh=PIVOT_THRESHOLD, options=options)
+        except RuntimeError as trouble:
+            raise SingularMatrix(str(trouble)) from None
+
+
+def _large_diagonal(matrix: csc_array) -> Array | None:
+    """Where each row goes so that the product of the diagonal entries is greatest, columns and rows scaled to 1."""
+    rows = csr_array(abs(matrix))
+    rows.eliminate_zeros()
+    in_row, in_column = rows.max(axis=1).toarray(), rows.max(axis=0).toarray()
+    size = rows.data / np.sqrt(np.repeat(in_row, np.diff(rows.indptr)) * in_column[rows.indices])
+    cost = csr_array(
+        (1 + np.round(-GRADES * np.log2(np.maximum(size, TINY))), rows.indices, rows.indptr), shape=rows.shape
+    )
+    try:
+        chosen, columns = min_weight_full_bipartite_matching(cost)
+    except ValueError:  # the matrix is singular, whatever its numbers
+        return None
+    to = np.empty(matrix.shape[0], dtype=np.int64)
+    to[chosen] = columns
+    return to

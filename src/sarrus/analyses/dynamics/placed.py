@@ -77,7 +77,7 @@ class PlacedMatrix:
     """The pattern of a matrix (n, n), and its factors; `kind` is the type of its weights, real or complex."""
 
     def __init__(self, numbers: Numbers, n: int, parts: Sequence[Part], kind: type = float) -> None:
-        self._numbers, self.n, self._lu = numbers, n, None
+        self._numbers, self.n = numbers, n
         entries = [self._entries(part) for part in parts]
         counts = [len(rows) for rows, _ in entries]
         keys = np.concatenate([columns * n + rows for rows, columns in entries])

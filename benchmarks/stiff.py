@@ -1,0 +1,87 @@
+"""Steps against stiffness: implicit methods follow the motion, explicit ones the fastest vibration.
+
+    python benchmarks/stiff.py [--json] [--quick]
+
+Two models, each over stiffnesses from 1e3 to 1e9: a rod that swings on a bushing, 2 s, with vibrations of up to
+6e4 rad/s; and a mass of 1 kg on a soft spring that carries one of 1e-8 kg on a stiff one, with up to 3e8 rad/s. Errors
+are those of the place at the end, in m, against Radau with a tolerance of 1e-10.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import sarrus as sr
+
+STIFFNESSES = (1e3, 1e5, 1e7, 1e9)
+FASTEST = 2e5  # rad/s, up to which the explicit method is run
+RTOL = 1e-5
+
+
+def swinging(k: float) -> sr.Model:
+    """A rod of 1 kg, let go at rest from the horizontal, on a bushing free to turn."""
+    rod = sr.Body("rod", mass=1.0, inertia=(0.001, 1 / 12, 1 / 12), position=(0.5, 0, 0))
+    stiffness, damping = (k, k, k, 0, 0, 0), (1, 1, 1, 0, 0, 0)
+    bushing = sr.Bushing("bushing", sr.ground, rod, point=(0, 0, 0), stiffness=stiffness, damping=damping)
+    return sr.Model("rod on a bushing", [rod], forces=[bushing], gravity=(0, 0, -9.81))
+
+
+def carried(k: float) -> sr.Model:
+    """A mass on a spring of 100 N/m, and above it one of a hundred millionth of it."""
+    heavy = sr.Body("heavy", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1.0), velocity=(0, 0, 1.0))
+    light = sr.Body("rod", mass=1e-8, inertia=(1e-8, 1e-8, 1e-8), position=(0, 0, 1.5), velocity=(0, 0, 1.0))
+    soft = sr.TSDA("soft", sr.ground.point(0, 0, 0), heavy.point(0, 0, 0), k=100.0, c=0.0, length=1.0)
+    stiff = sr.TSDA("stiff", heavy.point(0, 0, 0), light.point(0, 0, 0), k=k, c=0.0, length=0.5)
+    guides = [
+        sr.Translational(f"guide_{b.name}", sr.ground, b, point=(0, 0, 0), axis=(0, 0, 1))
+        for b in (heavy, light)
+    ]
+    return sr.Model("mass on a mass", [heavy, light], guides, [soft, stiff], gravity=(0, 0, -9.81))
+
+
+MODELS: dict[str, tuple[Callable[[float], sr.Model], float]] = {
+    "bushing": (swinging, 1.5),
+    "masses": (carried, 1e8),
+}
+
+
+def fastest(name: str, k: float) -> float:
+    """The highest frequency [rad/s]."""
+    return float((4 * k) ** 0.5 if name == "bushing" else (1e8 * k) ** 0.5)
+
+
+def measured(name: str, k: float, methods: dict[str, Any]) -> Iterator[tuple[str, float]]:
+    """Steps and error of each method, under names like ``bushing.1e+05.HHT.steps``."""
+    system, until = sr.System(MODELS[name][0](k)), 2.0
+    settings = {"until": until, "t_eval": [until]}
+    exact = sr.simulate(system, method=sr.Radau(), rtol=1e-10, atol=1e-12, **settings)
+    for label, method in methods.items():
+        if label == "DOP853" and fastest(name, k) > FASTEST:
+            continue
+        run = sr.simulate(system, method=method, rtol=RTOL, atol=RTOL, **settings)
+        error = abs(run["rod"].position - exact["rod"].position).max() if run.success else float("nan")
+        yield f"{name}.{k:.0e}.{label}.steps", run.nsteps
+        yield f"{name}.{k:.0e}.{label}.error", float(error)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--quick", action="store_true", help="implicit methods only")
+    given = parser.parse_args()
+    methods: dict[str, Any] = {"HHT": sr.HHT(-0.3), "Radau": sr.Radau(), "DOP853": sr.ODE()}
+    if given.quick:
+        del methods["DOP853"]
+    found = dict(pair for name in MODELS for k in STIFFNESSES for pair in measured(name, k, methods))
+    if given.json:
+        print(json.dumps(found, indent=2))
+        return
+    for key, value in found.items():
+        print(f"{key:32s} {value:.3g}")
+
+
+if __name__ == "__main__":
+    main()

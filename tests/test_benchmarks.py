@@ -47,3 +47,11 @@ def test_allocation() -> None:
     for group in ("kinematic", "force", "inertia"):
         assert found[f"{group}.strange_calls"] == []
         assert found[f"{group}.mallocs_compiled"] == found[f"{group}.numba_allocations"] == 0
+
+
+def test_studies() -> None:
+    """Workers compute the same numbers."""
+    found = figures("studies.py", "--cases", "10", "--repeats", "1")
+    assert found["all_succeeded"]
+    assert found["same_numbers"]
+    assert found["speedup"] > 0

@@ -69,7 +69,7 @@ def _distribution(ax: Any, y: Any, name: str) -> None:
     if len(y):
         ax.hist(y, bins=max(5, min(40, round(np.sqrt(len(y))))), color=BLUE, alpha=0.75)
         ax.axvline(y.mean(), color=ORANGE, linewidth=1.6)
-        ax.axvspan(y.mean() - y.std(), y.mean() + y.std(), color=ORANGE, alpha=0.12, linewidth=0)
+        ax.axvspan(y.mean() - y.std(), y.mean() + y.std(), color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
     ax.set_xlabel(name)
     ax.set_ylabel("cases")
     _tidy(ax)

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from .analyses import Within as Within
     from .analyses import WorkspaceMap as WorkspaceMap
     from .analyses import assemble as assemble
+    from .analyses import dexterity as dexterity
     from .analyses import equilibrium as equilibrium
     from .analyses import fit as fit
+    from .analyses import input_singularities as input_singularities
     from .analyses import inverse_dynamics as inverse_dynamics
     from .analyses import kinematics as kinematics
     from .analyses import linearize as linearize
@@ -46,6 +48,8 @@ if TYPE_CHECKING:
     from .analyses import verify_workspace as verify_workspace
     from .analyses.sensitivity import sensitivity as sensitivity
     from .analyses.workspace import workspace as workspace
+    from .analyses.workspace import workspace_range as workspace_range
+    from .analyses.workspace import workspace_volume as workspace_volume
     from .io import Robot as Robot
     from .io import load_any as load_any
     from .io import load_mjcf as load_mjcf
@@ -110,6 +114,7 @@ if TYPE_CHECKING:
     from .results import Equilibrium as Equilibrium
     from .results import Gradient as Gradient
     from .results import Happened as Happened
+    from .results import InputSingularities as InputSingularities
     from .results import Mobility as Mobility
     from .results import Modes as Modes
     from .results import Optimum as Optimum
@@ -118,6 +123,8 @@ if TYPE_CHECKING:
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
+    from .results import WorkspaceRange as WorkspaceRange
+    from .results import WorkspaceVolume as WorkspaceVolume
     from .results import load_run as load_run
     from .studies import Distribution as Distribution
     from .studies import Grid as Grid
@@ -153,12 +160,13 @@ _HOMES = {
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
         "ODE Peak Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize mobility "
-        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace"
+        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
+        "workspace_range workspace_volume dexterity input_singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
         "Assembly Equilibrium Gradient Happened Mobility Modes Optimum Reaction Singularity Solution Trajectory "
-        "Workspace load_run"
+        "Workspace WorkspaceRange WorkspaceVolume InputSingularities load_run"
     ),
     "views": "animate view",
     "studies": (

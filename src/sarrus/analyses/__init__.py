@@ -13,7 +13,16 @@ from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_d
 from .singular_positions import singularities
 from .statics import equilibrium
 from .vibration import modes
-from .workspace import WorkspaceMap, verify_workspace, workspace
+from .workspace import (
+    Dexterity,
+    WorkspaceMap,
+    dexterity,
+    input_singularities,
+    verify_workspace,
+    workspace,
+    workspace_range,
+    workspace_volume,
+)
 
 __all__ = [
     "HHT",
@@ -21,6 +30,7 @@ __all__ = [
     "ODE",
     "AssemblyDerivatives",
     "At",
+    "Dexterity",
     "Event",
     "Final",
     "GeneralizedAlpha",
@@ -34,8 +44,10 @@ __all__ = [
     "Within",
     "WorkspaceMap",
     "assemble",
+    "dexterity",
     "equilibrium",
     "fit",
+    "input_singularities",
     "inverse_dynamics",
     "kinematics",
     "linearize",
@@ -50,4 +62,6 @@ __all__ = [
     "state_derivatives",
     "verify_workspace",
     "workspace",
+    "workspace_range",
+    "workspace_volume",
 ]

@@ -4,6 +4,7 @@ from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
 from .gradient import Gradient, StateDerivatives
 from .happened import Happened
+from .input_singularities import InputSingularities, SingularCurve
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
 from .modes import Modes
@@ -15,6 +16,8 @@ from .solution import Solution, State
 from .steps import Steps
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
+from .workspace_range import CriticalValue, WorkspaceRange
+from .workspace_volume import Slice, WorkspaceVolume
 
 __all__ = [
     "Asked",
@@ -22,17 +25,21 @@ __all__ = [
     "BodyMotion",
     "BoundaryCurve",
     "Component",
+    "CriticalValue",
     "Effort",
     "Equilibrium",
     "Gradient",
     "Happened",
+    "InputSingularities",
     "JointMotion",
     "Mobility",
     "Modes",
     "Optimum",
     "Reaction",
     "Repetition",
+    "SingularCurve",
     "Singularity",
+    "Slice",
     "Solution",
     "State",
     "StateDerivatives",
@@ -40,5 +47,7 @@ __all__ = [
     "Trajectory",
     "Verification",
     "Workspace",
+    "WorkspaceRange",
+    "WorkspaceVolume",
     "load_run",
 ]

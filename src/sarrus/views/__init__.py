@@ -8,7 +8,8 @@ from .reactions import plot_reaction
 from .shows import animate, view
 from .studies import plot_study
 from .tables import paper_tables
-from .workspace import plot_workspace, workspace_report
+from .workspace import plot_input_singularities, plot_workspace, workspace_report
+from .workspace_volume import plot_workspace_volume
 
 __all__ = [
     "animate",
@@ -22,10 +23,12 @@ __all__ = [
     "plot",
     "plot_convergence",
     "plot_gradient",
+    "plot_input_singularities",
     "plot_modes",
     "plot_reaction",
     "plot_study",
     "plot_workspace",
+    "plot_workspace_volume",
     "view",
     "workspace_report",
 ]

@@ -11,6 +11,7 @@ import numpy as np
 from ..algebra import Array
 from ..model import blueprint
 from ..model.rotation import matrix
+from ..results.input_singularities import InputSingularities
 from ..results.workspace import BoundaryCurve, CurveKind, Workspace
 from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
 
@@ -151,6 +152,32 @@ def _places(placed: Any, q: Array) -> Iterator[tuple[int, Array]]:
             own = q[WIDTH * (body - 1) : WIDTH * body]
             s = own[:3] + matrix(own[3:]) @ s
         yield body, s
+
+
+def plot_input_singularities(found: InputSingularities, ax: Any = None) -> Any:
+    """Draw dashed where the inputs lose control, over a workspace if its axes are given.
+
+    Parameters
+    ----------
+    found : InputSingularities
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    ax = _window_axes() if ax is None else ax
+    for n, curve in enumerate(found.curves):
+        label = f"{', '.join(found.inputs)} lose control" if n == 0 else None
+        ax.plot(*curve.line.T, color="#c23b4e", linewidth=1.4, linestyle=(0, (4, 2)), label=label)
+    if found.curves:
+        ax.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2)
+    return _tidy(ax)
 
 
 def _area_unit(found: Workspace) -> str:

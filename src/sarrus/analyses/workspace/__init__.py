@@ -1,7 +1,19 @@
 """Workspaces: what outputs of a mechanism can reach, its boundary, barriers and singularities, by continuation."""
 
 from .analysis import workspace
+from .control import Dexterity, dexterity, input_singularities
+from .extremes import workspace_range
 from .mapping import WorkspaceMap
 from .verify import verify_workspace
+from .volume import workspace_volume
 
-__all__ = ["WorkspaceMap", "verify_workspace", "workspace"]
+__all__ = [
+    "Dexterity",
+    "WorkspaceMap",
+    "dexterity",
+    "input_singularities",
+    "verify_workspace",
+    "workspace",
+    "workspace_range",
+    "workspace_volume",
+]

@@ -17,6 +17,7 @@ from .newton import NoPoint, Tally, correct, plane
 from .step import Step
 from .stratum import Stratum
 
+REACHED = 1e-8  # of a limit, free of units
 VANISHES = 1e-9  # of a term, relative to the largest
 
 
@@ -28,11 +29,13 @@ class Crossing(NamedTuple):
     x : unknowns of the point that was examined
     side : +1 or -1: the outputs stay on the side of c or -c, a barrier; 0: they can go to both sides
     terms : -lam_i sigma_i of the active limits, then the eigenvalues of the form
+    sure : false where further limits are reached by coincidence, which are not in the terms
     """
 
     x: Array
     side: int
     terms: Array
+    sure: bool = True
 
 
 def crossing(branch: Branch, tally: Tally) -> Crossing:
@@ -51,6 +54,13 @@ def _middle(branch: Branch, tally: Tally) -> Array:
         return guess
 
 
+def _alone(stratum: Stratum, q: Array) -> bool:
+    """Whether no limit is reached but the active ones."""
+    margins = stratum.problem.margins(stratum.problem.values(q))
+    others = [margins[i] for i in range(len(margins)) if not {(i, 0), (i, 1)} & stratum.key]
+    return bool(np.min(others, initial=np.inf) > REACHED)
+
+
 def examine(stratum: Stratum, x: Array) -> Crossing:
     """The terms of the second-order form at one point."""
     q, lam, _ = stratum.parts(x)
@@ -63,4 +73,4 @@ def examine(stratum: Stratum, x: Array) -> Crossing:
     terms = np.concatenate([pushes, np.linalg.eigvalsh(form)])
     small = VANISHES * abs(terms).max(initial=0.0)
     side = 1 if np.all(terms > small) else -1 if np.all(terms < -small) else 0
-    return Crossing(x, side, terms)
+    return Crossing(x, side, terms, _alone(stratum, q))

@@ -50,7 +50,7 @@ def formulate(
     normal = outputs if singular == "outputs" else driven
     free = _without_drivers(system)
     nothing, size = np.zeros((0, system.nq)), _size(system)
-    rough = Problem(system, table, outputs, normal, targets, bounds, free, nothing, size)
+    rough = Problem(system, table, outputs, normal, targets, {}, free, nothing, size)
     positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
     kept = _independent(system, positions, free)
     return Problem(system, table, outputs, normal, targets, bounds, kept, nothing, size, positions)
@@ -140,8 +140,8 @@ def _independent(system: System, positions: list[Array], free: Array) -> Array:
     independent wherever the mechanism itself is regular.
     """
     if not positions:
-        told = "widen the limits, or check that they can be met together"
-        raise SarrusError(f"{system.name} could not be assembled within these limits; {told}")
+        told = "check what is fixed, and whether the joints fit together"
+        raise SarrusError(f"{system.name} could not be assembled; {told}")
     first = np.argsort(~normalizations(system)[free], kind="stable")
     jacobians = [unit_rows(system.Phi_q(q)).toarray()[free][first] for q in positions]
     kept = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT

@@ -52,6 +52,8 @@ def _sides(
     piece, left, right = cells.division.pieces[k], False, False
     slope = piece.arc.slope(0.5 * piece.arc.end)
     for n, _, low, high in piece.owners:
+        if not crossings[n].sure:
+            continue
         side = crossings[n].side
         c = normal_at(branches[n], 0.5 * (low + high))
         leftward = side * float(c[1] * slope[0] - c[0] * slope[1])

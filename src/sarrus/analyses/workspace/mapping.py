@@ -118,6 +118,12 @@ class WorkspaceMap:
         """The curves so far, without those of no length."""
         return [branch for branch in self.explorer.branches if len(branch.points) > 1]
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether every curve so far ends where others begin, and bounds what can be reached."""
+        lost = self.explorer.open or any(branch.trouble for branch in self.explorer.branches)
+        return not lost and not self.region().can[0]
+
     def region(self) -> Region:
         """The plane divided by the curves so far."""
         branches = self.branches
@@ -177,6 +183,10 @@ class WorkspaceMap:
         """What keeps a map from being complete, in words."""
         branches = self.explorer.branches
         lost = [branch.trouble for branch in branches if branch.trouble]
+        if not self.met:
+            return (
+                "no position within the limits was found; widen them, or check that they can be met together"
+            )
         if not branches:
             return "no boundary curve was found; is there a limit or a singularity at all?"
         if self.explorer.open or self.in_a_row < self.repeats:

@@ -41,6 +41,7 @@ class Problem:
     ----------
     n, m : scaled coordinates; rows before the functions
     freedoms : degrees of freedom that are left
+    of_outputs : whether the outputs' gradients become dependent, and not those of the inputs
     """
 
     def __init__(
@@ -63,10 +64,26 @@ class Problem:
         self.freedoms = self.n - self.m - len(fixed)
         self.units = np.array([self._unit(k) for k in range(len(table))])
         self.output_angles = np.array([table[k].kind == "angle" for k in outputs], dtype=bool)
-        self.has_cusps = len(self.outputs) == 2 and np.array_equal(self.outputs, self.normal)
-        self._handedness = Handedness(system, positions)
+        self.of_outputs = np.array_equal(self.outputs, self.normal)
+        self.has_cusps = len(self.outputs) == 2 and self.of_outputs
+        self._positions, self._handedness = positions, Handedness(system, positions)
         self._limit_arrays()
         self._prepare()
+
+    def held_at(self, k: int, value: float) -> Problem:
+        """The same problem with another value of a fixed function."""
+        return Problem(
+            self.system,
+            self.table,
+            self.outputs.tolist(),
+            self.normal.tolist(),
+            {**self.fixed, k: value},
+            self.limits,
+            self.kept,
+            self.locks,
+            self.size,
+            self._positions,
+        )
 
     def _unit(self, k: int) -> float:
         """What a scaled function is multiplied by."""

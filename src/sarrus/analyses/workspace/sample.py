@@ -96,9 +96,9 @@ class Samples:
         return self._settled(q + length * way / max(float(np.linalg.norm(way)), 1e-300))
 
     def _aimed(self, q: Array) -> Array:
-        """Towards random values of the limited functions, as far as they agree with the constraints."""
+        """Towards random values of as many limited functions as there are degrees of freedom."""
         p = self._problem
-        both = np.all(np.isfinite(p.bounds), axis=1)
+        both = self._random.permutation(np.flatnonzero(np.all(np.isfinite(p.bounds), axis=1)))[: p.freedoms]
         ends = p.bounds[both]
         wanted = ends[:, 0] + self._random.random(len(ends)) * (ends[:, 1] - ends[:, 0])
         rows = np.concatenate([self._rows, p.m + p.limited[both]])

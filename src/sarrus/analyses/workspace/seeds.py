@@ -27,7 +27,8 @@ class Start(NamedTuple):
 
 def random_start(problem: Problem, q: Array, random: np.random.Generator, tally: Tally) -> Start | None:
     """A point of a candidate curve with random limits active, from an admissible position; nothing, if it fails."""
-    active = _some_limits(problem, random, problem.freedoms - len(problem.normal) + 1)
+    most = problem.freedoms - len(problem.normal) + 1 if problem.of_outputs else 0
+    active = _some_limits(problem, random, most)
     stratum = Stratum(problem, active)
     x = onto(stratum, _guess(stratum, q, random), tally)
     if x is None or not allowed(problem, x[: problem.n]) or not problem.built(x[: problem.n]):
@@ -47,7 +48,7 @@ def _guess(stratum: Stratum, q: Array, random: np.random.Generator) -> Array:
     """A random normal with the multipliers that balance it best."""
     c = random.normal(size=stratum.k)
     J = stratum.problem.jacobian(q)
-    lam = -np.linalg.lstsq(J[stratum.rows].T, J[stratum.normal].T @ c, rcond=None)[0]
+    lam = -np.linalg.lstsq(J[stratum.pushing].T, J[stratum.normal].T @ c, rcond=None)[0]
     both = np.concatenate([lam, c])
     return np.concatenate([q, both / np.linalg.norm(both)])
 

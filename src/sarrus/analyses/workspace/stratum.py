@@ -3,7 +3,8 @@
 x = (q, lam, c):   rows active in S vanish,   Aᵀ lam + Uᵀ c = 0,   lam·lam + c·c = 1
 
 A are the gradients of Φ, of the functions that are held and of the active limits, U those of the outputs: they are
-dependent. c is normal to the candidate curve in the space of the outputs.
+dependent. c is normal to the candidate curve in the space of the outputs. For singularities of the inputs, U are their
+gradients, and functions that are held push on nothing: they only choose a section.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class Stratum:
     Attributes
     ----------
     active : the limits that are active, in the order of their multipliers
-    rows : rows of the table that vanish (m,), in the order of their multipliers; normal : rows of the outputs
+    rows : rows of the table that vanish; `pushing` those with multipliers; `normal` those with the normal c
     size : unknowns
     """
 
@@ -46,14 +47,15 @@ class Stratum:
         self.normal = problem.m + problem.normal
         ends = [problem.bounds[i, end] for i, end in self.active]
         self.goal = np.concatenate([np.zeros(problem.m), problem.targets, np.array(ends)])
-        self.n, self.count, self.k = problem.n, len(self.rows), len(self.normal)
+        self.pushing = self.rows if problem.of_outputs else self.rows[: problem.m]
+        self.n, self.count, self.k = problem.n, len(self.pushing), len(self.normal)
         self.size = self.n + self.count + self.k
         self.first_limit = self.n + self.count - len(self.active)
 
     @property
     def dimension(self) -> int:
         """Dimension of the set of positions with these limits active."""
-        return self.n - self.count
+        return self.n - len(self.rows)
 
     @cached_property
     def signs(self) -> Array:
@@ -69,7 +71,7 @@ class Stratum:
         """The multipliers of x in their places in the table."""
         _, lam, c = self.parts(x)
         found = np.zeros(self.problem.rows)
-        found[self.rows], found[self.normal] = lam, c
+        found[self.pushing], found[self.normal] = lam, c
         return found
 
     def multiplier(self, limit: tuple[int, int]) -> int:
@@ -77,26 +79,26 @@ class Stratum:
         return self.first_limit + self.active.index(limit)
 
     def residual(self, x: Array) -> Array:
-        """G (size - k + 1,)."""
-        q, lam, c = self.parts(x)
+        """G (size - 1,) for curves."""
+        q = x[: self.n]
         values, J = self.problem.values(q), self.problem.jacobian(q)
         return self._residual(x, values, J)
 
     def _residual(self, x: Array, values: Array, J: Array) -> Array:
         _, lam, c = self.parts(x)
-        force = J[self.rows].T @ lam + J[self.normal].T @ c
+        force = J[self.pushing].T @ lam + J[self.normal].T @ c
         return np.concatenate([values[self.rows] - self.goal, force, [0.5 * (lam @ lam + c @ c - 1)]])
 
     def linear(self, x: Array) -> Linear:
         """G and its exact derivative."""
-        q, lam, c = self.parts(x)
+        q = x[: self.n]
         values, J = self.problem.values(q), self.problem.jacobian(q)
-        H, n, m = self.problem.curvature(q, self.weights(x)), self.n, self.count
+        n, m, first = self.n, len(self.rows), self.n + self.count
         G_x = np.zeros((m + n + 1, self.size))
         G_x[:m, :n] = J[self.rows]
-        G_x[m:-1, :n] = H
-        G_x[m:-1, n : n + m] = J[self.rows].T
-        G_x[m:-1, n + m :] = J[self.normal].T
+        G_x[m:-1, :n] = self.problem.curvature(q, self.weights(x))
+        G_x[m:-1, n:first] = J[self.pushing].T
+        G_x[m:-1, first:] = J[self.normal].T
         G_x[-1, n:] = x[n:]
         return Linear(self._residual(x, values, J), G_x, values, J)
 

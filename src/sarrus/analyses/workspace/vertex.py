@@ -39,7 +39,8 @@ class Half:
 class Vertex:
     """A position at which curves begin, end or meet.
 
-    `kind` is "limit", "corner", "cusp", "branch", "seed" or "loose", where a curve was lost.
+    `kind` is "limit", "corner", "cusp", "branch", "seed", "end" at a limit of singularities of the inputs, or "loose",
+    where a curve was lost.
     """
 
     kind: str
@@ -80,6 +81,8 @@ def describe(stratum: Stratum, event: Event) -> tuple[str, Active, tuple[int, in
     key = stratum.key
     if event.limit is None:
         return event.kind, key, None
+    if not stratum.problem.of_outputs:
+        return "end", key, event.limit
     whole = key | {event.limit}
     if stratum.problem.freedoms - len(whole) >= len(stratum.problem.normal) - 1:
         return "limit", whole, event.limit
@@ -91,7 +94,9 @@ def vertex_of(strata: Strata, stratum: Stratum, event: Event, tally: Tally) -> V
     kind, key, limit = describe(stratum, event)
     x, u = event.point.x, event.point.u
     vertex = Vertex(kind, x[: stratum.n], key, limit, u)
-    if kind == "limit":
+    if kind == "end":
+        vertex.halves = [Half(key, turned(event.point), ("limit", limit))]
+    elif kind == "limit":
         assert limit is not None
         vertex.halves = list(_at_limit(strata, stratum, event.point, limit, tally))
     elif kind == "corner":
@@ -185,7 +190,8 @@ def _balanced(stratum: Stratum, q: Array) -> Array:
 
 
 def _at_branch(stratum: Stratum, point: Point, tally: Tally) -> Iterator[Half]:
-    for x in normals(stratum, point.x[: stratum.n]) or [point.x]:
+    several = normals(stratum, point.x[: stratum.n]) if stratum.problem.of_outputs else []
+    for x in several or [point.x]:
         linear = stratum.linear(x)
         for t in directions(stratum, x, linear):
             here = point_with(stratum, x, linear, Tangent(t, np.zeros_like(t), 0.0, False), tally)

@@ -1,0 +1,68 @@
+"""What one output of a mechanism can reach: intervals between critical values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..algebra import Array
+
+
+@dataclass(frozen=True)
+class CriticalValue:
+    """A value at which the output stands still against all admissible motions, or could be crossed.
+
+    Attributes
+    ----------
+    value : of the output
+    side : +1: motion keeps above it. -1: below. 0: it can be crossed.
+    active : limits that are reached, e.g. "q1 lowest"
+    singular : whether the mechanism itself loses a direction there
+    q : (nq,)
+    sure : false where further limits are reached by coincidence, so that `side` may be wrong
+    """
+
+    value: float
+    side: int
+    active: tuple[str, ...]
+    singular: bool
+    q: Array = field(repr=False)
+    sure: bool = True
+
+    @property
+    def cause(self) -> str:
+        """What makes it, in words."""
+        return ", ".join((*(("singularity",) if self.singular else ()), *self.active))
+
+
+@dataclass(frozen=True)
+class WorkspaceRange:
+    """The values that one output can take.
+
+    Attributes
+    ----------
+    name : of the system; `output` of the function, `unit` "m" or "rad"
+    intervals : (lowest, highest) of each part, rising
+    critical : all critical values, rising
+    """
+
+    name: str
+    output: str
+    unit: str
+    intervals: tuple[tuple[float, float], ...]
+    critical: tuple[CriticalValue, ...] = field(repr=False)
+    status: Literal["mapped", "incomplete"]
+    message: str
+
+    @property
+    def success(self) -> bool:
+        """Whether nothing was lost."""
+        return self.status == "mapped"
+
+    def __str__(self) -> str:
+        told = (
+            " and ".join(f"{low:.9g} to {high:.9g} {self.unit}" for low, high in self.intervals) or "nowhere"
+        )
+        ends = {end for pair in self.intervals for end in pair}
+        causes = [f"{one.value:.9g} by {one.cause}" for one in self.critical if one.value in ends]
+        return f"{self.name}: {self.output} can be from {told}. Ends: {'; '.join(causes)}. {self.message}."

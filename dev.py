@@ -27,6 +27,7 @@ EXTRAS = {
     "test": ["test"],
     "robots": ["robots"],
     "cluster": ["test", "dask"],
+    "browser": ["browser"],
     "sundials": ["test", "ida"],
     "check": ["lint", "test"],
     "docs": ["docs"],
@@ -37,6 +38,7 @@ COMMANDS = {
     "test": [[PYTHON, "-m", "pytest"]],
     "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
+    "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],

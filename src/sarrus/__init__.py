@@ -95,6 +95,7 @@ if TYPE_CHECKING:
     from .model import RoadTyre as RoadTyre
     from .model import SarrusError as SarrusError
     from .model import Screw as Screw
+    from .model import Shape as Shape
     from .model import SphereContact as SphereContact
     from .model import Spherical as Spherical
     from .model import Torque as Torque
@@ -153,7 +154,7 @@ _HOMES = {
         "Coupler Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame "
         "Gear LengthStop Model ModelError ParallelAxes Planar Point PointDriver PointForce PointOnLine "
         "PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
-        "SarrusError Screw SphereContact Spherical TSDA Torque Translational TravelDriver TravelFriction "
+        "SarrusError Screw Shape SphereContact Spherical TSDA Torque Translational TravelDriver TravelFriction "
         "TravelStop Length PointCoordinate Turn Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",

@@ -60,5 +60,6 @@ from .model import Model as Model
 from .orientation import AxisAngle as AxisAngle
 from .orientation import EulerAngles as EulerAngles
 from .point import Point as Point
+from .shape import Shape as Shape
 from .solid import ground as ground
 from .words import describe as describe

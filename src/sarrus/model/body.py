@@ -13,6 +13,7 @@ from .measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from .orientation import Orientation, euler_parameters
 from .pose import Pose
 from .quantity import Array, Vec3, positive, vector
+from .shape import Shape
 from .solid import Solid
 
 
@@ -48,6 +49,8 @@ class Body(Solid):
         Global velocity of the origin [m/s].
     angular_velocity
         In global axes [rad/s].
+    shape
+        What it is drawn with; left out, it is drawn from its joints and points.
 
     Notes
     -----
@@ -61,6 +64,7 @@ class Body(Solid):
     center_of_mass: Offset | None = None
     velocity: Velocity = (0.0, 0.0, 0.0)
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
+    shape: Shape | None = None
 
     def pose(self) -> Pose:
         """Return the initial pose; raise ModelError if it is none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pathlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,11 +10,13 @@ from typing import Any
 from .body import Body
 from .drivers import Driver
 from .expression import Expression
+from .findings import Findings
 from .forces import Force
 from .formulas import Formulas
 from .joints import Joint
 from .origin import Origin, Path
 from .quantity import Vector
+from .shape import Look
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,29 @@ class Model:
         from importlib import import_module
 
         return import_module("sarrus.views").view(self, file, **options)
+
+    def looks(self) -> list[Look]:
+        """What bodies are drawn with where it is given.
+
+        Raises
+        ------
+        ModelError
+            If the numbers of a shape are wrong.
+        """
+        findings = Findings(self.origin)
+        found = []
+        for body in self.bodies:
+            with findings.about("bodies", body.name):
+                if body.shape is not None:
+                    found.append(body.shape.look(body.name, self._folder(body.name)))
+        findings.raise_first()
+        return found
+
+    def _folder(self, body: str) -> pathlib.Path:
+        """The folder of the file that a body was read from; the present one if there is no file."""
+        if self.origin is None:
+            return pathlib.Path()
+        return pathlib.Path(self.origin.files.get(("bodies", body), self.origin.file)).parent
 
     def sections(self) -> dict[str, Sequence[Body | Joint | Driver | Force]]:
         """Return the bodies, joints, drivers and forces under these names."""

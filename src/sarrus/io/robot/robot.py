@@ -12,9 +12,11 @@ from ...model.frame import Frame
 from ...model.joints import Joint
 from ...model.point import Point
 from ...model.quantity import Vector
+from ...model.shape import Look
 from ...model.show import quote, suggest
 from ...model.tree import TreeModel
 from .carried import Carried
+from .looks import look_of
 
 if TYPE_CHECKING:
     from .description import Visual
@@ -87,6 +89,10 @@ class Robot(TreeModel):
     ) -> Frame:
         """Return a frame fixed to a link; point [m] and directions in the link's axes, by default the link's own."""
         return self.link(link).frame(point, x=x, z=z)
+
+    def looks(self) -> list[Look]:
+        """What the description says that links look like, on the bodies that carry them."""
+        return [*super().looks(), *(look_of(visual, self.links, self.origin) for visual in self.visuals)]
 
     def adding(self, *parts: Joint | Force) -> Robot:
         """Return the robot with further joints and forces, as to close a loop."""

@@ -30,6 +30,7 @@ from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
 from ..prescribed import Motion
 from ..quantity import Vector
+from ..shape import Shape
 from ..solid import Solid
 from .entry import Entry, said
 from .form import list_of, marked, one_of
@@ -60,9 +61,12 @@ if TYPE_CHECKING:
     Turns: TypeAlias = list[float]
     Moment: TypeAlias = float
     Turn: TypeAlias = float
+    Share: TypeAlias = float
+    Turned: TypeAlias = Any
 else:
     Axis, Local, Spot = list_in("1", 3), list_in("m", 3), list_in("m", 3, named=True)
     Moment, Turn, Turns = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
+    Share = number_in("1")
 
 Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
 
@@ -229,6 +233,32 @@ OrientationForm = one_of(
 )
 
 
+if not TYPE_CHECKING:
+    Turned = OrientationForm
+
+
+class ShapeEntry(Entry):
+    """A mesh that a body is drawn with; its file is named from the folder of this one."""
+
+    file: StrictStr
+    scale: Share = 1.0
+    position: Local = Field(default_factory=list)
+    orientation: Turned = Field(default_factory=lambda: None)
+    color: StrictStr = ""
+
+    def build(self, solids: Solids) -> Shape:
+        """Return the shape."""
+        said = self.orientation
+        turned = said.build(solids) if hasattr(said, "build") else said
+        return Shape(
+            self.file,
+            self.scale,
+            self.position or (0.0, 0.0, 0.0),
+            (1.0, 0.0, 0.0, 0.0) if turned is None else turned,
+            self.color,
+        )
+
+
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
     typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
@@ -246,6 +276,7 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Expression).members: lambda to: function_in(to.unit, to.over),
     typed(Inertia).members: lambda to: InertiaForm,
     typed(Orientation).members: lambda to: OrientationForm,
+    typed(Shape).members: lambda to: ShapeEntry,
 }
 
 

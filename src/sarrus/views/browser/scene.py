@@ -123,7 +123,9 @@ def _subtitle(shown: Sequence[Shown]) -> str:
     t = shown[0].frames.t
     span = f"t = {t[0]:g} … {t[-1]:g} s, " if len(t) > 1 else ""
     count = len(shown[0].sketch.bodies)
-    return f"{span}{count} {'body' if count == 1 else 'bodies'}"
+    missing = len(shown[0].sketch.notes)
+    notes = f", {missing} {'mesh' if missing == 1 else 'meshes'} not found" if missing else ""
+    return f"{span}{count} {'body' if count == 1 else 'bodies'}{notes}"
 
 
 def _plain(values: Array) -> Any:
@@ -132,6 +134,8 @@ def _plain(values: Array) -> Any:
 
 def front(run: Shown) -> str:
     """The axis along which the mechanism has no extent, to look along at first; "iso" if there is none."""
+    if run.sketch.given:
+        return "iso"
     q = run.frames.q.reshape(len(run.frames.q), -1, 7)
     places = [q[:, :, :3].reshape(-1, 3)]
     places += [part.mesh.vertices for part in run.sketch.parts if part.body == 0 and part.kind == "joint"]

@@ -109,11 +109,11 @@ class Viewer {
   fit() {
     const box = new THREE.Box3();
     for (const actor of this.actors) {
-      const n = Math.min(actor.count, 25);
+      const n = Math.min(actor.count, 13);
       for (let k = 0; k < n; k++) {
         actor.show(actor.start + (n > 1 ? (k / (n - 1)) * (actor.end - actor.start) : 0));
         actor.group.updateMatrixWorld(true);
-        for (const mesh of actor.solids) box.expandByObject(mesh);
+        for (const mesh of actor.solids) box.expandByObject(mesh, true);
       }
     }
     this.box = box;

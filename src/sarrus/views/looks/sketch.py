@@ -11,13 +11,17 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import A
-from ...model import Model, blueprint
+from ...model import Model, ModelError, blueprint
 from ...model.blueprint import Blueprint
+from ...model.show import quote
+from ...model.solid import GROUND
+from ..meshes import Colored, MeshError
 from .anchors import Anchor, anchors, centers, points_of
 from .body import Outline, body_meshes
 from .force import force_parts
+from .given import given_meshes
 from .joint import RAILS, Room, joint_parts
-from .part import PALETTE, Part, Span
+from .part import PALETTE, STEEL, Part, Span
 
 SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
 THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
@@ -42,6 +46,8 @@ class Sketch:
     low : height of the lowest point, along ``up`` [m]
     floor : height of the road on which tyres stand [m], None without tyres
     weighs : whether there is gravity
+    given : whether some shapes are given, not made from joints and points
+    notes : sentences about what could not be drawn as it is given
     """
 
     name: str
@@ -56,6 +62,8 @@ class Sketch:
     low: float
     floor: float | None
     weighs: bool
+    given: bool = False
+    notes: tuple[str, ...] = ()
 
 
 def sketch(model: Model, positions: Array | None = None) -> Sketch:
@@ -82,6 +90,8 @@ class _Drawing:
         self.model, self.plan, self.positions = model, plan, positions
         self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
         self.masses = centers(plan)
+        self.notes: list[str] = []
+        self.given = self._given()
         gravity = np.array(model.gravity, dtype=float)
         weight = np.linalg.norm(gravity)
         self.up = -gravity / weight if weight else np.array([0.0, 0.0, 1.0])
@@ -104,13 +114,33 @@ class _Drawing:
             self.low,
             self._road(),
             any(self.model.gravity),
+            bool(self.given),
+            tuple(self.notes),
         )
 
+    def _given(self) -> dict[str, list[Colored]]:
+        """The meshes that are given, by body. A file of the model's own must be there, one of a robot's should be."""
+        found: dict[str, list[Colored]] = {}
+        own = {body.name for body in self.model.bodies if body.shape is not None}
+        for look in self.model.looks():
+            try:
+                found.setdefault(look.body, []).extend(given_meshes(look))
+            except MeshError as trouble:
+                if look.body in own:
+                    part, where = f"body {quote(look.body)}", self.model.where(look.body)
+                    raise ModelError(str(trouble), part=part, field="shape", where=where) from None
+                self.notes.append(str(trouble))
+        return {body: meshes for body, meshes in found.items() if meshes}
+
     def _bodies(self) -> Iterator[Part]:
-        for number, name in enumerate(self.plan.bodies, start=1):
-            told = f"body, {self.masses[number][0]:.4g} kg"
-            for mesh, opacity in body_meshes(self._outline(number), self.unit, self.size):
-                yield Part(name, "body", told, number, mesh, _color(number), opacity)
+        for number, name in enumerate((GROUND, *self.plan.bodies)):
+            told = f"body, {self.masses[number][0]:.4g} kg" if number else "it does not move"
+            color = _color(number) if number else STEEL
+            for piece in self.given.get(name, ()):
+                yield Part(name, "body", told, number, piece.mesh, piece.color or color)
+            if number and name not in self.given:
+                for mesh, opacity in body_meshes(self._outline(number), self.unit, self.size):
+                    yield Part(name, "body", told, number, mesh, color, opacity)
 
     def _outline(self, number: int) -> Outline:
         points: list[Array] = []
@@ -127,7 +157,13 @@ class _Drawing:
 
     def _joints(self) -> Iterator[Part | Span]:
         for anchor in self.joints:
-            yield from joint_parts(_long(anchor, self._distance(anchor)), self.room)
+            if not self._hidden(anchor):
+                yield from joint_parts(_long(anchor, self._distance(anchor)), self.room)
+
+    def _hidden(self, anchor: Anchor) -> bool:
+        """Whether both bodies of a joint have shapes of their own, which show the joint too."""
+        names = (GROUND, *self.plan.bodies)
+        return all(names[body] in self.given for body in anchor.bodies)
 
     def _forces(self) -> Iterator[Part | Span]:
         for anchor in self.forces:

@@ -1,0 +1,44 @@
+"""What a body is drawn with where its shape is given: meshes, boxes, cylinders, spheres and capsules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...model.shape import Look
+from ..meshes import Colored, read_mesh
+from ..shapes import Mesh, ball, box, disc
+from ..shapes.mesh import joined
+
+
+def given_meshes(look: Look) -> Iterator[Colored]:
+    """Yield the meshes of a look in body axes.
+
+    Raises
+    ------
+    MeshError
+        If its file cannot be read.
+    """
+    pieces = _mesh(look) if look.shape == "mesh" else [Colored(_solid(look))]
+    for mesh, color in pieces:
+        yield Colored(mesh.moved(look.pose.r, look.pose.A), look.color or color)
+
+
+def _mesh(look: Look) -> list[Colored]:
+    assert look.file is not None
+    return [Colored(mesh.stretched(look.size), color) for mesh, color in read_mesh(look.file)]
+
+
+def _solid(look: Look) -> Mesh:
+    size = [float(x) for x in look.size]
+    match look.shape:
+        case "box":
+            return box(size)
+        case "sphere":
+            return ball(size[0])
+        case "cylinder":
+            return disc(size[0], -size[1] / 2, size[1] / 2)
+        case _:
+            end = np.array([0.0, 0.0, size[1] / 2])
+            return joined([disc(size[0], -size[1] / 2, size[1] / 2), ball(size[0], end), ball(size[0], -end)])

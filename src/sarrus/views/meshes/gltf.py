@@ -1,0 +1,105 @@
+"""glTF 2.0: .gltf with its buffers, or .glb; triangles in the axes of the file."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ..shapes import Mesh
+from .colored import Colored, hexadecimal
+
+KINDS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+TRIANGLES = 4
+
+
+def read_gltf(file: Path) -> list[Colored]:
+    """Return all triangles of the file's scene."""
+    return _Reader(file).pieces()
+
+
+class _Reader:
+    def __init__(self, file: Path) -> None:
+        data = file.read_bytes()
+        self.folder, self.embedded = file.parent, b""
+        if data[:4] == b"glTF":
+            size = int.from_bytes(data[12:16], "little")
+            self.told: dict[str, Any] = json.loads(data[20 : 20 + size])
+            self.embedded = data[28 + size :]
+        else:
+            self.told = json.loads(data)
+
+    def pieces(self) -> list[Colored]:
+        scenes = self.told.get("scenes") or [{"nodes": range(len(self.told["nodes"]))}]
+        found = [*self._nodes(scenes[self.told.get("scene", 0)]["nodes"], np.eye(4))]
+        if not found:
+            raise ValueError("it has no triangles")
+        return found
+
+    def _nodes(self, numbers: Any, place: Array) -> Iterator[Colored]:
+        for number in numbers:
+            node = self.told["nodes"][number]
+            here = place @ _matrix(node)
+            if "mesh" in node:
+                yield from self._mesh(self.told["meshes"][node["mesh"]], here)
+            yield from self._nodes(node.get("children", ()), here)
+
+    def _mesh(self, mesh: dict[str, Any], place: Array) -> Iterator[Colored]:
+        for piece in mesh["primitives"]:
+            if piece.get("mode", TRIANGLES) == TRIANGLES:
+                points = self._array(piece["attributes"]["POSITION"]).astype(float)
+                order = self._array(piece["indices"]) if "indices" in piece else np.arange(len(points))
+                faces = order.reshape(-1, 3).astype(np.int64)
+                faces = faces if np.linalg.det(place[:3, :3]) > 0 else faces[:, ::-1]
+                yield Colored(Mesh(points @ place[:3, :3].T + place[:3, 3], faces), self._color(piece))
+
+    def _array(self, number: int) -> Array:
+        accessor = self.told["accessors"][number]
+        view = self.told["bufferViews"][accessor["bufferView"]]
+        kind, width = np.dtype(KINDS[accessor["componentType"]]), WIDTHS[accessor["type"]]
+        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        stride = view.get("byteStride", kind.itemsize * width)
+        data = self._buffer(view["buffer"])
+        rows = np.ndarray((accessor["count"], width), kind, data, start, (stride, kind.itemsize))
+        return np.asarray(rows)
+
+    def _buffer(self, number: int) -> bytes:
+        uri = self.told["buffers"][number].get("uri", "")
+        if not uri:
+            return self.embedded
+        return (
+            base64.b64decode(uri.partition(",")[2])
+            if uri.startswith("data:")
+            else (self.folder / uri).read_bytes()
+        )
+
+    def _color(self, piece: dict[str, Any]) -> str:
+        if "material" not in piece:
+            return ""
+        surface = self.told["materials"][piece["material"]].get("pbrMetallicRoughness", {})
+        linear = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0)))[:3]
+        return hexadecimal(np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055))
+
+
+def _matrix(node: dict[str, Any]) -> Array:
+    """A node's 4 × 4 matrix, given whole or as translation, rotation and scale."""
+    if "matrix" in node:
+        return np.array(node["matrix"], dtype=float).reshape(4, 4).T
+    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    here = np.eye(4)
+    here[:3, :3] = turn * np.array(node.get("scale", (1.0, 1.0, 1.0)))
+    here[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
+    return here

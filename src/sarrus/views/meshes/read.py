@@ -1,0 +1,43 @@
+"""A mesh file of any kind that is known, as triangles with their colours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+
+from .colored import Colored, MeshError
+from .dae import read_dae
+from .gltf import read_gltf
+from .obj import read_obj
+from .stl import read_stl
+
+READERS: dict[str, Callable[[Path], list[Colored]]] = {
+    ".stl": read_stl,
+    ".obj": read_obj,
+    ".gltf": read_gltf,
+    ".glb": read_gltf,
+    ".dae": read_dae,
+}
+
+
+@lru_cache(maxsize=64)
+def read_mesh(file: Path) -> list[Colored]:
+    """Return the parts of a mesh file.
+
+    Raises
+    ------
+    MeshError
+        If there is no such file, or what it holds cannot be read, in one sentence.
+    """
+    reader = READERS.get(file.suffix.lower())
+    if reader is None:
+        raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}; convert it")
+    try:
+        return reader(file)
+    except FileNotFoundError:
+        raise MeshError(f"{file}: does not exist; check the path") from None
+    except OSError as trouble:
+        raise MeshError(f"{file}: {(trouble.strerror or str(trouble)).lower()}; check the path") from None
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError) as trouble:
+        raise MeshError(f"{file}: is no mesh that can be read ({trouble}); export it again") from None

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One command each: demo, test, robots, sundials, cluster, check, docs, format, clean. Standard library only.
+"""One command each: demo, test, robots, sundials, cluster, browser, check, docs, format, clean. Standard library only.
 
 The first use makes `.venv` beside this file and installs Sarrus into it with what the command needs; a stamp
 remembers what was installed, and the work is done again when pyproject.toml or the Python version changes.

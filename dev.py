@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One command each: demo, test, robots, sundials, cluster, browser, check, docs, format, clean. Standard library only.
+"""One command for each thing to do in a fresh clone, listed by `python3 dev.py`. Standard library only.
 
 The first use makes `.venv` beside this file and installs Sarrus into it with what the command needs; a stamp
 remembers what was installed, and the work is done again when pyproject.toml or the Python version changes.
@@ -28,6 +28,7 @@ EXTRAS = {
     "robots": ["robots"],
     "cluster": ["test", "dask"],
     "browser": ["browser"],
+    "dist": ["dist"],
     "sundials": ["test", "ida"],
     "check": ["lint", "test"],
     "docs": ["docs"],
@@ -39,6 +40,7 @@ COMMANDS = {
     "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
+    "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],

@@ -4,8 +4,8 @@
 
 Times are from the call of `study` to its table, with the start of the processes; the best of the repeats, which are
 interleaved. `load` is the number of other programs that wanted a processor when the measurement began: above 0.3 or
-so the ratio says more about them. `speedup_by_processor_time` leaves them out: processor time in this process, over that of
-this process with workers (as if they waited for all of it) and an equal share of the workers' own.
+so the ratio says more about them. `speedup_by_processor_time` leaves them out: processor time in this process, over
+that of this process with workers (as if they waited for all of it) and an equal share of the workers' own.
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .analyses import Misfit as Misfit
     from .analyses import NoDerivative as NoDerivative
     from .analyses import Peak as Peak
+    from .analyses import Problem as Problem
     from .analyses import Radau as Radau
     from .analyses import Within as Within
     from .analyses import WorkspaceMap as WorkspaceMap
@@ -160,8 +161,8 @@ _HOMES = {
     "system": "System",
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
-        "ODE Peak Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize mobility "
-        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
+        "ODE Peak Problem Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize "
+        "mobility modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
         "workspace_range workspace_volume dexterity input_singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",

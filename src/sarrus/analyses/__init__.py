@@ -8,7 +8,7 @@ from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
-from .optimization import Within, fit, optimize
+from .optimization import Problem, Within, fit, optimize
 from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_derivatives
 from .singular_positions import singularities
 from .statics import equilibrium
@@ -40,6 +40,7 @@ __all__ = [
     "Misfit",
     "NoDerivative",
     "Peak",
+    "Problem",
     "Radau",
     "Within",
     "WorkspaceMap",

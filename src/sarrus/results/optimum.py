@@ -10,8 +10,6 @@ import numpy as np
 
 from ..algebra import Array
 
-NORMAL_95 = 1.959963984540054  # standard deviations on both sides that hold 95 % of a normal distribution
-
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
@@ -24,11 +22,17 @@ class Optimum:
     value, value0 : of the objective
     success : whether the solver says that it converged
     message : one sentence: how it went
-    history : (n, 2) the objective at each evaluation, and the size of its gradient in scaled variables
+    history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
+        not press against bounds, NaN where none was asked for; how far constraints are from being satisfied
     trace : (n, p) the values of the variables there
     constraints : values of the constrained responses by name
     covariance : (p, p) of fitted parameters; empty for other problems
     poor : combinations of parameters that the data hardly determine, in words
+    spare : measured numbers beyond the fitted parameters
+    quantile : standard deviations on both sides of a fitted parameter that hold 95 %
+    failures : sentences of the designs that could not be simulated
+    starts : the optima from several starts, the best one first
+    seconds : that it took
     model : the model of the best design
     run : its simulation
     """
@@ -45,6 +49,11 @@ class Optimum:
     constraints: Mapping[str, float] = field(default_factory=dict)
     covariance: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     poor: tuple[str, ...] = ()
+    spare: int = 0
+    quantile: float = 0.0
+    failures: tuple[str, ...] = field(default=(), repr=False)
+    starts: tuple[Optimum, ...] = field(default=(), repr=False)
+    seconds: float = field(default=0.0, repr=False)
     model: Any = field(default=None, repr=False)
     run: Any = field(default=None, repr=False)
 
@@ -65,9 +74,14 @@ class Optimum:
         """Standard deviations of fitted parameters (p,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    @property
+    def correlations(self) -> Array:
+        """Correlations of fitted parameters (p, p)."""
+        return np.asarray(self.covariance / np.outer(self.deviations, self.deviations))
+
     def interval(self, name: str) -> tuple[float, float]:
         """The 95 % confidence interval of a fitted parameter."""
-        value, wide = self[name], NORMAL_95 * float(self.deviations[self.names.index(name)])
+        value, wide = self[name], self.quantile * float(self.deviations[self.names.index(name)])
         return value - wide, value + wide
 
     def table(self) -> str:

@@ -8,6 +8,10 @@ import numpy as np
 
 from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
 
+HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
+DECADES = 100.0  # ratio of values from which their axis is logarithmic
+TINY = 1e-16  # drawn in the place of a gradient of zero
+
 if TYPE_CHECKING:
     from ..results import Gradient, Optimum
 
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
 def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
     lines = [f"{found.responses[response]} = {found.values[response]:.9g}"]
-    width = max([len(name) for name in found.names[:]] + [10])
+    width = max([len(name) for name in found.names] + [10])
     lines.append(f"  {'number':<{width}}{'value':>14}{'derivative':>16}{'by 1 % more':>14}")
     influences = found.influences(response)
     for name in found.ranked(response)[:most]:
@@ -47,34 +51,37 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
 def optimum_table(found: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
     lines = [f"objective {found.value0:.6g} -> {found.value:.6g}: {found.message}"]
-    width, fitted = max(len(name) for name in found.names), bool(found.covariance.size)
-    lines.append(
-        f"  {'variable':<{width}}{'start':>14}{'found':>14}" + (f"{'95 % interval':>26}" if fitted else "")
-    )
+    width, fitted = max([len(name) for name in found.names] + [8]), bool(found.covariance.size)
+    more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
+    lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14}{more}")
     for k, name in enumerate(found.names):
         line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g}"
         if fitted:
             low, high = found.interval(name)
-            line += f"{f'{low:.6g} to {high:.6g}':>26}"
+            line += f"{found.deviations[k]:>12.3g}{f'{low:.6g} to {high:.6g}':>28}"
         lines.append(line)
     lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
     return "\n".join([*lines, *(f"  hardly determined: {told}" for told in found.poor)])
 
 
 def plot_convergence(found: Optimum, ax: Any = None) -> Any:
-    """Draw the objective and the size of its gradient over the simulations.
+    """Draw the objective and the size of its gradient over the simulations; designs that break constraints are hollow.
 
     Returns
     -------
     Matplotlib axes
     """
     ax = _tidy(_window_axes() if ax is None else ax)
-    count = np.arange(1, len(found.history) + 1)
-    ax.plot(count, found.history[:, 0], color=BLUE, marker="o", markersize=3, label="objective")
+    count, (values, sizes, short) = np.arange(1, len(found.history) + 1), found.history.T
+    ax.plot(count, values, color=BLUE, linewidth=1.2)
+    faces = [BLUE if gap <= HOLLOW else "white" for gap in short]
+    ax.scatter(count, values, color=faces, edgecolors=BLUE, s=16, zorder=3)
     ax.set_xlabel("simulation")
     ax.set_ylabel("objective", color=BLUE)
-    other = ax.twinx()
-    other.semilogy(count, np.maximum(found.history[:, 1], 1e-16), color=ORANGE, linewidth=1.2)
+    if values.min() > 0 and values.max() > DECADES * values.min():
+        ax.set_yscale("log")
+    other, known = ax.twinx(), np.isfinite(sizes)
+    other.semilogy(count[known], np.maximum(sizes[known], TINY), color=ORANGE, linewidth=1.2)
     other.set_ylabel("size of its gradient", color=ORANGE)
     other.spines["top"].set_visible(False)
     return ax

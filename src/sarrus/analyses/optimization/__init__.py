@@ -1,6 +1,8 @@
 """Optimization: designs and parameters that make responses of a motion best, by exact gradients."""
 
+from .constraint import Within
 from .fit import fit
-from .minimize import Within, optimize
+from .minimize import optimize
+from .problem import Infeasible, Problem
 
-__all__ = ["Within", "fit", "optimize"]
+__all__ = ["Infeasible", "Problem", "Within", "fit", "optimize"]

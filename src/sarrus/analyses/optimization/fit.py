@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -11,21 +12,26 @@ from ...algebra import Array
 from ...results import Optimum
 from ...system import System
 from ..sensitivity.responses import Misfit
-from .search import Bounds, Progress, Search
-from .study import Study
+from .minimize import told
+from .problem import Infeasible, Problem
+from .search import Bounds, Progress, Search, Stuck, Variables
+from .solvers import Answer
 
 POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
 WORTH = 0.2  # share of a parameter in a combination, above which it is named
+CONFIDENCE = 0.95
 
 
 def fit(
     system: System,
     misfits: Misfit | Sequence[Misfit],
-    wrt: Sequence[str],
+    wrt: Sequence[str] | None = None,
     *,
     bounds: Bounds | None = None,
+    scale: Mapping[str, float] | None = None,
     design: Mapping[str, float] | None = None,
     formula: Any = None,
+    noise: Literal["given", "estimated"] = "given",
     until: float | None = None,
     iterations: int = 50,
     tolerance: float = 1e-10,
@@ -39,7 +45,9 @@ def fit(
     system : with a first guess of the parameters
     misfits : measured outputs: times, data, and their standard deviation `sigma`
     wrt : names of the parameters, see `sensitivity`
-    bounds, design, formula, progress, settings : see `optimize`
+    bounds, scale, design, formula, progress, settings : see `optimize`
+    noise : "given": `sigma` is what it says. "estimated": only the ratios of the `sigma` are known, the noise is
+        estimated from what remains
     until : end of the simulation [s]; by default the last time measured
     iterations, tolerance : when the solver ends
 
@@ -51,6 +59,8 @@ def fit(
 
     Raises
     ------
+    ValueError
+        For fewer measured numbers than parameters.
     SarrusError
         If the first guess cannot be simulated.
     """
@@ -58,49 +68,86 @@ def fit(
 
     some = [misfits] if isinstance(misfits, Misfit) else list(misfits)
     end = max(max(one.at) for one in some) if until is None else until
-    search = Search(Study(system, some, wrt, end, design, formula, **settings), bounds, progress)
-    kept: dict[bytes, tuple[Array, Array]] = {}
+    problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)
+    count, size = sum(len(one.at) for one in some), len(problem.names)
+    if count < size:
+        raise ValueError(
+            f"{count} measured numbers cannot determine {size} parameters; measure more, or fit fewer"
+        )
+    search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
+    squares = Squares(search, some)
+    try:
+        found = least_squares(
+            squares.residuals, search.variables.z0, jac=squares.jacobian, bounds=search.variables.ends.T,
+            xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
+        )  # fmt: skip
+        answer = Answer(bool(found.success), str(found.message).strip("`.").replace("`", "").lower())
+    except Stuck as stuck:
+        answer = Answer(
+            False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}"
+        )
+    except KeyboardInterrupt:
+        answer = Answer(False, "stopped by the user")
+    optimum = told(search, answer)
+    jacobian = squares.jacobian(optimum.x / search.variables.scale)
+    covariance, poor = _covariance(jacobian, search.variables.scale, problem.names)
+    spare, spread = count - size, 1.0
+    if noise == "estimated":
+        spread = 2 * optimum.value / spare if spare else np.inf
+    return replace(
+        optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare)
+    )
 
-    def solved(z: Array) -> tuple[Array, Array]:
-        if z.tobytes() not in kept:
-            point = search.at(z)
-            signals, slopes = point.signals()
-            rest = np.concatenate([one.residuals(g) for one, g in zip(some, signals, strict=True)])
-            jacobian = np.concatenate([slope / one.sigma for one, slope in zip(some, slopes, strict=True)])
-            search.note(point, 0.5 * float(rest @ rest), jacobian.T @ rest)
-            kept.clear()
-            kept[z.tobytes()] = rest, jacobian * search.scale
-        return kept[z.tobytes()]
 
-    low, high = np.array(search.scaled_limits).T
-    answer = least_squares(
-        lambda z: solved(z)[0], search.x0 / search.scale, jac=lambda z: solved(z)[1], bounds=(low, high),
-        xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
-    )  # fmt: skip
-    point, jacobian = search.at(answer.x), np.asarray(answer.jac)
-    covariance, poor = _covariance(jacobian, search.scale, search.names)
-    return Optimum(
-        tuple(search.names), answer.x * search.scale, search.x0, float(answer.cost), search.history[0][0],
-        bool(answer.success), f"{str(answer.message).strip('`.').lower()} after {len(search.history)} simulations",
-        np.array(search.history), np.array(search.trace), {}, covariance, poor, point.system.model, point.run,
-    )  # fmt: skip
+class Squares:
+    """Residuals and their Jacobian for a search."""
+
+    def __init__(self, search: Search, misfits: Sequence[Misfit]) -> None:
+        self.search, self.misfits = search, misfits
+
+    def residuals(self, z: Array) -> Array:
+        """(output - data) / sigma of all measurements; infinite where nothing can be simulated."""
+        self.search.value(z)
+        try:
+            return self._known(z)
+        except Infeasible:
+            return np.full(sum(len(one.at) for one in self.misfits), np.inf)
+
+    def jacobian(self, z: Array) -> Array:
+        """Their derivatives by z, by one sweep forwards."""
+        _, slopes = self.search.point(z).signals()
+        found = np.concatenate([slope / one.sigma for one, slope in zip(self.misfits, slopes, strict=True)])
+        scaled = np.asarray(found * self.search.variables.scale)
+        self.search.noted(z, scaled.T @ self._known(z))
+        self.search.iterate(z)
+        return scaled
+
+    def _known(self, z: Array) -> Array:
+        signals = self.search.point(z).evaluation().signals
+        return np.concatenate([one.residuals(g) for one, g in zip(self.misfits, signals, strict=True)])
+
+
+def _quantile(noise: str, spare: int) -> float:
+    """Standard deviations on both sides that hold 95 %: of the normal distribution, or of Student's."""
+    from scipy.special import ndtri, stdtrit
+
+    share = (1 + CONFIDENCE) / 2
+    if noise == "given":
+        return float(ndtri(share))
+    return float(stdtrit(spare, share)) if spare else np.inf
 
 
 def _covariance(jacobian: Array, scale: Array, names: Sequence[str]) -> tuple[Array, tuple[str, ...]]:
     """(JᵀJ)⁻¹ for the parameters themselves, and combinations that are hardly determined."""
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
-    whole = np.zeros(len(names))
-    whole[: len(values)] = values
-    weak = whole <= POOR * whole[0]
-    inverse = 1 / np.maximum(values, np.finfo(float).tiny)
-    half = rows.T * inverse[: len(values)]
+    weak = values <= POOR * values[0]
+    half = rows.T / np.maximum(values, np.finfo(float).tiny ** 0.4)
     covariance = (half @ half.T) * np.outer(scale, scale)
-    return covariance, tuple(
-        _told(rows[k], whole[k] / whole[0], names) for k in np.flatnonzero(weak[: len(rows)])
-    )
+    return covariance, tuple(_told(rows[k], values[k] / values[0], names) for k in np.flatnonzero(weak))
 
 
 def _told(row: Array, ratio: float, names: Sequence[str]) -> str:
     order = np.argsort(-abs(row))
-    parts = [f"{row[k]:+.2f} {names[k]}" for k in order if abs(row[k]) > WORTH]
+    sign = 1.0 if row[order[0]] >= 0 else -1.0
+    parts = [f"{sign * row[k]:+.2f} {names[k]}" for k in order if abs(row[k]) > WORTH]
     return f"{' '.join(parts)} (relative changes) is {ratio:.1e} times as well determined as the best combination"

@@ -1,168 +1,194 @@
-"""The best design: SciPy's solvers with exact gradients of simulations."""
+"""The best design: solvers of nonlinear programs with exact gradients of simulations."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
+from ...model import Model
 from ...results import Optimum
 from ...system import System
-from ..sensitivity.derivatives import as_responses
-from ..sensitivity.responses import Output, Response
-from .search import Bounds, Progress, Search
-from .study import Infeasible, Point, Study
+from ..sensitivity.derivatives import Wanted, as_responses
+from .constraint import Within, gap
+from .problem import Infeasible, Problem
+from .search import Bounds, Progress, Search, Stuck, Variables
+from .solvers import Answer, solver_of
 
-
-@dataclass(frozen=True, eq=False)
-class Within:
-    """A constraint: a response between two limits.
-
-    Parameters
-    ----------
-    response : a response, or an output whose final value is meant
-    lower, upper : None for no limit
-    """
-
-    response: Response | Output
-    lower: float | None = None
-    upper: float | None = None
+SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
 
 
 def optimize(
     system: System,
-    objective: Response | Output,
+    objective: Wanted,
     wrt: Sequence[str] | None = None,
     *,
     until: float,
     bounds: Bounds | None = None,
     constraints: Sequence[Within] = (),
+    scale: Mapping[str, float] | None = None,
     design: Mapping[str, float] | None = None,
     formula: Any = None,
     solver: str | None = None,
     iterations: int = 100,
     tolerance: float = 1e-8,
+    starts: int = 1,
+    seed: int = 0,
+    executor: Executor | None = None,
     progress: Progress | None = None,
     **settings: Any,
 ) -> Optimum:
     """Change numbers of a model so that a response of its motion becomes least.
 
-    Every design is assembled, simulated, and differentiated by one sweep backwards.
+    Every design is assembled, simulated, and differentiated by one sweep backwards. A design that cannot be simulated
+    makes the solver step back; it is counted, and its sentence is kept.
 
     Parameters
     ----------
     system : with the design at the start
-    objective : what is made least, see `sensitivity`
+    objective : what is made least, see `sensitivity`; of several responses their sum
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
     constraints : responses that must stay within limits
+    scale : sizes of the variables by name, which the solver takes for 1; by default their values at the start
     design, formula : named design variables, and the function that gives numbers of the model from them
-    solver : of `scipy.optimize.minimize`: "L-BFGS-B" by default, "SLSQP" with constraints, or "trust-constr"
+    solver : "L-BFGS-B" (the default), "SLSQP" (the default with constraints), "trust-constr", or "IPOPT" (the extra
+        `ipopt`)
     iterations, tolerance : when the solver ends
+    starts : how many designs to start from: the system's own, and others at random between the bounds
+    seed : of the random designs
+    executor : of ``concurrent.futures``, which runs the starts beside one another
     progress : called with the number of the simulation and the objective
-    settings : ``method``, ``rtol`` and ``atol`` of the simulation
+    settings : ``method``, ``rtol``, ``atol`` and ``time_limit`` of the simulations, see `Problem`
 
     Returns
     -------
     Optimum
-        With ``success`` false and a sentence where the solver did not converge; the best design is kept.
+        With ``success`` false and a sentence where the solver did not converge; the best design is kept, also after
+        Ctrl-C.
 
     Raises
     ------
     ValueError
-        For bounds of unknown variables.
+        For bounds of unknown variables, and unknown solvers.
     SarrusError
         If the first design cannot be simulated.
     """
-    from scipy.optimize import minimize
+    solver_of(solver, bool(constraints))
+    wanted = [*as_responses(objective), *as_responses([one.response for one in constraints])]
+    problem = Problem(system, wanted, wrt, until=until, design=design, formula=formula, **settings)
+    task = Task(tuple(constraints), solver, iterations, tolerance)
+    variables = Variables(problem.names, problem.x0, bounds, scale)
+    if starts == 1:
+        return task.solved(problem, variables, progress)
+    if starts < 1:
+        raise ValueError(f"starts must be 1 at least, but is {starts}")
+    found = _from_many(task, problem, variables, _designs(variables, starts, seed), executor, progress)
+    return _best(found, len(constraints))
 
-    wanted = [objective, *(one.response for one in constraints)]
-    study = Study(system, as_responses(wanted), wrt, until, design, formula, **settings)
-    search = Search(study, bounds, progress)
-    first = search.point.gradient
-    size = abs(first.values[0]) or 1.0
-    chosen = solver or ("SLSQP" if constraints else "L-BFGS-B")
-    limits = {"maxiter": iterations}
-    found = _Least()
 
-    def value_and_slope(z: Array) -> tuple[float, Array]:
+@dataclass(frozen=True)
+class Task:
+    """What is the same for all starts."""
+
+    constraints: tuple[Within, ...]
+    solver: str | None
+    iterations: int
+    tolerance: float
+
+    def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
+        """The optimum from one start."""
+        search = Search(problem, variables, self.constraints, progress)
+        solver = solver_of(self.solver, bool(self.constraints))
         try:
-            point = search.at(z)
-            gradient = point.gradient
-        except Infeasible:
-            return np.inf, np.zeros(len(z))
-        value, slope = float(gradient.values[0]), gradient.matrix[0]
-        search.note(point, value, slope)
-        found.look(value, point, constraints)
-        return value / size, slope * search.scale / size
+            answer = solver(search, self.iterations, self.tolerance)
+        except Stuck as stuck:
+            answer = Answer(
+                False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}"
+            )
+        except KeyboardInterrupt:
+            answer = Answer(False, "stopped by the user")
+        return told(search, answer)
 
-    answer = minimize(
-        value_and_slope, search.x0 / search.scale, jac=True, method=chosen, bounds=search.scaled_limits,
-        constraints=[c for n, one in enumerate(constraints) for c in _scipy(search, n + 1, one)],
-        tol=tolerance, options=limits,
+
+def told(search: Search, answer: Answer) -> Optimum:
+    """The best design of a search, with the solver's words."""
+    point, problem = search.best, search.problem
+    assert point is not None
+    values, limited = point.values, search.count
+    short = gap(values[limited:], search.constraints)
+    success = answer.success and short <= SATISFIED
+    message = answer.message if short <= SATISFIED or not answer.success else (
+        f"{answer.message}, but a constraint is short of its limit by {short:.2g} of it"
     )  # fmt: skip
-    return _optimum(search, found, first.values[0], bool(answer.success), str(answer.message), constraints)
-
-
-class _Least:
-    """The best design seen."""
-
-    def __init__(self) -> None:
-        self.value = np.inf
-        self.point: Point | None = None
-        self._gap = np.inf
-
-    def look(self, value: float, point: Point, constraints: Sequence[Within]) -> None:
-        """Keep a design that is better: first in its constraints, then in its objective."""
-        gap = max(
-            (_gap(v, one) for v, one in zip(point.gradient.values[1:], constraints, strict=True)), default=0.0
-        )
-        if gap < self._gap - 1e-9 or (gap <= self._gap + 1e-9 and value < self.value):
-            self._gap, self.value, self.point = gap, value, point
-
-
-def _gap(value: float, one: Within) -> float:
-    """How far a constraint is from being satisfied."""
-    low = -np.inf if one.lower is None else one.lower
-    high = np.inf if one.upper is None else one.upper
-    return float(max(low - value, value - high, 0.0))
-
-
-def _scipy(search: Search, row: int, one: Within) -> list[dict[str, Any]]:
-    """A constraint as inequalities ≥ 0, divided by the size of their limits."""
-    found = []
-    for sign, limit in ((1.0, one.lower), (-1.0, one.upper)):
-        if limit is not None:
-            weight = sign / (abs(limit) or 1.0)
-            found.append(_inequality(search, row, weight, limit))
-    return found
-
-
-def _inequality(search: Search, row: int, weight: float, limit: float) -> dict[str, Any]:
-    def value(z: Array) -> float:
-        return weight * (float(search.at(z).gradient.values[row]) - limit)
-
-    def slope(z: Array) -> Array:
-        return np.asarray(weight * search.at(z).gradient.matrix[row] * search.scale)
-
-    return {"type": "ineq", "fun": value, "jac": slope}
-
-
-def _optimum(
-    search: Search, found: _Least, value0: float, success: bool, message: str, constraints: Sequence[Within]
-) -> Optimum:
-    point = found.point if found.point is not None else search.first
-    values = point.gradient.values
-    told = Optimum(
-        tuple(search.names), point.parameters.values, search.x0, float(values[0]), float(value0), success,
-        f"{message.rstrip('.').lower()} after {len(search.history)} simulations",
-        np.array(search.history).reshape(-1, 2), np.array(search.trace).reshape(-1, len(search.names)),
+    history = search.history
+    tried = f"{len(history)} simulations"
+    missed = f" and {len(search.failures)} that failed" if search.failures else ""
+    return Optimum(
+        problem.names, point.x.copy(), search.variables.x0.copy(), float(values[:limited].sum()),
+        float(history[0, 0]), success, f"{message}, after {tried}{missed}",
+        history, np.array(search.trace),
+        dict(zip(problem.titles[limited:], map(float, values[limited:]), strict=True)),
+        failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
+        model=point.system.model, run=point.run,
     )  # fmt: skip
-    named = (
-        dict(zip(point.gradient.responses[1:], map(float, values[1:]), strict=True)) if constraints else {}
+
+
+def _designs(variables: Variables, count: int, seed: int) -> list[Array]:
+    generator = np.random.default_rng(seed)
+    return [variables.x0, *(variables.random(generator) for _ in range(count - 1))]
+
+
+def _from_many(
+    task: Task,
+    problem: Problem,
+    variables: Variables,
+    designs: Sequence[Array],
+    executor: Executor | None,
+    progress: Progress | None,
+) -> list[Optimum]:
+    if executor is None:
+        return [one for x in designs if (one := _from(task, problem, variables, x, progress)) is not None]
+    model, plan = (
+        problem.system.model,
+        (problem.responses, list(problem.names), problem.design, problem.formula),
     )
-    return replace(told, constraints=named, model=point.system.model, run=point.run)
+    waiting = [
+        executor.submit(_elsewhere, task, model, plan, problem.settings, variables, x) for x in designs
+    ]
+    return [one for future in waiting if (one := future.result()) is not None]
+
+
+def _from(
+    task: Task, problem: Problem, variables: Variables, x: Array, progress: Progress | None = None
+) -> Optimum | None:
+    """The optimum from a design; None if it cannot be simulated."""
+    try:
+        return task.solved(problem, variables.beginning(x), progress)
+    except Infeasible:
+        return None
+
+
+def _elsewhere(
+    task: Task, model: Model, plan: Any, settings: Mapping[str, Any], variables: Variables, x: Array
+) -> Optimum | None:
+    """The same in another process."""
+    responses, names, design, formula = plan
+    problem = Problem(System(model), responses, names, design=design, formula=formula, **settings)
+    return _from(task, problem, variables, x)
+
+
+def _best(found: list[Optimum], constrained: int) -> Optimum:
+    """The least optimum, those that keep the constraints first; the others beside it."""
+    if not found:
+        raise Infeasible("none of the designs to start from can be simulated; choose other bounds")
+    order = sorted(found, key=lambda one: (constrained > 0 and not one.success, one.value))
+    again = sum(abs(one.value - order[0].value) <= 1e-3 * (abs(order[0].value) or 1.0) for one in order)
+    message = f"{order[0].message}; {again} of {len(found)} starts came to it"
+    return replace(order[0], message=message, starts=tuple(order))

@@ -1,75 +1,243 @@
-"""The designs that a solver has asked for: scaled variables, the last point kept, the best one, the history."""
+"""The way of a solver through the designs: scaled variables, a wall where none can be simulated, what was seen."""
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.show import suggest
-from .study import Point, Study
+from .constraint import Within, gap
+from .problem import Infeasible, Point, Problem
 
 Bounds = Mapping[str, tuple[float | None, float | None]]
 Progress = Callable[[int, float], None]
+PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
+SLIGHT = 1e-3  # [-] of the objective's size: the least rise of the wall
+log = logging.getLogger("sarrus.optimize")
 
 
-class Search:
-    """From a solver's variables z = x / scale to designs.
+class Stuck(Exception):
+    """Too many designs in a row could not be simulated."""
+
+
+class Variables:
+    """Design variables x and a solver's z = x / scale, between limits.
 
     Parameters
     ----------
-    study : Study
+    names, x0 : of the variables, and where they start
     bounds : lower and upper limits by name, None for none
-    progress : called with the number of the evaluation and the objective
+    scale : sizes by name; by default the value at the start, or half of the range where that is 0, or 1
+
+    Raises
+    ------
+    ValueError
+        For limits or scales of unknown variables, and limits that are not in order.
     """
 
-    def __init__(self, study: Study, bounds: Bounds | None, progress: Progress | None) -> None:
-        self.point = self.first = study.start()
-        self.names = self.point.parameters.names
-        self._refuse_unknown(bounds or {})
-        self.limits = np.array(
-            [_limit((bounds or {}).get(name, (None, None))) for name in self.names]
-        ).reshape(-1, 2)
-        self.x0 = self.point.parameters.values
+    def __init__(
+        self, names: Sequence[str], x0: Array, bounds: Bounds | None, scale: Mapping[str, float] | None
+    ) -> None:
+        self.names = tuple(names)
+        for told, given in (("bounds", bounds), ("a scale", scale)):
+            for name in given or {}:
+                if name not in self.names:
+                    raise ValueError(
+                        f"{told} for {name!r}, which is no design variable; {suggest(name, self.names)}"
+                    )
+        self.limits = np.array([_limit(name, (bounds or {}).get(name)) for name in names]).reshape(-1, 2)
+        self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
         self.scale = _scales(self.x0, self.limits)
-        self.history: list[tuple[float, float]] = []
-        self.trace: list[Array] = []
-        self._progress = progress
-
-    def _refuse_unknown(self, bounds: Bounds) -> None:
-        for name in bounds:
-            if name not in self.names:
-                raise ValueError(
-                    f"bounds for {name!r}, which is no design variable; {suggest(name, self.names)}"
-                )
-
-    def at(self, z: Array) -> Point:
-        """The design of a solver's variables; simulated once."""
-        x = np.asarray(z) * self.scale
-        if not np.array_equal(x, self.point.parameters.values):
-            self.point = self.first if np.array_equal(x, self.x0) else self.first.at(x)
-        return self.point
-
-    def note(self, point: Point, value: float, slope: Array) -> None:
-        """Write an evaluation down."""
-        self.history.append((value, float(np.linalg.norm(slope * self.scale))))
-        self.trace.append(point.parameters.values.copy())
-        if self._progress:
-            self._progress(len(self.history), value)
+        for name, size in (scale or {}).items():
+            if not size > 0:
+                raise ValueError(f"the scale of {name} must be greater than 0, but is {size}")
+            self.scale[self.names.index(name)] = size
 
     @property
-    def scaled_limits(self) -> Sequence[tuple[float, float]]:
-        """Bounds of the solver's variables."""
-        return [(low, high) for low, high in self.limits / self.scale[:, None]]
+    def z0(self) -> Array:
+        """The start, scaled."""
+        return np.asarray(self.x0 / self.scale)
+
+    def of(self, z: Array) -> Array:
+        """The design variables; kept within the limits, of which a solver may be short by round-off."""
+        return np.asarray(np.clip(np.asarray(z) * self.scale, self.limits[:, 0], self.limits[:, 1]))
+
+    @property
+    def ends(self) -> Array:
+        """The limits, scaled (p, 2)."""
+        return np.asarray(self.limits / self.scale[:, None])
+
+    def free_gradient(self, z: Array, slope: Array) -> Array:
+        """The part of a scaled gradient that does not press against the limits."""
+        low, high = self.ends.T
+        return np.asarray(z - np.clip(z - slope, low, high))
+
+    def beginning(self, x: Array) -> Variables:
+        """The same with another start."""
+        found = copy(self)
+        found.x0 = x.copy()
+        return found
+
+    def random(self, generator: np.random.Generator) -> Array:
+        """A design with every variable equally probable between its limits.
+
+        Raises
+        ------
+        ValueError
+            If one has no limits.
+        """
+        for name, limits in zip(self.names, self.limits, strict=True):
+            if not np.all(np.isfinite(limits)):
+                raise ValueError(f"several starts need both bounds of every variable; {name} lacks one")
+        return np.asarray(generator.uniform(*self.limits.T))
 
 
-def _limit(given: tuple[float | None, float | None]) -> tuple[float, float]:
-    low, high = given
-    return -np.inf if low is None else float(low), np.inf if high is None else float(high)
+class Search:
+    """What a solver sees of a problem: an objective and constraints of z, finite everywhere.
+
+    Where a design cannot be simulated the objective is a wall: a parabola that begins at the last iterate with its
+    slope, and is higher than everything seen, so that solvers step back.
+
+    Parameters
+    ----------
+    problem : whose first `count` responses are summed, the others constrained
+    variables : Variables
+    constraints : Within
+    progress : called with the number of the simulation and the objective
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        variables: Variables,
+        constraints: Sequence[Within] = (),
+        progress: Progress | None = None,
+    ) -> None:
+        self.problem, self.variables, self.constraints = problem, variables, constraints
+        self.count = len(problem.responses) - len(constraints)
+        self._told: list[tuple[float, float]] = []
+        self.trace: list[Array] = []
+        self.failures: list[str] = []
+        self.best: Point | None = None
+        self._best = (np.inf, np.inf)
+        self._in_a_row = 0
+        self._seen: dict[bytes, int] = {}
+        self._sizes: dict[bytes, float] = {}
+        self._progress, self.began = progress, time.perf_counter()
+        self.anchor = variables.z0
+        problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
+        self.value(self.anchor)
+        self.size = abs(self._told[0][0]) or 1.0
+
+    def point(self, z: Array) -> Point:
+        """The design."""
+        return self.problem.at(self.variables.of(z))
+
+    def value(self, z: Array) -> float:
+        """The objective."""
+        try:
+            point = self.point(z)
+            values = point.values
+        except Infeasible as trouble:
+            self._fail(str(trouble))
+            return self._wall(z)[0]
+        found = float(values[: self.count].sum())
+        self._note(z, point, found, gap(values[self.count :], self.constraints))
+        return found
+
+    def slope(self, z: Array) -> Array:
+        """Its gradient by z (p,)."""
+        try:
+            matrix = self.point(z).gradient.matrix
+        except Infeasible:
+            return self._wall(z)[1]
+        slope = np.asarray(matrix[: self.count].sum(axis=0) * self.variables.scale)
+        self.noted(z, slope)
+        return slope
+
+    def noted(self, z: Array, slope: Array) -> None:
+        """Write the size of a gradient down."""
+        self._sizes[np.asarray(z).tobytes()] = float(np.linalg.norm(self.variables.free_gradient(z, slope)))
+
+    @property
+    def history(self) -> Array:
+        """Of each simulation the objective, the size of its gradient (NaN: not asked for), and the gap (n, 3)."""
+        sizes = (self._sizes.get(key, np.nan) for key in self._seen)
+        return np.array(
+            [[value, size, short] for (value, short), size in zip(self._told, sizes, strict=True)]
+        )
+
+    def others(self, z: Array) -> Array:
+        """The constrained responses; where there are none, those of the last iterate."""
+        try:
+            return self.point(z).values[self.count :]
+        except Infeasible:
+            return self.point(self.anchor).values[self.count :]
+
+    def other_slopes(self, z: Array) -> Array:
+        """Their gradients by z (c, p)."""
+        try:
+            matrix = self.point(z).gradient.matrix
+        except Infeasible:
+            matrix = self.point(self.anchor).gradient.matrix
+        return np.asarray(matrix[self.count :] * self.variables.scale)
+
+    def iterate(self, z: Array) -> None:
+        """A solver has accepted a design."""
+        place = self._seen.get(np.asarray(z).tobytes())
+        if place is None:  # SLSQP also tells of a step that it could not make
+            return
+        self.anchor = np.array(z)
+        size = self._sizes.get(np.asarray(z).tobytes(), np.nan)
+        log.info("simulation %d: objective %.9g, free gradient %.3g", place + 1, self._told[place][0], size)
+
+    def _wall(self, z: Array) -> tuple[float, Array]:
+        """A value above all others and its gradient, from the slope at the last iterate."""
+        step = np.asarray(z) - self.anchor
+        length = max(float(step @ step), np.finfo(float).tiny)
+        slope = self.slope(self.anchor)
+        fall = max(abs(float(slope @ step)), SLIGHT * self.size)
+        top = max(told[0] for told in self._told)
+        return top + fall, np.asarray(3 * fall * step / length)
+
+    def _fail(self, sentence: str) -> None:
+        self.failures.append(sentence)
+        self._in_a_row += 1
+        log.warning("a design cannot be simulated, stepping back: %s", sentence)
+        if self._in_a_row >= PATIENCE:
+            raise Stuck(sentence)
+
+    def _note(self, z: Array, point: Point, value: float, short: float) -> None:
+        """Write an evaluation down, and keep the best: first in its constraints, then in its objective."""
+        self._in_a_row = 0
+        if np.asarray(z).tobytes() in self._seen:
+            return
+        self._seen[np.asarray(z).tobytes()] = len(self._told)
+        self._told.append((value, short))
+        self.trace.append(point.x.copy())
+        best_short, best = self._best[0], self._best[1]
+        if short < best_short - 1e-9 or (short <= max(best_short, 1e-9) and value < best):
+            self._best, self.best = (short, value), point
+        if self._progress:
+            self._progress(len(self._told), value)
+
+
+def _limit(name: str, given: tuple[float | None, float | None] | None) -> tuple[float, float]:
+    low, high = given if given is not None else (None, None)
+    limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
+    if not limits[0] < limits[1]:
+        raise ValueError(f"the bounds of {name} must rise, but are {limits[0]:g} and {limits[1]:g}")
+    return limits
 
 
 def _scales(x: Array, limits: Array) -> Array:
     """The size of each variable: its value, or half its range, or 1."""
-    width = np.where(np.all(np.isfinite(limits), axis=1), (limits[:, 1] - limits[:, 0]) / 2, 1.0)
+    finite = np.all(np.isfinite(limits), axis=1)
+    width = np.ones(len(x))
+    width[finite] = (limits[finite, 1] - limits[finite, 0]) / 2
     return np.where(x != 0, abs(x), width)

@@ -1,0 +1,55 @@
+"""Constraints of an optimization: responses between limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...algebra import Array
+from ..sensitivity.responses import Output, Response
+
+
+@dataclass(frozen=True, eq=False)
+class Within:
+    """A constraint: a response between two limits; equal ones make an equation.
+
+    Parameters
+    ----------
+    response : a response, or an output whose final value is meant
+    lower, upper : None for no limit
+    """
+
+    response: Response | Output
+    lower: float | None = None
+    upper: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.lower is None and self.upper is None:
+            raise ValueError("a constraint needs a lower or an upper limit; give one")
+        if self.ends[0] > self.ends[1]:
+            raise ValueError(
+                f"the limits of a constraint must rise, but are {self.lower:g} and {self.upper:g}"
+            )
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Both limits, infinite where there is none."""
+        return (
+            -np.inf if self.lower is None else float(self.lower),
+            np.inf if self.upper is None else float(self.upper),
+        )
+
+    @property
+    def size(self) -> float:
+        """The larger of its limits, or 1."""
+        return max((abs(end) for end in self.ends if np.isfinite(end)), default=0.0) or 1.0
+
+
+def gap(values: Array, constraints: Sequence[Within]) -> float:
+    """How far constraints are from being satisfied, relative to their limits; 0 if they are."""
+    short = [
+        max(w.ends[0] - v, v - w.ends[1], 0.0) / w.size for v, w in zip(values, constraints, strict=True)
+    ]
+    return float(max(short, default=0.0))

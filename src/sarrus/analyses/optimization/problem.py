@@ -1,0 +1,270 @@
+"""A simulation as a function of its design variables: responses, exact gradients, products with vectors."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import SarrusError
+from ...results import Gradient, Trajectory
+from ...system import System
+from ..assembly import assemble
+from ..dynamics import HHT, GeneralizedAlpha, simulate
+from ..sensitivity.chain import Chain, Nodes
+from ..sensitivity.derivatives import Wanted, as_responses, inner, sensitivity
+from ..sensitivity.evaluation import Evaluation
+from ..sensitivity.parameters import Design, Parameters
+
+KEPT = 3  # designs whose simulations are remembered
+LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
+
+
+class Infeasible(SarrusError):
+    """A design that cannot be simulated."""
+
+
+class Problem:
+    """Responses of a simulation as a function of design variables; what optimizers and learning loops call.
+
+    Parameters
+    ----------
+    system : with the design at the start
+    responses : one or several, see `sensitivity`
+    wrt : names of the design variables, see `sensitivity`
+    until : end time of the simulation [s]
+    design : values of named design variables at the start
+    formula : the function that gives numbers of the model from them; differentiated exactly
+    method : `HHT` (the default) or `GeneralizedAlpha`
+    rtol, atol : tolerances of the simulation
+    time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
+        took, 10 s at least
+
+    Attributes
+    ----------
+    names : of the design variables
+    x0 : their values at the start (p,)
+    titles : of the responses
+
+    Raises
+    ------
+    SarrusError
+        For names that the model does not have.
+
+    Examples
+    --------
+    >>> problem = sr.Problem(system, sr.Final("slider.x"), ["spring.k"], until=1.0)  # doctest: +SKIP
+    >>> value, gradient = problem.value_and_grad(problem.x0)  # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        system: System,
+        responses: Wanted,
+        wrt: Sequence[str] | None = None,
+        *,
+        until: float,
+        design: Mapping[str, float] | None = None,
+        formula: Design | None = None,
+        method: HHT | GeneralizedAlpha | None = None,
+        rtol: float = 1e-6,
+        atol: float = 1e-8,
+        time_limit: float | None = None,
+    ) -> None:
+        self.system, self.responses = system, as_responses(responses)
+        self.design, self.formula = design, formula
+        self.settings = {"method": method, "until": float(until), "rtol": rtol, "atol": atol}
+        self.time_limit = time_limit
+        self._parameters = Parameters(system, wrt, design=design, formula=formula)
+        self.names = tuple(self._parameters.names)
+        self.x0: Array = self._parameters.values.copy()
+        self.titles = tuple(one.title for one in self.responses)
+        self._points: OrderedDict[bytes, Point] = OrderedDict()
+
+    def at(self, x: Array) -> Point:
+        """The design with the values given (p,); what was simulated lately is remembered.
+
+        Raises
+        ------
+        Infeasible
+            If there is no such model.
+        ValueError
+            For another number of values.
+        """
+        values = np.asarray(x, dtype=float)
+        if values.shape != self.x0.shape:
+            raise ValueError(f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}")
+        key = values.tobytes()
+        if key not in self._points:
+            self._points[key] = self._made(values.copy())
+            while len(self._points) > KEPT:
+                self._points.popitem(last=False)
+        self._points.move_to_end(key)
+        return self._points[key]
+
+    def _made(self, x: Array) -> Point:
+        if np.array_equal(x, self.x0):
+            return Point(self, self.system, x)
+        try:
+            return Point(self, System(self._parameters.model_at([float(value) for value in x])), x)
+        except SarrusError as trouble:
+            raise Infeasible(str(trouble)) from trouble
+
+    def values(self, x: Array) -> Array:
+        """The responses (r,)."""
+        return self.at(x).values
+
+    def gradient(self, x: Array) -> Gradient:
+        """The responses and their gradients, by one sweep backwards."""
+        return self.at(x).gradient
+
+    def value_and_grad(self, x: Array) -> tuple[float, Array]:
+        """The first response and its gradient (p,): what ``scipy.optimize.minimize(..., jac=True)`` calls."""
+        found = self.gradient(x)
+        return float(found.values[0]), found.matrix[0]
+
+    def jvp(self, x: Array, change: Array) -> Array:
+        """The change of the responses (r,) for a change of the variables (p,), by one sweep forwards."""
+        return self.at(x).along(np.asarray(change, dtype=float).reshape(-1, 1))[:, 0]
+
+    def vjp(self, x: Array, weights: Array) -> Array:
+        """The gradient (p,) of the responses' sum with weights (r,), by one sweep backwards."""
+        return self.at(x).gradient_of_sum(np.asarray(weights, dtype=float))
+
+    def limit(self, began: float) -> Callable[[float], None]:
+        """What stops a simulation that takes too long."""
+
+        def watch(t: float) -> None:
+            taken = time.perf_counter() - began
+            if self.time_limit is not None and taken > self.time_limit:
+                raise Infeasible(
+                    f"the simulation had come to t = {t:.4g} s when its {self.time_limit:.3g} s were over"
+                )
+
+        return watch
+
+    def took(self, seconds: float) -> None:
+        """The first simulation sets the limit for the others."""
+        if self.time_limit is None:
+            self.time_limit = max(LEAST_LIMIT, LONGER * seconds)
+
+
+class Point:
+    """One design, simulated when something of it is asked for."""
+
+    def __init__(self, problem: Problem, system: System, x: Array) -> None:
+        self.problem, self.system, self.x = problem, system, x
+        self._run: Trajectory | None = None
+        self._evaluation: Evaluation | None = None
+        self._gradient: Gradient | None = None
+        self._trouble = ""
+
+    @property
+    def run(self) -> Trajectory:
+        """Its simulation.
+
+        Raises
+        ------
+        Infeasible
+            If it cannot be assembled, or the run does not reach its end.
+        """
+        if self._trouble:
+            raise Infeasible(self._trouble)
+        if self._run is None:
+            try:
+                self._run = self._simulated()
+            except Infeasible as trouble:
+                self._trouble = str(trouble)
+                raise
+        return self._run
+
+    def _simulated(self) -> Trajectory:
+        problem, began, start = self.problem, time.perf_counter(), assemble(self.system)
+        if not start.success:
+            raise Infeasible(start.message)
+        settings: dict[str, Any] = {
+            **problem.settings,
+            "t_eval": [problem.settings["until"]],
+            "keep_steps": True,
+        }
+        run = simulate(self.system, start, **settings, progress=problem.limit(began))
+        if run.status == "stopped" and "by the user" in run.message:
+            raise KeyboardInterrupt
+        if not run.success:
+            raise Infeasible(run.message)
+        problem.took(time.perf_counter() - began)
+        return run
+
+    @property
+    def design(self) -> dict[str, float]:
+        """The design variables with their values."""
+        return dict(zip(self.problem.names, map(float, self.x), strict=True))
+
+    def _named(self) -> dict[str, Any]:
+        design, own = self.problem.design, self.design
+        values = None if design is None else {name: own.get(name, value) for name, value in design.items()}
+        return {"wrt": self.problem.names, "design": values, "formula": self.problem.formula}
+
+    def _parameters(self) -> Parameters:
+        start = None if self.run.steps is None else self.run.steps.start
+        return Parameters(self.system, **self._named(), start=start)
+
+    def evaluation(self) -> Evaluation:
+        """The responses with their outputs over time."""
+        if self._evaluation is None:
+            steps, named = self.run.steps, self._named() | {"wrt": []}
+            assert steps is not None
+            self._evaluation = Evaluation(
+                self.system, steps, self.problem.responses, Parameters(self.system, **named)
+            )
+        return self._evaluation
+
+    @property
+    def values(self) -> Array:
+        """The responses (r,)."""
+        return self.evaluation().values
+
+    @property
+    def gradient(self) -> Gradient:
+        """Responses and their gradients, by one sweep backwards."""
+        if self._gradient is None:
+            self._gradient = sensitivity(self.run, self.problem.responses, **self._named())
+        return self._gradient
+
+    def along(self, changes: Array) -> Array:
+        """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""
+        parameters, evaluation = self._parameters(), self.evaluation()
+        b, q, v, c = parameters.along(changes)
+        nodes, explicit = evaluation.gradients()
+        named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
+        total = inner(nodes, self._chain().along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+        return np.asarray(total + named @ changes)
+
+    def gradient_of_sum(self, weights: Array) -> Array:
+        """The gradient (p,) of the responses' sum with weights (r,): one column, however many responses there are."""
+        parameters, (nodes, explicit) = self._parameters(), self.evaluation().gradients()
+        one = Nodes(*(getattr(nodes, kind) @ weights[:, None] for kind in ("q", "v", "a", "lam")))
+        by = self._chain().gradients(one)
+        found = parameters.gradient(
+            replace(by, b=by.b + explicit.b @ weights[:, None]), explicit.c @ weights[:, None]
+        )[:, 0]
+        named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
+        return np.asarray(found + weights @ named)
+
+    def signals(self) -> tuple[list[Array], list[Array]]:
+        """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""
+        parameters, evaluation = self._parameters(), self.evaluation()
+        every = np.eye(len(parameters.names))
+        b, q, v, c = parameters.along(every)
+        named = dict(zip(parameters.names, every, strict=True))
+        return list(evaluation.signals), evaluation.signals_along(self._chain().along(b, q, v), b, c, named)
+
+    def _chain(self) -> Chain:
+        steps = self.run.steps
+        assert steps is not None
+        return Chain(self.system, steps)

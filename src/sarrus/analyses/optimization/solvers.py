@@ -1,0 +1,124 @@
+"""Solvers of nonlinear programs, given a search: SciPy's, and IPOPT where it is installed."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import SarrusError
+from .search import Search
+
+SCIPY = ("L-BFGS-B", "SLSQP", "trust-constr")
+SOLVERS = (*SCIPY, "IPOPT")
+IPOPT_DONE = {0: "solved to the tolerance", 1: "solved to an acceptable level"}
+IPOPT_ELSE = {
+    2: "the constraints cannot all be satisfied near here",
+    -1: "the number of iterations is used up",
+}
+
+
+class Answer(NamedTuple):
+    """Whether a solver converged, and what it says."""
+
+    success: bool
+    message: str
+
+
+def solver_of(name: str | None, constrained: bool) -> Callable[[Search, int, float], Answer]:
+    """The solver of a name; by default L-BFGS-B, or SLSQP with constraints.
+
+    Raises
+    ------
+    ValueError
+        For an unknown one, and where L-BFGS-B meets constraints.
+    """
+    chosen = name or ("SLSQP" if constrained else "L-BFGS-B")
+    if chosen not in SOLVERS:
+        raise ValueError(f"there is no solver {chosen!r}; take one of {', '.join(SOLVERS)}")
+    if constrained and chosen == "L-BFGS-B":
+        raise ValueError("L-BFGS-B takes no constraints; take SLSQP, trust-constr or IPOPT")
+    if chosen == "IPOPT":
+        return by_ipopt
+    return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance)
+
+
+def by_scipy(search: Search, method: str, iterations: int, tolerance: float) -> Answer:
+    """`scipy.optimize.minimize`, the objective divided by its size at the start."""
+    from scipy.optimize import Bounds, minimize
+
+    def accepted(z: Array, *_: Any) -> None:
+        search.iterate(z)
+
+    low, high = search.variables.ends.T
+    bounds = (
+        Bounds(low, high, keep_feasible=method == "trust-constr") if np.isfinite([low, high]).any() else None
+    )
+    with warnings.catch_warnings():
+        warnings.filterwarnings(
+            "ignore", "delta_grad == 0.0", UserWarning
+        )  # at a wall constraints stand still
+        found = minimize(
+            lambda z: search.value(z) / search.size, search.variables.z0, jac=lambda z: search.slope(z) / search.size,
+            method=method, bounds=bounds, constraints=_constraints(search), tol=tolerance, callback=accepted,
+            options={"maxiter": iterations},
+        )  # fmt: skip
+    return Answer(bool(found.success), str(found.message).rstrip(".").lower())
+
+
+def _constraints(search: Search) -> Any:
+    """All constraints as one vector of responses, each divided by its size."""
+    from scipy.optimize import NonlinearConstraint
+
+    if not search.constraints:
+        return ()
+    size = np.array([one.size for one in search.constraints])
+    low, high = np.array([one.ends for one in search.constraints]).T / size
+    return NonlinearConstraint(
+        lambda z: search.others(z) / size, low, high, jac=lambda z: search.other_slopes(z) / size[:, None]
+    )
+
+
+def by_ipopt(search: Search, iterations: int, tolerance: float) -> Answer:
+    """IPOPT, an interior-point method, with the quasi-Newton Hessian of its own.
+
+    Raises
+    ------
+    SarrusError
+        If it is not installed.
+    """
+    try:
+        import ipyopt
+    except ImportError:
+        raise SarrusError('IPOPT is not installed; install it with: pip install "sarrus[ipopt]"') from None
+    n, m, size = (
+        len(search.variables.names),
+        len(search.constraints),
+        np.array([c.size for c in search.constraints]),
+    )
+    low, high = np.clip(search.variables.ends.T, -1e20, 1e20)  # beyond 1e19 is infinite to IPOPT
+    ends = np.array([one.ends for one in search.constraints]).reshape(-1, 2).T / size
+    rows, columns = (np.ravel(x) for x in np.indices((m, n)))
+    problem = ipyopt.Problem(
+        n, low.copy(), high.copy(), m, np.clip(ends[0], -1e20, 1e20), np.clip(ends[1], -1e20, 1e20),
+        (rows, columns), (np.zeros(0, dtype=int), np.zeros(0, dtype=int)),
+        lambda z: search.value(z) / search.size,
+        lambda z, out: _put(out, search.slope(z) / search.size),
+        lambda z, out: _put(out, search.others(z) / size if m else np.zeros(0)),
+        lambda z, out: _put(out, np.ravel(search.other_slopes(z) / size[:, None]) if m else np.zeros(0)),
+        intermediate_callback=lambda *told: True,
+    )  # fmt: skip
+    problem.set(
+        max_iter=iterations, tol=tolerance, print_level=0, sb="yes", hessian_approximation="limited-memory"
+    )
+    _, _, status = problem.solve(search.variables.z0.copy())
+    told = IPOPT_DONE | IPOPT_ELSE
+    return Answer(status in IPOPT_DONE, told.get(status, f"IPOPT ended with status {status}"))
+
+
+def _put(out: Array, values: Array) -> Array:
+    out[()] = values
+    return out

@@ -162,8 +162,8 @@ _HOMES = {
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
         "ODE Peak Problem Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize "
-        "mobility modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
-        "workspace_range workspace_volume dexterity input_singularities"
+        "mobility modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace "
+        "workspace workspace_range workspace_volume dexterity input_singularities"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (

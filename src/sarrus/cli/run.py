@@ -32,7 +32,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rtol", type=positive, default=1e-8, help="relative tolerance (1e-8)")
     parser.add_argument("--atol", type=positive, default=1e-10, help="absolute tolerance (1e-10)")
     parser.add_argument("--csv", type=Path, help="file for t, q and v as a table")
-    parser.add_argument("--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x")
+    parser.add_argument(
+        "--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x pin.angle"
+    )
     parser.add_argument(
         "--figure",
         type=figure_file,
@@ -91,7 +93,7 @@ def _refuse_unknown(names: Sequence[str], system: System) -> None:
 
     if names:
         figure_of(1, 1)  # Matplotlib is there
-    for name in names:
+    for name in (name for name in names if name not in system.joint_coordinates.names):
         try:
             place_of(name, system.coordinate_names, system.name)
         except KeyError as unknown:
@@ -99,7 +101,8 @@ def _refuse_unknown(names: Sequence[str], system: System) -> None:
 
 
 def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
-    from ..views.plots import figure_of, plot
+    from ..views import plot
+    from ..views.plots import figure_of
 
     if chosen.csv:
         motion.to_csv(chosen.csv)

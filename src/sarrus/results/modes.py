@@ -91,3 +91,9 @@ class Modes:
         from importlib import import_module
 
         return import_module("sarrus.views").plot_modes(self, ax)
+
+    def animate(self, system: Any, mode: int = 0, file: Any = None, *, amplitude: float | None = None) -> Any:
+        """Play one swing of a mode in three dimensions; see `sarrus.views.animate_mode`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").animate_mode(self, system, mode, file, amplitude=amplitude)

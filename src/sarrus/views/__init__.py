@@ -1,9 +1,11 @@
 """Pictures: figures with Matplotlib (the extra `plot`), imported when the first is drawn, and pages for the browser."""
 
 from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient
+from .histories import plot, plot_energies, plot_phase, plot_sensitivities, plot_steps, plot_violation
 from .mechanism import mechanism_figure
+from .mode_shapes import animate_mode
 from .modes import modes_table, plot_modes
-from .plots import check_figure, motion_figure, plot
+from .plots import check_figure, motion_figure
 from .reactions import plot_reaction
 from .shows import animate, view
 from .studies import plot_study
@@ -13,6 +15,7 @@ from .workspace_volume import plot_workspace_volume
 
 __all__ = [
     "animate",
+    "animate_mode",
     "check_figure",
     "gradient_table",
     "mechanism_figure",
@@ -22,11 +25,16 @@ __all__ = [
     "paper_tables",
     "plot",
     "plot_convergence",
+    "plot_energies",
     "plot_gradient",
     "plot_input_singularities",
     "plot_modes",
+    "plot_phase",
     "plot_reaction",
+    "plot_sensitivities",
+    "plot_steps",
     "plot_study",
+    "plot_violation",
     "plot_workspace",
     "plot_workspace_volume",
     "view",

@@ -42,44 +42,6 @@ def _tidy(ax: Any) -> Any:
     return ax
 
 
-def unit_of(name: str) -> str:
-    """Axis label of a coordinate: its name and unit."""
-    return f"{name} [m]" if name.rsplit(".", 1)[-1] in ("x", "y", "z") else name
-
-
-def plot(run: Trajectory, *names: str, ax: Any = None) -> Any:
-    """Draw coordinates over time.
-
-    Parameters
-    ----------
-    run : Trajectory
-    names : coordinates, e.g. ``"slider.x"``; by default the x of the last body
-    ax : Matplotlib axes to draw into; by default a new figure's
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    KeyError
-        For an unknown coordinate.
-    ImportError
-        If Matplotlib is not installed.
-    """
-    names = names or (f"{run.bodies[-1]}.x",)
-    curves = [(name, run.coordinate(name)) for name in names]
-    ax = _window_axes() if ax is None else ax
-    for name, curve in curves:
-        ax.plot(run.t, curve, linewidth=1.4, label=name)
-    ax.set_xlabel("t [s]")
-    if len(names) == 1:
-        ax.set_ylabel(unit_of(names[0]))
-    else:
-        ax.legend(frameon=False)
-    return _tidy(ax)
-
-
 def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
     """One body's position and velocity, another's spin, and the constraint violation over time, as one figure."""
     slide, figure = run[sliding], figure_of(9.5, 5.6)

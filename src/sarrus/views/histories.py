@@ -1,0 +1,242 @@
+"""A run over time and in the phase plane: coordinates, joint angles and travels, energies, violation, step lengths."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..algebra import Array
+from ..results import Trajectory
+from .plots import BLUE, FLOOR, GREY, ORANGE, _tidy, _window_axes
+
+if TYPE_CHECKING:
+    from ..results import StateDerivatives
+
+PARAMETER = "1"  # unit of Euler parameters
+
+
+class History(NamedTuple):
+    """A coordinate and its rate over time, with the coordinate's unit."""
+
+    values: Array
+    rates: Array
+    unit: str
+
+
+def history(run: Trajectory, name: str) -> History:
+    """One coordinate of a body, ``slider.x``, or of a joint, ``pin.angle``.
+
+    Raises
+    ------
+    KeyError
+        If there is no such coordinate.
+    """
+    owner, _, own = name.partition(".")
+    if run.joints is not None and own and name in run.joints.names:
+        found = run.joint(owner)
+        return History(found.values[own], found.rates[own], "m" if own.startswith("travel") else "rad")
+    from ..results.trajectory import place_of
+
+    place = place_of(name, run.coordinate_names, run.name)
+    return History(run.q[:, place], run.v[:, place], "m" if place % 7 < 3 else PARAMETER)
+
+
+def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> Any:
+    """Draw coordinates over time.
+
+    Parameters
+    ----------
+    run : Trajectory
+    names : coordinates of bodies, ``"slider.x"``, and of joints, ``"pin.angle"``; by default the x of the last body
+    ax : Matplotlib axes to draw into; by default a new figure's
+    rates : whether their rates are drawn
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    KeyError
+        For an unknown coordinate.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    names = names or (f"{run.bodies[-1]}.x",)
+    found = {name: history(run, name) for name in names}
+    ax = _window_axes() if ax is None else ax
+    for name, one in found.items():
+        ax.plot(run.t, one.rates if rates else one.values, linewidth=1.4, label=name)
+    ax.set_xlabel("t [s]")
+    units = dict.fromkeys(_unit(one.unit, rates) for one in found.values())
+    ax.set_ylabel(_label(names[0], found[names[0]].unit, rates) if len(names) == 1 else ", ".join(units))
+    if len(names) > 1:
+        ax.legend(frameon=False)
+    return _tidy(ax)
+
+
+def _unit(unit: str, rate: bool) -> str:
+    return f"[{unit}/s]" if rate else f"[{unit}]"
+
+
+def _label(name: str, unit: str, rate: bool) -> str:
+    return f"rate of {name} {_unit(unit, rate)}" if rate else f"{name} {_unit(unit, rate)}"
+
+
+def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
+    """Draw the rate of a coordinate over the coordinate, with the start as a dot.
+
+    Parameters
+    ----------
+    run : Trajectory
+    name : a coordinate of a body, ``"slider.x"``, or of a joint, ``"pin.angle"``
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    KeyError
+        For an unknown coordinate.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    found = history(run, name)
+    ax = _window_axes() if ax is None else ax
+    ax.plot(found.values, found.rates, color=BLUE, linewidth=1.2)
+    ax.plot(found.values[:1], found.rates[:1], "o", color=ORANGE, markersize=5, label="start")
+    ax.set_xlabel(_label(name, found.unit, False))
+    ax.set_ylabel(_label(name, found.unit, True))
+    ax.legend(frameon=False)
+    return _tidy(ax)
+
+
+def plot_energies(run: Trajectory, ax: Any = None) -> Any:
+    """Draw kinetic, potential and total energy over time.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        If the run was made without energies.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    if len(run.kinetic_energy) != len(run.t):
+        raise ValueError(f"{run.name}: this trajectory was made without energies; simulate makes them")
+    ax = _window_axes() if ax is None else ax
+    ax.plot(run.t, run.kinetic_energy, color=ORANGE, linewidth=1.2, label="kinetic")
+    ax.plot(run.t, run.potential_energy, color=GREY, linewidth=1.2, label="potential")
+    ax.plot(run.t, run.total_energy, color=BLUE, linewidth=1.8, label="total")
+    ax.set_xlabel("t [s]")
+    ax.set_ylabel("energy [J]")
+    ax.legend(frameon=False)
+    return _tidy(ax)
+
+
+def plot_violation(run: Trajectory, ax: Any = None) -> Any:
+    """Draw how far constraints are violated over time, on a logarithmic scale: positions, and velocities if known.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    ax = _window_axes() if ax is None else ax
+    ax.semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=1.0, label="|Φ|")
+    if len(run.velocity_violation) == len(run.t):
+        rates = np.maximum(run.velocity_violation, FLOOR)
+        ax.semilogy(run.t, rates, color=ORANGE, linewidth=1.0, label="|Φ_q v + Φ_t|")
+    ax.set_xlabel("t [s]")
+    ax.set_ylabel("largest violation [m], [1]; [m/s], [1/s]")
+    ax.legend(frameon=False)
+    return _tidy(ax)
+
+
+def plot_steps(run: Trajectory, ax: Any = None) -> Any:
+    """Draw the length of every step that was accepted, over time, on a logarithmic scale.
+
+    Parameters
+    ----------
+    run : Trajectory
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        If the run has no steps, as one of kinematics.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    if not len(run.history):
+        raise ValueError(f"{run.name}: this trajectory was not made by steps; simulate makes them")
+    ax = _window_axes() if ax is None else ax
+    ends, lengths = run.history[:, 0], run.history[:, 1]
+    ax.step(ends, lengths, where="pre", color=BLUE, linewidth=1.1)
+    ax.set_yscale("log")
+    ax.set_xlabel("t [s]")
+    ax.set_ylabel("step length [s]")
+    ax.set_title(f"{run.nsteps} steps, {run.nrejected} rejected", loc="left", fontsize=10)
+    return _tidy(ax)
+
+
+def plot_sensitivities(
+    found: StateDerivatives, run: Trajectory, coordinate: str, ax: Any = None, *, most: int = 8
+) -> Any:
+    """Draw the derivatives of a coordinate over time, with respect to the numbers of the largest influence.
+
+    Parameters
+    ----------
+    found : StateDerivatives
+    run : the run that was differentiated
+    coordinate : of a body, ``"slider.x"``
+    ax : Matplotlib axes to draw into; by default a new figure's
+    most : of how many numbers
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    KeyError
+        For an unknown coordinate.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    from ..results.trajectory import place_of
+
+    curves = found.q_b[:, place_of(coordinate, run.coordinate_names, run.name)]
+    sizes = abs(curves).max(axis=0)
+    ax = _window_axes() if ax is None else ax
+    for k in np.argsort(-sizes, kind="stable")[:most]:
+        if sizes[k] > 0:
+            ax.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
+    ax.set_xlabel("t [s]")
+    ax.set_ylabel(f"d({coordinate}) / d(number)  [m or 1, per unit of the number]")
+    ax.legend(frameon=False)
+    return _tidy(ax)

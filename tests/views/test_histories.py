@@ -1,0 +1,115 @@
+"""Figures of runs hold the curves, labels and units that they should, and draw into given axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from tests.analyses.driven import pendulum, turned
+from tests.views.page_parts import read
+
+import sarrus as sr
+from sarrus import mechanisms
+from sarrus.views import plot_sensitivities
+
+
+@cache
+def driven() -> sr.Trajectory:
+    return sr.kinematics(turned(3.0, 0.5), np.linspace(0.0, 1.0, 21))
+
+
+@cache
+def free() -> sr.Trajectory:
+    system = sr.System(sr.load(mechanisms.path("slider_crank")))
+    return sr.simulate(system, sr.assemble(system), until=0.4, method=sr.HHT(), keep_steps=True)
+
+
+def axes() -> object:
+    return Figure().subplots()
+
+
+def test_time_histories_of_bodies_and_joints() -> None:
+    ax = driven().plot("slider.x", "pin.angle", ax=axes())
+    slider, pin = (line.get_ydata() for line in ax.lines)
+    assert np.array_equal(slider, driven()["slider"].position[:, 0])
+    assert np.array_equal(pin, driven().joint("pin").angle)
+    assert ax.get_ylabel() == "[m], [rad]"
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["slider.x", "pin.angle"]
+
+
+@pytest.mark.parametrize(
+    ("name", "rates", "label"),
+    [
+        ("slider.x", False, "slider.x [m]"),
+        ("guide.travel", True, "rate of guide.travel [m/s]"),
+        ("pin.angle", True, "rate of pin.angle [rad/s]"),
+        ("crank.e0", False, "crank.e0 [1]"),
+    ],
+)
+def test_labels_with_units(name: str, rates: bool, label: str) -> None:
+    ax = driven().plot(name, ax=axes(), rates=rates)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("t [s]", label)
+
+
+def test_rates_are_rates() -> None:
+    (line,) = driven().plot("guide.travel", ax=axes(), rates=True).lines
+    assert line.get_ydata() == pytest.approx(driven()["slider"].velocity[:, 0])
+
+
+def test_phase_plane() -> None:
+    ax = driven().plot_phase("pin.angle", ax=axes())
+    assert np.array_equal(ax.lines[0].get_xdata(), driven().joint("pin").angle)
+    assert np.array_equal(ax.lines[0].get_ydata(), driven().joint("pin").rate)
+    assert ax.get_ylabel() == "rate of pin.angle [rad/s]"
+    with pytest.raises(KeyError, match=r"no coordinate 'pin\.angel'"):
+        driven().plot_phase("pin.angel", ax=axes())
+
+
+def test_energies() -> None:
+    ax = free().plot_energies(ax=axes())
+    assert ax.lines[2].get_ydata() == pytest.approx(ax.lines[0].get_ydata() + ax.lines[1].get_ydata())
+    assert ax.get_ylabel() == "energy [J]"
+    with pytest.raises(ValueError, match="was made without energies"):
+        replace(free(), kinetic_energy=np.zeros(0)).plot_energies(ax=axes())
+
+
+def test_violation() -> None:
+    ax = free().plot_violation(ax=axes())
+    assert ax.lines[0].get_ydata() == pytest.approx(np.maximum(free().violation, 1e-17))
+    assert [line.get_label() for line in ax.lines] == ["|Φ|", "|Φ_q v + Φ_t|"]
+
+
+def test_steps() -> None:
+    ax = free().plot_steps(ax=axes())
+    assert np.sum(ax.lines[0].get_ydata()) == pytest.approx(0.4, rel=1e-6)
+    assert ax.get_yscale() == "log"
+    with pytest.raises(ValueError, match="was not made by steps"):
+        replace(free(), history=np.zeros((0, 5))).plot_steps(ax=axes())
+
+
+def test_sensitivities_over_time() -> None:
+    found = sr.state_derivatives(free(), ["spring.k", "spring.c", "rod.mass"])
+    ax = plot_sensitivities(found, free(), "slider.x", ax=axes(), most=2)
+    sizes = {name: abs(found.q_b[:, 14, k]).max() for k, name in enumerate(found.names)}
+    largest = sorted(sizes, key=lambda name: -sizes[name])[:2]
+    assert [line.get_label() for line in ax.lines] == largest
+    assert np.array_equal(ax.lines[0].get_ydata(), found.q_b[:, 14, found.names.index(largest[0])])
+
+
+def test_a_mode_swings_about_its_rest(tmp_path: Path) -> None:
+    system = pendulum(angle=0.0)
+    found = sr.modes(system, system.q0)
+    parts = read(found.animate(system, 0, tmp_path / "mode.html", amplitude=0.1))
+    q = parts.array(parts.told["runs"][0]["q"], 7)
+    assert q[[0, -1]] == pytest.approx(
+        np.real(system.q0 + 0.1 * found.shapes[:, 0])[None].repeat(2, 0), abs=0.01
+    )
+    assert (q[0] + q[60]) / 2 == pytest.approx(system.q0, abs=0.01)
+    assert np.linalg.norm(q[:, 3:], axis=1) == pytest.approx(1.0, abs=1e-6)
+    assert parts.told["speed"] == pytest.approx(1 / (2 * found.frequencies[0]))
+    with pytest.raises(IndexError, match="pendulum has 1 modes, counted from 0; there is no mode 7"):
+        found.animate(system, 7, tmp_path / "mode.html")

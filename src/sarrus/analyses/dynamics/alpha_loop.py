@@ -28,10 +28,11 @@ REFACTOR: Any = None
 SOLVE: Any = None
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
-NEWTON_LIMIT = 8  # iterations
+NEWTON_LIMIT = 12  # iterations
 NEWTON_SHARE = (
     0.03  # of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
 )
+RENEW, RENEWALS = 0.5, 3  # contraction at which the matrix is renewed within a step, and how often at most
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 EXACT = 1e-6  # of the tolerance: change of an iterate at which a step that is kept has converged
@@ -307,7 +308,7 @@ def newton(
     """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-    rate, before = 0.0, 0.0
+    rate, before, renewals = 0.0, 0.0, 0
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
         residual(entries, b, t, state, memory, matrix.left_out, beta)
@@ -321,13 +322,17 @@ def newton(
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
             return 0, 2.0
-        if iteration > 0:
-            rate = max(0.9 * rate, change / before) if before > 0.0 else 0.0
-        if change <= 1e-4 * NEWTON_SHARE or (iteration > 0 and change <= 0.1 * NEWTON_SHARE):
+        if before > 0.0:
+            rate = max(0.9 * rate, change / before)
+        if change <= 1e-4 * NEWTON_SHARE or (before > 0.0 and change <= 0.1 * NEWTON_SHARE):
             return iteration + 1, min(rate, SLOW)
+        if rate > RENEW and renewals < RENEWALS:  # the guess was too far off for its matrix
+            renewals += 1
+            control.numbers[2], rate, before = 0.0, 0.0, 0.0
+            continue
         if rate > 0.9:
             return 0, rate
-        if iteration > 0 and change * rate / (1.0 - rate) <= NEWTON_SHARE:
+        if before > 0.0 and change * rate / (1.0 - rate) <= NEWTON_SHARE:
             return iteration + 1, rate
         before = change
     return 0, 1.0

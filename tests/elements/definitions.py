@@ -85,6 +85,11 @@ def angle_driver(e, q):
     return vec(_turned(_angle(e.f_i, e.g_i, e.f_j, q), goal) - goal)
 
 
+def heading(e, q):
+    x, y = (_displacement(a, e.s_i, e.s_j, q) for a in (e.f_i, e.g_i))
+    return vec(_turned(mpmath.atan2(y, x), e.reference) - e.angle)
+
+
 def screw(e, q):
     travel = (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
     theta = _turned(_angle(e.f_i, e.g_i, e.f_j, q), e.angle + (travel - e.travel) / e.lead)
@@ -121,6 +126,7 @@ CONSTRAINTS = {
     el.DistanceDriver: distance_driver,
     el.Dot1: dot1,
     el.Dot2: dot2,
+    el.Heading: heading,
     el.Normalization: normalization,
     el.Screw: screw,
     el.Spherical: spherical,

@@ -60,7 +60,9 @@ def test_which_elements_are_polynomial():
     rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop TravelStop AngleStop SphereContact Drag"
     curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre"
     other = "AngleFriction TravelFriction Bushing"
-    joints = "Angle AngleAngle TravelAngle Screw AngleDriver TravelDriver DistanceDriver CoordinateDriver"
+    joints = (
+        "Heading Angle AngleAngle TravelAngle Screw AngleDriver TravelDriver DistanceDriver CoordinateDriver"
+    )
     expected = {*rooted.split(), *curved.split(), *other.split(), *joints.split()}
     assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == expected
 

@@ -153,3 +153,27 @@ def test_a_wheel_that_spins_counts_its_turns() -> None:
         _ = motion.travel
     with pytest.raises(KeyError, match="no joint 'pni'"):
         run.joint("pni")
+
+
+def test_the_hinge_of_a_massless_link_counts_its_turns() -> None:
+    """A ball on a link that turns in a plane: the link's angle grows with the ball's speed, over many turns."""
+    ball = sr.Body("ball", 1.0, (1, 1, 1), position=(2, 0, 0), velocity=(0, 3, 0))
+    ends = sr.ground.point(0, 0, 0), ball.point(0, 0, 0)
+    system = sr.System(sr.Model("m", [ball], [sr.RevoluteSpherical("link", *ends, axis=(0, 0, 1))]))
+    run = sr.simulate(system, until=12.0, method=sr.ODE(), rtol=1e-9, atol=1e-11)
+    link = run.joint("link")
+    assert link.angle - link.angle[0] == pytest.approx(1.5 * run.t, abs=1e-6)
+    assert link.rate == pytest.approx(1.5, abs=1e-8)
+
+
+def test_both_hinges_of_a_link_are_read() -> None:
+    """Two discs on a link between parallel axes: one turns with the link's end, the other stays where it is."""
+    disc = sr.Body(
+        "disc", 1.0, (1, 1, 1), position=(2, 0, 0), velocity=(0, 3, 0), angular_velocity=(0, 0, 1.5)
+    )
+    ends = sr.ground.point(0, 0, 0), disc.point(0, 0, 0)
+    system = sr.System(sr.Model("m", [disc], [sr.RevoluteRevolute("link", *ends, axis_i=(0, 0, 1))]))
+    run = sr.simulate(system, until=9.0, method=sr.ODE(), rtol=1e-9, atol=1e-11)
+    link = run.joint("link")
+    assert link.values["angle_i"] - link.values["angle_i"][0] == pytest.approx(1.5 * run.t, abs=1e-6)
+    assert link.values["angle_j"] == pytest.approx(link.values["angle_j"][0], abs=1e-6)

@@ -12,6 +12,7 @@ from .drag import Drag, ViscousDrag
 from .eccentric_inertia import EccentricInertia
 from .element import Element, ElementError, Force, InertiaElement, Pair, Primitive, Single
 from .gravity import EccentricGravity, Gravity
+from .heading import Heading
 from .joint_angle import Angle, AngleDriver
 from .joint_friction import AngleFriction, TravelFriction
 from .normalization import Normalization
@@ -60,6 +61,7 @@ __all__ = [
     "FollowerForce",
     "Force",
     "Gravity",
+    "Heading",
     "InertiaElement",
     "LengthStop",
     "NonlinearRSDA",

@@ -57,6 +57,16 @@ def travel(
     return Coordinate(Primitive(TRAVEL, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
 
 
+def heading(i: LocalFrame, j: LocalFrame, poses: Poses, *, name: str = "angle") -> Coordinate:
+    """The angle from f_i to the line from P_i to P_j, about h_i. [rad]"""
+    apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
+    f, g = (plain(turned(vector, i.body, poses) @ apart) for vector in (i.f, i.g))
+    start: float = atan2(g, f)
+    return Coordinate(
+        Primitive(elements.Heading, (i.body, j.body), (i.f, i.g, i.s, j.s, 0.0, start), name), start
+    )
+
+
 def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
     """The angle of a in the plane of f and g in the initial pose, each given with its body. [rad]"""
     f_, g_, a_ = (turned(vector, body, poses) for body, vector in (f, g, a))

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..._jit.functions import cos
+from ..coordinate import Coordinate, heading
 from ..frame import LocalFrame
 from ..measure import Angle, Direction
+from ..placement import Frames
 from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import number
@@ -31,11 +33,20 @@ class RevoluteRevolute(Link, Joint):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the equations for parallel axes, or those for twisted ones."""
-        axis_j = self.axis_i if self.axis_j is None else self.axis_j
-        i, j = self.ends(poses, self.axis_i, axis_j, ("axis_i", "axis_j"))
+        i, j = self._hinges(poses)
         twist = cosine(i, j, poses) if self.twist is None else cos(number(self.twist, "twist"))
         yield from _parallel(i, j) if abs(twist) > 1 - PARALLEL else _twisted(i, j, twist)
         yield self.distance(i, j, poses)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angles of the link about h_i and about h_j."""
+        i, j = self._hinges(poses)
+        yield heading(i, j, poses, name="angle_i")
+        yield heading(j, i, poses, name="angle_j")
+
+    def _hinges(self, poses: Poses) -> Frames:
+        axis_j = self.axis_i if self.axis_j is None else self.axis_j
+        return self.ends(poses, self.axis_i, axis_j, ("axis_i", "axis_j"))
 
 
 def _parallel(i: LocalFrame, j: LocalFrame) -> Iterator[Primitive]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..coordinate import Coordinate, heading
 from ..measure import Direction
 from ..pose import Poses
 from ..primitive import Primitive
@@ -27,3 +28,7 @@ class RevoluteSpherical(Link, Joint):
         i, j = self.ends(poses, self.axis, self.axis, ("axis", "axis"))
         yield dot2("h_i.d", i, j, i.h)
         yield self.distance(i, j, poses)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle of the link about h_i."""
+        yield heading(*self.ends(poses, self.axis, self.axis, ("axis", "axis")), poses)

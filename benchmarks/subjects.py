@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sarrus.system.memory import firsts
 
 import sarrus.mechanisms
 from sarrus.elements import OPERATORS, Operator
@@ -20,6 +19,7 @@ from sarrus.elements.operators import Axis
 from sarrus.elements.recorder import structure, variants
 from sarrus.model import load
 from sarrus.system import System
+from sarrus.system.local import firsts
 
 HERE = Path(__file__).resolve().parent
 _built = Path(tempfile.gettempdir()) / "sarrus-benchmarks"

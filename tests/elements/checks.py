@@ -28,6 +28,7 @@ from tests.paper.paper import along, derivative, equal, rational, tangent, unit
 
 from sarrus import algebra, euler
 from sarrus.elements import BUILT_IN, OPERATORS, SphereContact
+from sarrus.elements.evaluation import partition
 from sarrus.elements.operators import DERIVATIVES
 
 EXACT_NUMBERS = (int, Fraction, np.integer)
@@ -211,6 +212,32 @@ def virtual_work(kind, arithmetic, seed=0, depth=None):
     assert np.all(here.same(here("Q") @ direction, expected))
 
 
+def potential_energy(kind, arithmetic, seed=0):
+    """The potential against the work of the force at rest, without actuators and with symmetric stiffness."""
+    here = PREPARED.get(kind, lambda state: state)(on_sphere(state(kind, arithmetic, seed)))
+    here = _conservative(replace(here, operands={**here.operands, "v": 0 * here.operands["v"]}))
+    direction = here.direction("q", seed)
+    for first in range(3, 7 * kind.bodies, 7):
+        p = here.operands["q"][first : first + 4]
+        direction[first : first + 4] -= (direction[first : first + 4] @ p) * p
+    gain = here.difference(lambda s: s.element.potential(partition(kind, s.operands["q"]))[0], "q", direction)
+    assert np.all(here.same(here("Q") @ direction, -gain))
+
+
+def _conservative(here):
+    """The numbers of a force with its actuator at zero and its matrix of stiffness symmetric."""
+    numbers, start = here.numbers.copy(), 0
+    for field, width in zip(here.kind.fields, here.kind.widths(), strict=True):
+        at = slice(start, start + width)
+        if field in ("force", "torque"):
+            numbers[at] *= 0
+        if field == "K":
+            K = numbers[at].reshape(6, 6)
+            numbers[at] = (K + K.T).reshape(-1)
+        start += width
+    return replace(here, numbers=numbers)
+
+
 def _satisfying(here):
     """An angle on a revolute joint that is satisfied, its axes orthonormal, the reference some turns away."""
     q, frame = here.operands["q"], paper.A(unit(50))
@@ -293,6 +320,10 @@ def definition_checks(kind, arithmetic) -> Iterator[Check]:
     else:
         whole = arithmetic == WHOLE and kind in definitions.ROTATIONAL
         yield Check(kind, "Q", partial(virtual_work, kind, FRACTIONS if whole else arithmetic))
+        if hasattr(kind, "potential"):
+            yield Check(
+                kind, "potential", partial(potential_energy, kind, FRACTIONS if whole else arithmetic)
+            )
         for depth in (-0.3, 0.2, 1.5) if kind in definitions.DEPTHS else ():
             yield Check(kind, f"Q at {depth} widths", partial(virtual_work, kind, arithmetic, depth=depth))
 

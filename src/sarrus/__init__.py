@@ -139,10 +139,12 @@ if TYPE_CHECKING:
     from .studies import Sobol as Sobol
     from .studies import Statics as Statics
     from .studies import StudyTable as StudyTable
+    from .studies import Uncertainty as Uncertainty
     from .studies import Values as Values
     from .studies import Vibration as Vibration
     from .studies import open_study as open_study
     from .studies import study as study
+    from .studies import uncertainty as uncertainty
     from .system import System as System
     from .views import animate as animate
     from .views import view as view
@@ -173,7 +175,7 @@ _HOMES = {
     "views": "animate view",
     "studies": (
         "Distribution Grid Kinematics LatinHypercube Listed MonteCarlo Range Simulation Sobol Statics StudyTable "
-        "Values Vibration open_study study"
+        "Uncertainty Values Vibration open_study study uncertainty"
     ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

@@ -37,9 +37,11 @@ def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "springs: 6 cases, " in told.out
     assert len(table.read_text().splitlines()) == 7
     assert figure.stat().st_size > 10_000
-    assert main([*line, "--json", "-q"]) == 0
+    assert main([*line, "--json", "-q", "--linear"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["statistics"]["end"]["mean"] == pytest.approx(sum(found["columns"]["end"]) / 6)
+    assert found["linear"].keys() == {"reach", "end"}
+    assert found["linear"]["end"]["mean"] == pytest.approx(found["statistics"]["end"]["mean"], rel=1e-2)
     assert found["folder"] == str(tmp_path / "springs")
 
 

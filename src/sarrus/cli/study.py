@@ -13,6 +13,7 @@ from .values import figure_file, natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..studies import StudyTable
+    from ..studies.conduct import Asked
 
 EXAMPLES = (
     "sarrus study springs.yaml",
@@ -32,6 +33,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--workers", type=natural, help="processes (as many as there are processors)")
     parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
     parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
+    parser.add_argument(
+        "--linear",
+        action="store_true",
+        help="also the spread of the responses to first order, by derivatives",
+    )
     parser.add_argument("--csv", type=Path, help="file for the table")
     parser.add_argument(
         "--figure", type=figure_file, help="file for plots of the responses, .png, .svg or .pdf"
@@ -60,8 +66,20 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(study=table.name, message=str(table).splitlines()[0], folder=folder, cases=len(table))
     answer.put(statistics=table.statistics(), failures=table.failures, columns=table.columns)
     answer.wrote(folder)
+    if chosen.linear:
+        _linear(asked, answer)
     _write(chosen, table, answer)
     return 0 if table.success.any() else 1
+
+
+def _linear(asked: Asked, answer: Answer) -> None:
+    """Means and standard deviations by one run and its derivatives."""
+    from ..studies.first_order import uncertainty_of
+
+    found = uncertainty_of(asked)
+    answer.say(f"\nto first order, by one run and its derivatives:\n{found}")
+    spread = zip(found.responses, found.values, found.std, strict=True)
+    answer.put(linear={name: {"mean": mean, "std": std} for name, mean, std in spread})
 
 
 def _refuse_unknown(response: str | None, known: list[str]) -> None:

@@ -1,6 +1,8 @@
 """Studies: one analysis for many values of a model's numbers, on one machine or many."""
 
 from .conduct import study as study
+from .first_order import Uncertainty as Uncertainty
+from .first_order import uncertainty as uncertainty
 from .parameters import Distribution as Distribution
 from .parameters import Range as Range
 from .parameters import Values as Values

@@ -62,9 +62,10 @@ class Response:
 
     def __post_init__(self) -> None:
         if isinstance(self.of, str):
-            self._tree(np.zeros(1))
+            self.tree(np.zeros(1))
 
-    def _tree(self, t: Array) -> Expression:
+    def tree(self, t: Array) -> Expression:
+        """Its formula, with reductions over the times t."""
         try:
             return parse(str(self.of), functions=reductions(t))
         except ModelError as wrong:
@@ -74,7 +75,7 @@ class Response:
         """The times [s] at which it asks for a value."""
         if not isinstance(self.of, str):
             return ()
-        nodes = [one for one in self._tree(np.zeros(1)).nodes() if isinstance(one, Call)]
+        nodes = [one for one in self.tree(np.zeros(1)).nodes() if isinstance(one, Call)]
         return tuple(
             one.args[1].number
             for one in nodes
@@ -83,7 +84,7 @@ class Response:
 
     def names(self) -> tuple[str, ...]:
         """The names of outputs and numbers in its formula."""
-        return self._tree(np.zeros(1)).names() if isinstance(self.of, str) else ()
+        return self.tree(np.zeros(1)).names() if isinstance(self.of, str) else ()
 
     def value(self, result: Any, t: Array, lookup: Lookup) -> float:
         """Its value.
@@ -94,7 +95,7 @@ class Response:
             If it is not one finite number.
         """
         if isinstance(self.of, str):
-            tree = self._tree(t)
+            tree = self.tree(t)
             found = tree.value({name: lookup(name) for name in tree.names()})
         else:
             found = self.of(result)

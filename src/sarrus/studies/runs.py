@@ -65,7 +65,7 @@ class Run(ABC):
         if not result.success:
             raise SarrusError(result.message)
         states = _states(result)
-        return Found(result, states.t, _lookup(system, states, result))
+        return Found(result, states.t, lookup_of(system, result))
 
     def short(self) -> Run | None:
         """The same in little time, for compiling all that it needs; None if that cannot be known."""
@@ -179,7 +179,7 @@ class OwnRun(Run):
         if not hasattr(result, "q"):
             return Found(result, np.zeros(1), lambda name: _entry({}, name))
         states = _states(result)
-        return Found(result, states.t, _lookup(system, states, result))
+        return Found(result, states.t, lookup_of(system, result))
 
     def short(self) -> Run | None:
         """Unknown."""
@@ -268,9 +268,9 @@ def _states(result: Any) -> States:
     return States(result.t, result.q, result.v, result.a, result.lam)
 
 
-def _lookup(system: System, states: States, result: Any) -> Callable[[str], Any]:
+def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     """Histories by name: outputs of a motion, what modes have, and numbers of the model."""
-    outputs = Outputs(system, states, system.b, lambda name: number_of(system, name))
+    outputs = Outputs(system, _states(result), system.b, lambda name: number_of(system, name))
 
     def lookup(name: str) -> Any:
         if isinstance(result, Modes) and MODAL.fullmatch(name):

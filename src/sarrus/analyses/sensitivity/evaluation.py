@@ -68,7 +68,9 @@ class Evaluation:
                     (by_b if kind == "b" else by_c)[n, column] += bar
                 else:
                     sampling.spread(kind, n, np.broadcast_to(bar, sampling.t.shape), nodes, column)
-            named.append({name: float(found[variable.at]) for name, variable in outputs.named.items()})
+            named.append(
+                {name: float(np.sum(found[variable.at])) for name, variable in outputs.named.items()}
+            )
         return nodes, Explicit(by_b, by_c, named)
 
     def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:

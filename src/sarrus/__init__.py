@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from .analyses import Radau as Radau
     from .analyses import Within as Within
     from .analyses import WorkspaceMap as WorkspaceMap
+    from .analyses import area_gradient as area_gradient
     from .analyses import assemble as assemble
     from .analyses import dexterity as dexterity
+    from .analyses import end_gradient as end_gradient
     from .analyses import equilibrium as equilibrium
     from .analyses import fit as fit
     from .analyses import input_singularities as input_singularities
@@ -121,6 +123,7 @@ if TYPE_CHECKING:
     from .results import Modes as Modes
     from .results import Optimum as Optimum
     from .results import Reaction as Reaction
+    from .results import ShapeDerivative as ShapeDerivative
     from .results import Singularity as Singularity
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
@@ -162,15 +165,16 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit NoDerivative "
-        "ODE Peak Problem Radau Within WorkspaceMap assemble equilibrium fit inverse_dynamics kinematics linearize "
-        "mobility modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace "
-        "workspace workspace_range workspace_volume dexterity input_singularities"
+        "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit "
+        "NoDerivative ODE Peak Problem Radau Within WorkspaceMap area_gradient assemble dexterity end_gradient "
+        "equilibrium fit input_singularities inverse_dynamics kinematics linearize mobility modes optimize "
+        "repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
+        "workspace_range workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
         "Assembly Equilibrium Gradient Happened Mobility Modes Optimum Reaction Singularity Solution Trajectory "
-        "Workspace WorkspaceRange WorkspaceVolume InputSingularities load_run"
+        "Workspace WorkspaceRange WorkspaceVolume InputSingularities ShapeDerivative load_run"
     ),
     "views": "animate view",
     "studies": (

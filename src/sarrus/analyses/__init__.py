@@ -23,6 +23,8 @@ from .workspace import (
     workspace_range,
     workspace_volume,
 )
+from .workspace import area_gradient as area_gradient
+from .workspace import end_gradient as end_gradient
 
 __all__ = [
     "HHT",
@@ -44,8 +46,10 @@ __all__ = [
     "Radau",
     "Within",
     "WorkspaceMap",
+    "area_gradient",
     "assemble",
     "dexterity",
+    "end_gradient",
     "equilibrium",
     "fit",
     "input_singularities",

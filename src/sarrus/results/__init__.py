@@ -11,6 +11,7 @@ from .modes import Modes
 from .optimum import Optimum
 from .reaction import Reaction
 from .reading import load_run
+from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import Solution, State
 from .steps import Steps
@@ -37,6 +38,7 @@ __all__ = [
     "Optimum",
     "Reaction",
     "Repetition",
+    "ShapeDerivative",
     "SingularCurve",
     "Singularity",
     "Slice",

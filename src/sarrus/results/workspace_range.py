@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from ..algebra import Array
 
@@ -44,6 +44,7 @@ class WorkspaceRange:
     name : of the system; `output` of the function, `unit` "m" or "rad"
     intervals : (lowest, highest) of each part, rising
     critical : all critical values, rising
+    search : what found them, for `sarrus.end_gradient`
     """
 
     name: str
@@ -53,6 +54,7 @@ class WorkspaceRange:
     critical: tuple[CriticalValue, ...] = field(repr=False)
     status: Literal["mapped", "incomplete"]
     message: str
+    search: Any = field(default=None, repr=False, compare=False)
 
     @property
     def success(self) -> bool:

@@ -4,13 +4,16 @@ from .analysis import workspace
 from .control import Dexterity, dexterity, input_singularities
 from .extremes import workspace_range
 from .mapping import WorkspaceMap
+from .shape import area_gradient, end_gradient
 from .verify import verify_workspace
 from .volume import workspace_volume
 
 __all__ = [
     "Dexterity",
     "WorkspaceMap",
+    "area_gradient",
     "dexterity",
+    "end_gradient",
     "input_singularities",
     "verify_workspace",
     "workspace",

@@ -56,16 +56,16 @@ def workspace_range(
     problem = formulate(system, outputs, limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:
         raise SarrusError(f"a range is of one output, not {len(problem.outputs)}; see workspace for two")
-    return _Search(problem, seed, repeats).result()
+    return Search(problem, seed, repeats).result()
 
 
 def critical_values(problem: Problem, seed: int = 0, repeats: int = REPEATS) -> Array:
     """The critical values of a problem with one output, free of units, rising."""
-    search = _Search(problem, seed, repeats)
+    search = Search(problem, seed, repeats)
     return np.array(sorted({round(value, 10) for value in search.values()}))
 
 
-class _Search:
+class Search:
     """Random starts until nothing new is found."""
 
     def __init__(self, problem: Problem, seed: int, repeats: int) -> None:
@@ -110,6 +110,7 @@ class _Search:
             tuple(critical),
             "mapped" if self.complete and self.found else "incomplete",
             self._message(),
+            self,
         )
 
     def _message(self) -> str:

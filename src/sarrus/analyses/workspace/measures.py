@@ -30,6 +30,10 @@ class Measure(NamedTuple):
         """What the element shows for a wanted value."""
         return wanted**2 if self.kind == "square" else wanted
 
+    def slope(self, wanted: float) -> float:
+        """The derivative of `value`."""
+        return 2 * wanted if self.kind == "square" else 1.0
+
     def shown(self, found: Any) -> Any:
         """What the user is told for what the element shows."""
         return abs(found) ** 0.5 if self.kind == "square" else found

@@ -163,14 +163,14 @@ class Problem:
     def curvature(self, q: Array, weights: Array) -> Array:
         """Σ weight · second derivative, symmetric (n, n)."""
         real, H = q * self.scale, np.zeros((self.n, self.n))
-        for matrix, lam in zip(self._second, self._unscaled(weights), strict=True):
+        for matrix, lam in zip(self._second, self.unscaled(weights), strict=True):
             matrix.add(H, real, lam)
         return H
 
     def curvature_along(self, q: Array, weights: Array, along: Array) -> Array:
         """Σ weight · third derivative contracted with a direction, symmetric (n, n)."""
         real, H = q * self.scale, np.zeros((self.n, self.n))
-        for matrix, lam in zip(self._third, self._unscaled(weights), strict=True):
+        for matrix, lam in zip(self._third, self.unscaled(weights), strict=True):
             matrix.add(H, real, along * self.scale, lam)
         return H
 
@@ -181,7 +181,8 @@ class Problem:
             [self._gamma[0](real, xi), np.zeros(len(self.locks)), self._gamma[1](real, xi)]
         )
 
-    def _unscaled(self, weights: Array) -> tuple[Array, Array]:
+    def unscaled(self, weights: Array) -> tuple[Array, Array]:
+        """Multipliers of Φ (m,) and of the functions in real units."""
         lam = np.zeros(self.system.m)
         lam[self.kept] = weights[: len(self.kept)] * self.row_scale[self.kept]
         return lam, weights[self.m :] / self.units

@@ -1,0 +1,174 @@
+"""Derivatives of a workspace by the numbers of a design: the speed of its boundary along the normal, integrated.
+
+On the boundary c·u + lam·(rows - goal) is stationary in q, so that a change of design moves it along the normal c by
+
+    c·δu = lam·(rows_b δb - δgoal) + c·u_b δb
+
+with the elements' own derivatives `_b`: no second derivative is needed, and none of the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ...algebra import Array
+from ...elements.operators import Axis
+from ...model import SarrusError
+from ...model.show import suggest
+from ...results.shape import ShapeDerivative
+from ...results.workspace import Workspace
+from ...results.workspace_range import WorkspaceRange
+from ..sensitivity.chain import Gradients
+from ..sensitivity.parameters import Parameters, UnknownParameter
+from .explore import Branch
+from .problem import Problem
+from .region import Region
+from .step import Step, gauss
+from .stratum import Stratum
+
+NODES = 6  # of Gauss's rule in a step
+SAME = 1e-9
+
+
+def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
+    """The exact derivative of the area of a workspace.
+
+    Parameters
+    ----------
+    found : Workspace
+    wrt : names of numbers: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
+        (``"link_3.x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
+
+    Returns
+    -------
+    ShapeDerivative
+        The area has a kink where two curves with different causes lie on each other; the length of such parts of the
+        boundary is told in `kinked`, and the derivative is that with one of them.
+
+    Raises
+    ------
+    SarrusError
+        If there is no such number.
+    """
+    map_, names = found.map, list(wrt)
+    problem, region = map_.problem, map_.region()
+    numbers = _Numbers(problem, names)
+    total, kinked = numbers.nothing(), 0.0
+    for k in np.flatnonzero(region.bounds).tolist():
+        piece = region.division.pieces[k]
+        owner = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
+        total += _along(region, owner, numbers)
+        kinked += piece.arc.length * (len({region.branches[n].stratum.key for n, *_ in piece.owners}) > 1)
+    units = problem.units[problem.outputs]
+    rates = numbers.derivatives(total) * float(units.prod())
+    return ShapeDerivative("area", found.area, dict(zip(names, rates, strict=True)), kinked * float(units[0]))
+
+
+def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> ShapeDerivative:
+    """The exact derivative of an end of a range, or of any critical value: how reach changes with a design.
+
+    Parameters
+    ----------
+    found : WorkspaceRange
+    value : one of its critical values, nearly
+    wrt : see `area_gradient`
+
+    Raises
+    ------
+    SarrusError
+        If there is no such number.
+    """
+    search, names = found.search, list(wrt)
+    problem: Problem = search.problem
+    unit = float(problem.units[problem.outputs[0]])
+    values = np.array(search.values()) * unit
+    start = search.found[int(np.argmin(abs(values - value)))]
+    numbers = _Numbers(problem, names)
+    rates = numbers.derivatives(numbers.row(Stratum(problem, start.key), start.x) / start.x[-1]) * unit
+    told = float(values[int(np.argmin(abs(values - value)))])
+    return ShapeDerivative(found.output, told, dict(zip(names, rates, strict=True)))
+
+
+def _along(region: Region, owner: tuple[int, int, float, float], numbers: _Numbers) -> Array:
+    """The integral of the boundary's speed outwards over a part of a branch."""
+    n, _, low, high = owner
+    branch, side = region.branches[n], region.crossings[n].side or 1
+    low, high = min(low, high), max(low, high)
+    total = numbers.nothing()
+    for k in range(int(low), min(int(np.ceil(high - SAME)), len(branch.points) - 1)):
+        total -= side * _in_step(branch, k, max(low - k, 0.0), min(high - k, 1.0), numbers)
+    return total
+
+
+def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers) -> Array:
+    step = Step(branch.points[k], branch.points[k + 1])
+    outputs, nodes, weights = step.quintic(), *gauss(NODES)
+    total = numbers.nothing()
+    for tau, weight in zip(low + (high - low) * nodes, (high - low) * weights, strict=True):
+        x = step.x(tau)
+        slope = (np.arange(1, 6) * tau ** np.arange(5)) @ outputs[1:]
+        c = x[len(x) - 2 :]
+        total += (
+            weight * float(np.linalg.norm(slope)) / float(np.linalg.norm(c)) * numbers.row(branch.stratum, x)
+        )
+    return total
+
+
+class _Numbers:
+    """Gradients of the boundary's motion by all numbers: of elements, of functions, of limits; free of units."""
+
+    def __init__(self, problem: Problem, names: Sequence[str]) -> None:
+        self.problem, system = problem, problem.system
+        self.sizes = (system.nb, len(problem.functions.axis_names(Axis.NUMBERS)), 2 * len(problem.limited))
+        limits = [f"{problem.table[k].name} {end}" for k in problem.limited for end in ("lowest", "highest")]
+        own = problem.functions.axis_names(Axis.NUMBERS)
+        self._places = {name: self.sizes[0] + n for n, name in enumerate([*own, *limits])}
+        self._names = list(names)
+        others = [name for name in names if name not in self._places]
+        try:
+            self._parameters = Parameters(system, others) if others else None
+        except UnknownParameter as trouble:
+            raise SarrusError(
+                f"{trouble}; or of a function or limit: {suggest(others[0], self._places)}"
+            ) from None
+        if self._parameters and self._parameters.names != others:
+            raise SarrusError(f"name numbers one by one: {', '.join(self._parameters.names)}")
+
+    def nothing(self) -> Array:
+        """Zero."""
+        return np.zeros(sum(self.sizes))
+
+    def row(self, stratum: Stratum, x: Array) -> Array:
+        """lam·(rows_b - goal_b) + c·u_b at a point (all numbers,)."""
+        p, weights = self.problem, stratum.weights(x)
+        real, (lam, own) = x[: p.n] * p.scale, p.unscaled(weights)
+        by_b = p.system.Phi_b(real).T @ lam
+        by_own = p.functions.Phi_b(real).T @ own
+        by_limits = np.zeros((len(p.limited), 2))
+        for limit in stratum.active:
+            table = p.limited[limit[0]]
+            by_limits[limit] = (
+                -x[stratum.multiplier(limit)] * p.table[table].slope(_bound(p, limit)) / p.units[table]
+            )
+        return np.concatenate([by_b[: self.sizes[0]], by_own[: self.sizes[1]], by_limits.reshape(-1)])
+
+    def derivatives(self, total: Array) -> Array:
+        """By the names that were asked for."""
+        system = self.problem.system
+        found = {name: float(total[place]) for name, place in self._places.items()}
+        if self._parameters:
+            none = np.zeros((system.nq, 1))
+            by_b = np.zeros((len(system.b), 1))
+            by_b[: self.sizes[0], 0] = total[: self.sizes[0]]
+            by_c = np.zeros((len(system.joint_coordinates.b), 1))
+            rates = self._parameters.gradient(Gradients(by_b, none, none), by_c)
+            found |= {
+                name: float(rate) for name, rate in zip(self._parameters.names, rates[:, 0], strict=True)
+            }
+        return np.array([found[name] for name in self._names])
+
+
+def _bound(problem: Problem, limit: tuple[int, int]) -> float:
+    return float(problem.limits[int(problem.limited[limit[0]])][limit[1]])

@@ -1,0 +1,32 @@
+"""How a workspace changes with the numbers of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ShapeDerivative:
+    """Derivatives of one number of a workspace, its area or an end of a range.
+
+    Attributes
+    ----------
+    of : what is differentiated, "area" or "highest link.x"
+    value : of it
+    by : derivatives by the names that were asked for
+    kinked : length of the boundary that several curves make at once, by different causes: there the derivatives are
+        those of one of them
+    """
+
+    of: str
+    value: float
+    by: Mapping[str, float]
+    kinked: float = 0.0
+
+    def __getitem__(self, name: str) -> float:
+        return self.by[name]
+
+    def __str__(self) -> str:
+        lines = [f"{self.of} = {self.value:.9g}"]
+        return "\n".join([*lines, *(f"  by {name:<32} {rate:+.9g}" for name, rate in self.by.items())])

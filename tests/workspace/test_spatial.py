@@ -17,7 +17,7 @@ def test_range_of_the_spatial_slider_crank() -> None:
     found = sr.workspace_range(sr.System(sr.load(mechanisms.path("slider_crank"))), "slider.x")
     assert found.success
     assert found.intervals == (pytest.approx((3.652827090146428, 4.965566860842011), abs=1e-12),)
-    assert [one.cause for one in found.critical] == ["singularity", "singularity"]
+    assert {one.cause for one in found.critical} == {"singularity"}
     assert "slider.x can be from 3.65282709 to 4.96556686 m" in str(found)
 
 

@@ -17,6 +17,7 @@ from .formulate import Limits, formulate
 from .mapping import CONFIDENCE, MOST_STARTS, REPEATS
 from .newton import Tally
 from .problem import Problem
+from .ray import Ray
 from .reach import reach
 from .same import SAME, apart
 from .sample import Samples
@@ -75,7 +76,11 @@ class Search:
         random, tally, self.in_a_row = np.random.default_rng(seed), Tally(), 0
         for _, q in zip(range(MOST_STARTS), Samples(problem, seed), strict=False):
             self.met.append(q)
-            start = random_start(problem, q, random, tally)
+            direction = np.array([random.choice((-1.0, 1.0))])
+            by_ray = len(self.met) % 2 == 1
+            start = (
+                Ray(problem, q, direction, tally).end() if by_ray else random_start(problem, q, random, tally)
+            )
             if start is not None:
                 self.in_a_row = 0 if self._is_new(start) else self.in_a_row + 1
             if self.in_a_row >= repeats:

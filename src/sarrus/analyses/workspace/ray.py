@@ -11,7 +11,7 @@ import numpy as np
 from ...algebra import Array
 from .newton import NoPoint, Tally, correct
 from .problem import Problem
-from .seeds import Start
+from .seeds import Start, onto
 from .settle import allowed, constrained, settle
 from .stratum import Active, Linear, Stratum
 
@@ -22,19 +22,19 @@ FLAT = 1e-7
 
 
 class Ray:
-    """One ray of a problem with two outputs.
+    """One ray of a problem with one or two outputs.
 
     Parameters
     ----------
     problem : Problem
     q : scaled position that keeps all limits
-    direction : (2,) of the outputs
+    direction : (k,) of the outputs
     """
 
     def __init__(self, problem: Problem, q: Array, direction: Array, tally: Tally) -> None:
         self.problem, self.q, self.tally = problem, q, tally
         self.e = direction / np.linalg.norm(direction)
-        self.across = np.array([-self.e[1], self.e[0]])
+        self.across = np.array([[-self.e[1], self.e[0]]]) if len(self.e) == 2 else np.zeros((0, 1))
         self.outputs = problem.m + problem.outputs
         self.u0 = problem.values(q)[self.outputs]
         self.active: dict[int, int] = {}
@@ -62,7 +62,7 @@ class Ray:
         """The projected gradient of t, the multipliers of the active limits, its length."""
         p, J = self.problem, self.problem.jacobian(self.q)
         limits = [p.m + p.limited[i] for i in self.active]
-        A = np.concatenate([J[self.rows], (self.across @ J[self.outputs])[None], J[limits]])
+        A = np.concatenate([J[self.rows], self.across @ J[self.outputs], J[limits]])
         g = self.e @ J[self.outputs]
         y = np.linalg.lstsq(A.T, g, rcond=1e-10)[0]
         way = g - A.T @ y
@@ -122,9 +122,8 @@ class Ray:
         stratum = Stratum(self.problem, key)
         if stratum.dimension < 0:
             return None
-        try:
-            x, _ = correct(stratum, self._with_multipliers(stratum), self._line, self.tally, steps=12)
-        except NoPoint:
+        x = self._exact(stratum)
+        if x is None:
             return None
         q, lam, c = stratum.parts(x)
         if np.linalg.norm(q - self.q) > 0.5 or not allowed(self.problem, q) or not self.problem.built(q):
@@ -132,16 +131,27 @@ class Ray:
         pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs * np.sign(c @ self.e)
         return None if np.any(pushes > 1e-9) else Start(key, x)
 
+    def _exact(self, stratum: Stratum) -> Array | None:
+        """On the ray's line for two outputs; for one, such points are single."""
+        guess = self._with_multipliers(stratum)
+        if not len(self.across):
+            return onto(stratum, guess, self.tally, steps=12)
+        try:
+            return correct(stratum, guess, self._line, self.tally, steps=12)[0]
+        except NoPoint:
+            return None
+
     def _with_multipliers(self, stratum: Stratum) -> Array:
         J = self.problem.jacobian(self.q)
         g = self.e @ J[stratum.normal]
-        A = np.concatenate([J[stratum.rows], (self.across @ J[stratum.normal])[None]])
+        A = np.concatenate([J[stratum.rows], self.across @ J[stratum.normal]])
         y = -np.linalg.lstsq(A.T, g, rcond=1e-10)[0]
-        both = np.concatenate([y[:-1], self.e + y[-1] * self.across])
+        count = len(stratum.pushing)
+        both = np.concatenate([y[:count], self.e + y[count:] @ self.across])
         return np.concatenate([self.q, both / np.linalg.norm(both)])
 
     def _line(self, x: Array, linear: Linear) -> tuple[float, Array]:
         """The outputs are on the ray's line."""
         gradient = np.zeros(len(x))
-        gradient[: self.problem.n] = self.across @ linear.J[self.outputs]
-        return float(self.across @ (linear.values[self.outputs] - self.u0)), gradient
+        gradient[: self.problem.n] = self.across[0] @ linear.J[self.outputs]
+        return float(self.across[0] @ (linear.values[self.outputs] - self.u0)), gradient

@@ -1,4 +1,4 @@
-"""Random admissible positions: assembled from random guesses or reached by random walks, within all limits."""
+"""Random admissible positions: from the mechanism with opened loops, shaken, or by random walks, within all limits."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...algebra import Array
+from .opened import tree_rows
 from .problem import Problem
 from .settle import allowed, constrained, drawn_in, settle
 
-WIDTH = 7
-SPREAD = 1.0  # of the size of the mechanism, for guesses
+LEAPS, LEAP = 6, 1.6  # of the opened mechanism, for each of its freedoms, free of units
 STRIDE, STRIDES = 0.8, 3  # of a walk, free of units
 TRIES = 80  # per position that is found
 
@@ -32,6 +32,8 @@ class Samples:
         self._problem, self._random = problem, np.random.default_rng(seed)
         self._rows, self._goal = constrained(problem)
         self._near = problem.system.q0 / problem.scale
+        tree = np.flatnonzero(np.isin(problem.kept, tree_rows(problem.system)))
+        self._tree = np.concatenate([tree, np.arange(len(problem.kept), problem.m)]).astype(int)
         drawn = settle(problem, self._near, self._rows, self._goal)
         self._known = [] if drawn is None else [drawn]
         self.tried = self.found = 0
@@ -67,11 +69,13 @@ class Samples:
         return settle(self._problem, q, self._rows, self._goal)
 
     def _guess(self) -> Array:
-        q = self._near + SPREAD * self._random.normal(size=self._problem.n)
-        p = q.reshape(-1, WIDTH)[:, 3:]
-        p[:] = self._random.normal(size=p.shape)
-        p /= np.linalg.norm(p, axis=1, keepdims=True)
-        return np.asarray(q)
+        """A position of the mechanism with its loops opened, moved far at random from the model's."""
+        q: Array = self._near
+        longest = LEAP * float(np.sqrt(max(1, self._problem.n - len(self._tree))))
+        for _ in range(LEAPS):
+            there = self._stride(q, longest * float(self._random.random()), self._tree)
+            q = q if there is None else there
+        return q
 
     def walks(self, q: Array, count: int) -> Iterator[Array]:
         """Admissible positions of a random walk from one of them: cheaper, but neighbours are related."""
@@ -88,12 +92,15 @@ class Samples:
             q = None if q is None else self._stride(q, STRIDE)
         return q
 
-    def _stride(self, q: Array, length: float) -> Array | None:
-        """A step in a random direction of motion, and back onto the constraints."""
-        A = self._problem.jacobian(q)[self._rows]
+    def _stride(self, q: Array, length: float, rows: Array | None = None) -> Array | None:
+        """A step in a random direction of motion, and back onto the constraints or some of them."""
+        rows = self._rows if rows is None else rows
+        A = self._problem.jacobian(q)[rows]
         way = self._random.normal(size=len(q))
         way -= np.linalg.lstsq(A, A @ way, rcond=1e-10)[0]
-        return self._settled(q + length * way / max(float(np.linalg.norm(way)), 1e-300))
+        there = q + length * way / max(float(np.linalg.norm(way)), 1e-300)
+        goal = self._goal if rows is self._rows else np.zeros(len(rows))
+        return settle(self._problem, there, rows, goal)
 
     def _aimed(self, q: Array) -> Array:
         """Towards random values of as many limited functions as there are degrees of freedom."""

@@ -120,33 +120,56 @@ def backsolve(matrix: Any, right: Any, solution: Any) -> None:
         solution[matrix.column_order[k]] = work[k]
 
 
+def position_defect(entries: Any, b: Any, t: Any, q: Any, lam: Any, work: Any) -> None:
+    """Φ, as `work.rate`."""
+    RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+    for k in range(len(work.Phi)):
+        work.rate[k] = work.Phi[k]
+
+
+def velocity_defect(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any) -> None:
+    """Φ_q v + Φ_t, as `work.rate`."""
+    VELOCITY(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
+    for k in range(len(work.rate)):
+        work.rate[k] += work.Phi_t[k]
+
+
+def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
+    """Take the least change that removes the defect from x. Returns the largest defect, and whether it was left so.
+
+    It is left if it is small, or not half of what it was `before`.
+    """
+    n, every, worst = len(x), 0.0, 0.0
+    for k in range(n):
+        work.right[k] = 0.0
+    for k in range(len(work.rate)):
+        work.right[n + k] = work.rate[k] * (1.0 - matrix.left_out[k])
+        every, worst = max(every, abs(work.rate[k])), max(worst, abs(work.right[n + k]))
+    if worst < PROJECTED or not worst < 0.5 * before:
+        return every, True
+    backsolve(matrix, work.right, work.solution)
+    for k in range(n):
+        x[k] -= work.solution[k]
+    return every, False
+
+
 def project(
     entries: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, work: Any, matrix: Any, defect: Any
 ) -> None:
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left."""
-    n = len(q)
-    for attempt in range(2 * PROJECTIONS):
-        position = attempt < PROJECTIONS
-        if position:
-            RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
-        else:
-            VELOCITY(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
-        worst, every = 0.0, 0.0
-        for k in range(n):
-            work.right[k] = 0.0
-        for k in range(len(work.Phi)):
-            value = work.Phi[k] if position else work.rate[k] + work.Phi_t[k]
-            work.right[n + k] = value * (1.0 - matrix.left_out[k])
-            worst, every = max(worst, abs(work.right[n + k])), max(every, abs(value))
-        defect[0 if position else 1] = every
-        if worst < PROJECTED or not worst < 1e30:
-            continue
-        backsolve(matrix, work.right, work.solution)
-        for k in range(n):
-            if position:
-                q[k] -= work.solution[k]
-            else:
-                v[k] -= work.solution[k]
+    before = 1e30
+    for _ in range(PROJECTIONS):
+        position_defect(entries, b, t, q, lam, work)
+        before, done = correct(q, before, work, matrix)
+        if done:
+            break
+    defect[0], before = before, 1e30
+    for _ in range(PROJECTIONS):
+        velocity_defect(entries, b, t, q, v, work)
+        before, done = correct(v, before, work, matrix)
+        if done:
+            break
+    defect[1] = before
 
 
 def solve_motion(
@@ -156,6 +179,7 @@ def solve_motion(
     n = len(q)
     FORCE(entries.force, b, t, q, v, work.Q)
     GAMMA(entries.gamma, b, t, q, v, work.gamma)
+    before = 1e30
     for _ in range(REFINEMENTS):
         MOMENTUM(entries.momentum, b, q, v, a, work.M_a, work.S)
         RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
@@ -174,8 +198,10 @@ def solve_motion(
         for k in range(len(lam)):
             lam[k] -= work.solution[n + k]
             pulled, force = max(pulled, abs(work.solution[n + k])), max(force, abs(lam[k]))
-        if moved <= REFINED * length and pulled <= REFINED * force:
+        change = max(moved / length, pulled / force)
+        if change <= REFINED or not change < 0.1 * before:
             return
+        before = change
 
 
 def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: Any) -> None:

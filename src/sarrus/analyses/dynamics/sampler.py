@@ -60,8 +60,9 @@ def _compiled() -> tuple[Any, Any]:
     calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
     solver = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
     made = {"backsolve": compiled_function(loop.backsolve, **solver)}
-    made |= {name: compiled_function(getattr(loop, name), **calls, **solver, **made)
-             for name in ("interpolate", "factor", "project", "solve_motion", "energies")}  # fmt: skip
+    order = "interpolate factor position_defect velocity_defect correct project solve_motion energies"
+    for name in order.split():
+        made[name] = compiled_function(getattr(loop, name), **calls, **solver, **made)
     settle = compiled_function(loop.settle, **made)
     return compiled_function(loop.sample, settle=settle, **made), settle
 

@@ -222,3 +222,13 @@ def test_a_short_run_with_a_tight_tolerance(until: float) -> None:
     assert run.success, run.message
     assert run.nrejected == 0
     assert run["slider"].velocity[-1, 0] == pytest.approx(2.5589 * until, rel=1e-3)  # from rest
+
+
+def test_steps_of_one_length() -> None:
+    runs = [
+        sr.simulate(slider_crank(), until=1.0, t_eval=[1.0], method=sr.HHT(step=h)) for h in (0.01, 0.005)
+    ]
+    assert [run.nsteps for run in runs] == [100, 200]
+    assert np.allclose(runs[0].history[:, 1], 0.01, rtol=1e-9)
+    with pytest.raises(ValueError, match="step must be a positive time"):
+        sr.simulate(slider_crank(), until=1.0, method=sr.HHT(step=-0.1))

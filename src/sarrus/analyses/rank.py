@@ -15,7 +15,7 @@ from ..algebra import Array
 TOLERANCE = (
     1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
 )
-DENSE_UP_TO = 700  # rows of a component that are analysed by singular values
+DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -52,13 +52,24 @@ REASONS = {
 class _Alpha:
     """What HHT and generalized-α share: everything but the coefficients."""
 
+    step: float | None
+
     def scheme(self) -> loop.Scheme:
         """The coefficients of the method."""
         raise NotImplementedError
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> AlphaStepper:
         """The method at work, see `Stepper`."""
-        return AlphaStepper(system, self.scheme(), start, settings)
+        scheme = self.scheme()
+        if self.step is not None:  # no error is seen, so that every step is the longest
+            if not (np.isfinite(self.step) and self.step > 0):
+                raise ValueError(f"step must be a positive time in s, but is {self.step}")
+            longest = min(self.step, settings.max_step)
+            scheme, settings = (
+                scheme._replace(error=0.0),
+                replace(settings, max_step=longest, first_step=longest),
+            )
+        return AlphaStepper(system, scheme, start, settings)
 
     def run(
         self,
@@ -90,9 +101,12 @@ class HHT(_Alpha):
     """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: -1/3 damps high frequencies most.
 
     alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step.
+    With `step` [s] all steps have this length, without error control; shorter only before breakpoints and where
+    Newton's method fails.
     """
 
     alpha: float = -0.1
+    step: float | None = None
 
     def scheme(self) -> loop.Scheme:
         if not -1 / 3 <= self.alpha <= 0:
@@ -102,9 +116,13 @@ class HHT(_Alpha):
 
 @dataclass(frozen=True)
 class GeneralizedAlpha(_Alpha):
-    """Chung and Hulbert's method; rho_inf, its spectral radius at infinite frequency: 1 does not damp, 0 damps most."""
+    """Chung and Hulbert's method; rho_inf, its spectral radius at infinite frequency: 1 does not damp, 0 damps most.
+
+    `step` as for `HHT`.
+    """
 
     rho_inf: float = 0.8
+    step: float | None = None
 
     def scheme(self) -> loop.Scheme:
         if not 0 <= self.rho_inf <= 1:

@@ -166,6 +166,34 @@ class Trajectory:
         table = np.column_stack([self.t, self.q, self.v])
         np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.15g")
 
+    def to_frame(self) -> Any:
+        """t, q and v as a pandas DataFrame with named columns; needs the extra `tables`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError(
+                "to_frame needs pandas; install it with: pip install 'sarrus[tables]'"
+            ) from None
+        rates = [f"d({name})/dt" for name in self.coordinate_names]
+        table = np.column_stack([self.t, self.q, self.v])
+        return DataFrame(table, columns=["t", *self.coordinate_names, *rates])
+
+    def to_parquet(self, path: str | Path) -> None:
+        """Write t, q and v as a Parquet file with named columns; needs the extra `tables`.
+
+        Raises
+        ------
+        ImportError
+            If pandas or pyarrow is not installed.
+        """
+        self.to_frame().to_parquet(path)
+
     def plot(self, *names: str, ax: Any = None, rates: bool = False) -> Any:
         """Draw coordinates of bodies and joints over time; see `sarrus.views.plot`."""
         return _views().plot(self, *names, ax=ax, rates=rates)

@@ -34,6 +34,7 @@ PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not
 NEWTON_LIMIT = 10  # iterations
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
+HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most
 KEEP = 1.2  # the step and the factors are kept for less than this
 
 
@@ -440,6 +441,17 @@ def remember(index: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> No
             b[places[k]] = memory[k]
 
 
+def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
+    """Accelerations between which states are interpolated: of the equations of motion, which are the most accurate.
+
+    Where a stiff force on a light body makes them useless, they are the slopes of the stages.
+    """
+    for k in range(len(end)):
+        allowed = tol.atol_q[k] + tol.rtol_q[k] * abs(state.q[2, k])
+        if not h * h * abs(end[k] - state.a[2, k]) <= HERMITE * allowed:
+            end[k] = state.a[2, k]
+
+
 def advance(
     scheme: Any,
     index: Any,
@@ -514,6 +526,7 @@ def advance(
                 continue
             numbers[1], numbers[2] = h, 0.0
             return REPIVOT, taken
+        smooth(h, state, end, tol)
         if numbers[4] > 0.0:  # Gustafsson's prediction
             trend = SAFETY * (h / numbers[4]) * (numbers[3] / (error * error)) ** 0.25
             wanted = min(max(min(wanted, trend), SHRINK), GROW)

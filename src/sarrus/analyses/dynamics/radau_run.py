@@ -106,7 +106,7 @@ def _compiled() -> Any:
         "unscaled",
         "size",
     )
-    outer = ("improve", "newton", "estimate", "lagrange", "predict", "first_guess", "accept")
+    outer = ("improve", "newton", "estimate", "lagrange", "predict", "first_guess", "accept", "smooth")
     for name in (*inner, *outer, "motion", "keep", "remember", "advance"):
         known[name] = compiled_function(getattr(loop, name), **known)
     return known["advance"]

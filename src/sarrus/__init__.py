@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .analyses import JointSpace as JointSpace
     from .analyses import Misfit as Misfit
     from .analyses import NoDerivative as NoDerivative
+    from .analyses import Outputs as Outputs
     from .analyses import Peak as Peak
     from .analyses import Problem as Problem
     from .analyses import Radau as Radau
@@ -166,10 +167,10 @@ _HOMES = {
     "system": "System",
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit "
-        "NoDerivative ODE Peak Problem Radau Within WorkspaceMap area_gradient assemble dexterity end_gradient "
-        "equilibrium fit input_singularities inverse_dynamics kinematics linearize mobility modes optimize "
-        "repeat resume sensitivity simulate singularities state_derivatives verify_workspace workspace "
-        "workspace_range workspace_volume"
+        "NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap area_gradient assemble dexterity "
+        "end_gradient equilibrium fit input_singularities inverse_dynamics kinematics linearize mobility "
+        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace "
+        "workspace workspace_range workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (

@@ -114,6 +114,17 @@ def test_state_derivatives_satisfy_the_differentiated_constraints() -> None:
         assert abs(change).max() < 1e-11 * max(1.0, abs(found.q_b[n]).max())
 
 
+def test_an_angle_at_one_time_has_all_its_turns() -> None:
+    wheel = sr.Body("wheel", mass=1.0, inertia=(1, 1, 1), angular_velocity=(0, 0, 3.0))
+    pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
+    run = sr.simulate(sr.System(sr.Model("wheel", [wheel], [pin])), until=5.0, keep_steps=True)
+    found = sr.sensitivity(
+        run, [sr.At("pin.angle", time=t) for t in (0.5, 4.5)], ["wheel.angular_velocity.z"]
+    )
+    assert np.allclose(found.values, [1.5, 13.5], rtol=1e-4)
+    assert np.allclose(found["wheel.angular_velocity.z"], [0.5, 4.5], rtol=1e-3)
+
+
 def test_a_run_without_steps_is_refused() -> None:
     run = sr.simulate(slider_crank(), until=0.1)
     with pytest.raises(ValueError, match="keep_steps=True"):

@@ -9,7 +9,7 @@ from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
 from .optimization import Problem, Within, fit, optimize
-from .sensitivity import At, Final, Integral, Misfit, Peak, sensitivity, state_derivatives
+from .sensitivity import At, Final, Integral, Misfit, Outputs, Peak, sensitivity, state_derivatives
 from .singular_positions import singularities
 from .statics import equilibrium
 from .vibration import modes
@@ -41,6 +41,7 @@ __all__ = [
     "JointSpace",
     "Misfit",
     "NoDerivative",
+    "Outputs",
     "Peak",
     "Problem",
     "Radau",

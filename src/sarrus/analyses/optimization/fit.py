@@ -15,7 +15,7 @@ from ..sensitivity.responses import Misfit
 from .minimize import told
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Stuck, Variables
-from .solvers import Answer
+from .solvers import Answer, in_words
 
 POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
 WORTH = 0.2  # share of a parameter in a combination, above which it is named
@@ -81,7 +81,7 @@ def fit(
             squares.residuals, search.variables.z0, jac=squares.jacobian, bounds=search.variables.ends.T,
             xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
         )  # fmt: skip
-        answer = Answer(bool(found.success), str(found.message).strip("`.").replace("`", "").lower())
+        answer = Answer(bool(found.success), in_words(str(found.message)))
     except Stuck as stuck:
         answer = Answer(
             False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}"

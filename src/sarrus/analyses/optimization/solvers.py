@@ -20,6 +20,18 @@ IPOPT_ELSE = {
     -1: "the number of iterations is used up",
 }
 
+WORDS = {  # by what SciPy's messages contain
+    "projected gradient": "converged: the gradient is zero as far as bounds allow",
+    "gtol": "converged: the gradient is zero as far as bounds allow",
+    "reduction of f": "converged: the objective no longer falls",
+    "ftol": "converged: the objective no longer falls",
+    "xtol": "converged: the steps have become small",
+    "terminated successfully": "converged: no direction is better and allowed",
+    "iteration": "the number of iterations is used up",
+    "function evaluations is exceeded": "the number of simulations is used up",
+    "positive directional derivative": "no step along the search direction makes it better",
+}
+
 
 class Answer(NamedTuple):
     """Whether a solver converged, and what it says."""
@@ -66,7 +78,13 @@ def by_scipy(search: Search, method: str, iterations: int, tolerance: float) -> 
             method=method, bounds=bounds, constraints=_constraints(search), tol=tolerance, callback=accepted,
             options={"maxiter": iterations},
         )  # fmt: skip
-    return Answer(bool(found.success), str(found.message).rstrip(".").lower())
+    return Answer(bool(found.success), in_words(str(found.message)))
+
+
+def in_words(message: str) -> str:
+    """What SciPy says, in plain words."""
+    told = message.rstrip(".").replace("`", "").lower()
+    return next((words for mark, words in WORDS.items() if mark in told), told)
 
 
 def _constraints(search: Search) -> Any:

@@ -41,8 +41,10 @@ class Evaluation:
     ) -> None:
         self._system, self._steps, self._responses = system, steps, responses
         self._samplings = [Sampling(steps, response.times(steps.t)) for response in responses]
+        nodes = Sampling(steps).states
         self._outputs = [
-            Outputs(system, sampling.states, steps.b, parameters.number) for sampling in self._samplings
+            Outputs(system, sampling.states, steps.b, parameters.number, nodes)
+            for sampling in self._samplings
         ]
         pairs = zip(responses, self._outputs, strict=True)
         self._found = [response.evaluate(outputs) for response, outputs in pairs]

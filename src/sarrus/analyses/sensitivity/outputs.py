@@ -49,11 +49,19 @@ class Outputs:
     t : the time [s]
     """
 
-    def __init__(self, system: System, states: States, b: Array, parameters: Callable[[str], float]) -> None:
+    def __init__(
+        self,
+        system: System,
+        states: States,
+        b: Array,
+        parameters: Callable[[str], float],
+        nodes: States | None = None,
+    ) -> None:
         self.tape = Tape()
         self.inputs: dict[Key, Traced] = {}
         self.named: dict[str, Traced] = {}
         self._system, self._states, self._b, self._parameters = system, states, b, parameters
+        self._nodes = nodes or states  # dense enough to count turns
         self.t = self.tape.variable(states.t)
 
     def __call__(self, name: str) -> Any:
@@ -158,8 +166,9 @@ class Outputs:
         else:
             c, s = (Dot1(axis, element.f_j).Phi(x)[0] for axis in (element.f_i, element.g_i))
             found = np.arctan2(s, c)
-            values, _ = every.along(self._states.t, self._states.q, self._states.v)
-            turns = np.round((values[:, every.index(name)] - found.value) / (2 * np.pi))
+            values, _ = every.along(self._nodes.t, self._nodes.q, self._nodes.v)
+            near = np.interp(self._states.t, self._nodes.t, values[:, every.index(name)])
+            turns = np.round((near - found.value) / (2 * np.pi))
             found = found + self.constant(2 * np.pi * turns)
         return found
 

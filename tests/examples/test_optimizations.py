@@ -1,0 +1,58 @@
+"""The worked examples of optimization find what they should, and draw it."""
+
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.examples.problems import FOLDER
+
+
+def of(script: str) -> dict[str, Any]:
+    """What a script defines."""
+    return runpy.run_path(str(FOLDER / f"{script}.py"))
+
+
+def drawn(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir() if path.stat().st_size > 5000}
+
+
+def test_optimal_spring(tmp_path: Path) -> None:
+    """The least cost was published: k = 0.6826136, c = 1.3357019, 3.2227612; the tolerance moves it a little."""
+    script = of("optimal_spring")
+    free, limited = script["main"](tmp_path, count=2)
+    assert free.success
+    assert free.x == pytest.approx([0.6826136, 1.3357019], abs=5e-3)
+    assert free.value == pytest.approx(3.2227612, abs=5e-3)
+    assert limited.success
+    assert limited.constraints["largest pressure"] == pytest.approx(script["MOST"], abs=1e-5)
+    assert limited.value > free.value
+    assert drawn(tmp_path) == {"optimal_spring.png", "optimal_spring-convergence.png"}
+
+
+def test_estimate_parameters(tmp_path: Path) -> None:
+    script = of("estimate_parameters")
+    found, every = script["main"](tmp_path)
+    assert found.success
+    assert 40 < found.value < 80  # half of the sum of 120 squares less 4
+    assert not found.poor
+    for name in found.names:
+        low, high = found.interval(name)
+        assert low < script["TRUE"][name] < high
+        assert high - low < 0.05 * script["TRUE"][name]
+    assert len(every.poor) == 1
+    ratios = every.x[:3] / found.x[:3]
+    assert np.ptp(ratios) < 0.05  # all masses and dampings grow together
+    assert "not determined" in str(every)
+    assert drawn(tmp_path) == {"estimate_parameters.png"}
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    """Of twenty intervals from five noises, 95 %, give or take two."""
+    script, held = of("estimate_parameters"), 0
+    for seed in range(1, 6):
+        found = script["estimate"](script["measurements"](seed), script["UNKNOWN"])
+        held += sum(low < script["TRUE"][n] < high for n in found.names for low, high in [found.interval(n)])
+    assert held >= 17

@@ -26,7 +26,7 @@ import numpy as np  # noqa: E402  after the number of threads is set
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "examples"))
-ROUNDS = 3
+ROUNDS = 2
 
 
 class Problem(NamedTuple):

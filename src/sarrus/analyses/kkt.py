@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
-from scipy.sparse import block_array, csr_array, eye_array
+from scipy.sparse import block_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from ..algebra import Array
@@ -31,7 +31,9 @@ class KKT:
     """
 
     def __init__(self, A: Any, J: csr_array) -> None:
-        self._A: Any = csr_array(np.diag(A)) if isinstance(A, np.ndarray) and A.ndim == 1 else csr_array(A)
+        self._A: Any = (
+            csr_array(diags_array(A)) if isinstance(A, np.ndarray) and A.ndim == 1 else csr_array(A)
+        )
         self._J = J
         self.n = J.shape[1]
         self._delta = PROXIMAL * _scale(self._A, J)

@@ -55,3 +55,23 @@ def test_studies() -> None:
     assert found["all_succeeded"]
     assert found["same_numbers"]
     assert found["speedup"] > 0
+
+
+def test_linear_solvers_agree() -> None:
+    found = figures("linear.py", "--quick")
+    for mechanism in ("slider_crank", "hmmwv"):
+        for solver in ("ours", "superlu", "lapack"):
+            assert found[f"{mechanism}.{solver}.error"] < 1e-8
+            assert found[f"{mechanism}.{solver}.again"] > 0
+
+
+def test_stiffness_does_not_set_the_steps() -> None:
+    found = figures("stiff.py", "--quick")
+    steps = [found[f"bushing.{k}.HHT.steps"] for k in ("1e+05", "1e+07", "1e+09")]
+    assert max(steps) < 1.3 * min(steps)
+
+
+def test_energy_drifts_less_with_smaller_tolerances() -> None:
+    found = figures("drift.py", "--quick")
+    for method in ("HHT", "Radau", "DOP853"):
+        assert found[f"simple_pendulum.1e-08.{method}"] < 0.2 * found[f"simple_pendulum.1e-06.{method}"]

@@ -107,38 +107,6 @@ def test_hmmwv_follows_the_reference() -> None:
         assert np.allclose(run["chassis"].position[:, k], reference[axis], atol=1e-4)
 
 
-def test_newton_converges_quadratically_with_the_exact_matrix() -> None:
-    """From a disturbed guess, each step with a new matrix squares the error; a missing term would not."""
-    system, state = slider_crank(), sr.assemble(slider_crank())
-    run = sr.simulate(system, state, until=0.4, t_eval=[0.4], rtol=1e-8, atol=1e-8)
-    q, v, lam, h = run.q[0], run.v[0], run.lam[0].copy(), 0.02
-    scheme = sr.HHT().scheme()
-    kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-
-    def ahead(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        x = (1 - scheme.alpha_f) * a + scheme.alpha_f * run.a[0]
-        moved = q + h * v + h * h * ((0.5 - scheme.beta) * run.a[0] + scheme.beta * x)
-        return moved, v + h * ((1 - scheme.gamma) * run.a[0] + scheme.gamma * x)
-
-    a, sizes = run.a[0].copy(), []
-    for _ in range(5):
-        q1, v1 = ahead(a)
-        upper = system.M_a(q1, a) + system.Phi_qT_lam(q1, lam) - system.Q(q1, v1) - system.S(q1, v1)
-        stiffness = (
-            system.M_a_q(q1, a) + system.Phi_qT_lam_q(q1, lam) - system.Q_q(q1, v1) - system.S_q(q1, v1)
-        )
-        block = system.M(q1) + beta * stiffness - gamma * (system.Q_v(q1, v1) + system.S_v(q1, v1))
-        J = system.Phi_q(q1).toarray()
-        matrix = np.block([[block.toarray(), J.T], [J, np.zeros((system.m, system.m))]])
-        step = np.linalg.solve(matrix, np.concatenate([upper, system.Phi(q1) / beta]))
-        a, lam = a - step[: system.nq], lam - step[system.nq :]
-        sizes.append(np.linalg.norm(beta * step[: system.nq]))
-    assert sizes[1] < 0.2 * sizes[0]
-    assert sizes[2] < 50 * sizes[1] ** 2 + 1e-13
-    assert sizes[3] < 1e-13
-
-
 def spring_mass(stiffness: float) -> sr.System:
     """A pendulum whose bob hangs on a stiff spring along a light guide."""
     bob = sr.Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(1.0, 0, 0))

@@ -100,3 +100,36 @@ def _corner(a: np.ndarray, r_a: float, b: np.ndarray, r_b: float) -> np.ndarray:
     along = (away**2 + r_a**2 - r_b**2) / (2 * away)
     across = (r_a**2 - along**2) ** 0.5
     return a + along * d / away + across * np.array([-d[1], d[0]]) / away
+
+
+def orthogonal_arm() -> tuple[sr.System, sr.Point]:
+    """Three hinges in space, axes z, y and z, that can pass from one elbow to the other without a singularity."""
+    places, axes = [(0, 0, 0), (1, 0, 0), (3, 1, 0)], [(0, 0, 1), (0, 1, 0), (0, 0, 1)]
+    bodies = [
+        sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=place) for n, place in enumerate(places, 1)
+    ]
+    chain = [sr.ground, *bodies]
+    joints = [
+        sr.Revolute(f"q{n + 1}", chain[n], chain[n + 1], point=places[n], axis=axes[n]) for n in range(3)
+    ]
+    return sr.System(sr.Model("orthogonal 3R", bodies=bodies, joints=joints)), bodies[-1].point(1.5, 0, 0)
+
+
+def delta() -> tuple[sr.System, sr.Point]:
+    """Three arms of 0.3 m on a circle of 0.1 m, rods of 0.6 m as distances, a tool that does not turn."""
+    x, y = (sr.Body(name, mass=1, inertia=(1, 1, 1)) for name in "xy")
+    tool = sr.Body("tool", mass=1, inertia=(1, 1, 1), position=(0, 0, -0.45))
+    joints = [
+        sr.Translational("slide_x", sr.ground, x, point=(0, 0, 0), axis=(1, 0, 0)),
+        sr.Translational("slide_y", x, y, point=(0, 0, 0), axis=(0, 1, 0)),
+        sr.Translational("slide_z", y, tool, point=(0, 0, 0), axis=(0, 0, 1)),
+    ]
+    arms = []
+    for n in range(3):
+        c, s = cos(2 * np.pi * n / 3), sin(2 * np.pi * n / 3)
+        turn = (cos(np.pi * n / 3), 0, 0, sin(np.pi * n / 3))
+        arm = sr.Body(f"arm_{n}", mass=1, inertia=(1, 1, 1), position=(0.1 * c, 0.1 * s, 0), orientation=turn)
+        joints.append(sr.Revolute(f"q{n}", sr.ground, arm, point=(0.1 * c, 0.1 * s, 0), axis=(-s, c, 0)))
+        joints.append(sr.Distance(f"rod_{n}", arm.point(0.3, 0, 0), tool.point(0, 0, 0), length=0.6))
+        arms.append(arm)
+    return sr.System(sr.Model("delta", bodies=[x, y, tool, *arms], joints=joints)), tool.point(0, 0, 0)

@@ -9,6 +9,7 @@ import pytest
 import sarrus as sr
 
 from .mechanisms import (
+    DEGREE,
     Case,
     arm_2r,
     arm_2r_both_elbows,
@@ -44,6 +45,23 @@ def test_areas(name: str) -> None:
     assert found.area == pytest.approx(area, rel=3e-7)
     assert abs(found.area - area) < 3 * found.area_error
     assert perimeter is None or found.perimeter == pytest.approx(perimeter, rel=3e-7)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "area", "perimeter"),
+    [
+        (0, 1.405663308789, 7.335695409705),
+        (30, 1.626396967826, 6.271643932680),
+        (-60, 1.669048533929, 4.822736168057),
+    ],
+)
+def test_a_platform_that_does_not_turn(degrees: float, area: float, perimeter: float) -> None:
+    """Three annuli meet."""
+    system, output, limits = platform_equilateral()
+    turn = {sr.Turn(system.model.bodies[0]): degrees * DEGREE}
+    found = sr.workspace(system, output, limits=limits, fixed=turn, verify=False)
+    assert found.success, found.message
+    assert (found.area, found.perimeter) == pytest.approx((area, perimeter), rel=3e-7)
 
 
 def test_an_area_converges_with_shorter_steps() -> None:

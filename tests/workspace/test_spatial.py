@@ -9,7 +9,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 
-from .mechanisms import DEGREE, Limits, arm_3r
+from .mechanisms import DEGREE, Limits, arm_3r, delta, orthogonal_arm
 
 
 def test_range_of_the_spatial_slider_crank() -> None:
@@ -112,3 +112,40 @@ def test_volume_of_a_gough_platform() -> None:
     assert found.ranges == (pytest.approx((0.679524344, 1.289090117), abs=1e-8),)
     assert found.volume == pytest.approx(0.14492075, rel=2e-3)
     assert abs(found.volume - 0.14492075) < 2 * found.volume_error
+
+
+def test_a_section_of_an_orthogonal_arm() -> None:
+    """Across its first axis: circles with the stationary distances from the axis, two of them barriers inside."""
+    system, tip = orthogonal_arm()
+    x, y, z = tip["x", "y", "z"]
+    found = sr.workspace(system, (x, y), fixed={z: 0.6}, verify=False)
+    assert found.success, found.message
+    radii = {kind: [] for kind in ("outer", "void", "barrier")}
+    for curve in found.curves:
+        rho = np.linalg.norm(curve.u_of_q, axis=1)
+        assert np.ptp(rho) < 1e-9
+        if not any(abs(rho[0] - other) < 1e-6 for other in radii[curve.kind]):
+            radii[curve.kind].append(rho[0])
+    theta = np.linspace(-np.pi, np.pi, 400_001)
+    arm = 2 + 1.5 * np.cos(theta)
+    ok = arm >= 0.6
+    stationary: list[float] = []
+    for side in (1, -1):
+        out = 1 + side * np.sqrt(np.maximum(arm[ok] ** 2 - 0.36, 0.0))
+        rho = np.hypot(out, 1 + 1.5 * np.sin(theta[ok]))
+        change = np.diff(rho)
+        stationary += rho[np.flatnonzero(change[1:] * change[:-1] < 0) + 1].tolist()
+    assert sorted(r for found_radii in radii.values() for r in found_radii) == pytest.approx(
+        sorted(stationary), abs=1e-8
+    )
+    (outer,), void = radii["outer"], radii["void"]
+    assert found.area == pytest.approx(np.pi * (outer**2 - sum(r**2 for r in void)), rel=3e-7)
+
+
+@pytest.mark.parametrize(("height", "area"), [(-0.45, 1.109989587), (-0.75, 0.471025881)])
+def test_sections_of_a_delta_robot(height: float, area: float) -> None:
+    system, tip = delta()
+    x, y, z = tip["x", "y", "z"]
+    found = sr.workspace(system, (x, y), fixed={z: height}, verify=False)
+    assert found.success, found.message
+    assert found.area == pytest.approx(area, rel=5e-7)

@@ -1,0 +1,82 @@
+"""Well-known workspaces: a 3R arm, a planar platform, a five-bar with the places where its motors lose control.
+
+python examples/workspaces.py [FOLDER]
+"""
+
+import sys
+from math import atan2, cos, hypot, sin
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+import sarrus as sr
+
+matplotlib.use("Agg")
+DEGREE = np.pi / 180
+
+
+def arm() -> sr.Workspace:
+    """Links of 4, 2 and 1 m, all hinges between -60° and 60°."""
+    links, joints, end = [], [], 0.0
+    for n, length in enumerate((4.0, 2.0, 1.0), start=1):
+        links.append(sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=(end, 0, 0)))
+        before = links[-2] if n > 1 else sr.ground
+        joints.append(sr.Revolute(f"q{n}", before, links[-1], point=(end, 0, 0), axis=(0, 0, 1)))
+        end += length
+    system = sr.System(sr.Model("3R arm", bodies=links, joints=joints))
+    limits = {f"q{n}": (-60 * DEGREE, 60 * DEGREE) for n in (1, 2, 3)}
+    return sr.workspace(system, links[-1].point(1, 0, 0)["x", "y"], limits=limits)
+
+
+def platform() -> sr.Workspace:
+    """A platform of 2 m on three legs, two of which meet in one corner: four parts that do not hang together."""
+    plate = sr.Body("platform", mass=1, inertia=(1, 1, 1), position=(0.3, 1.2, 0))
+    plane = sr.Planar("plane", sr.ground, plate, point=(0, 0, 0), axis=(0, 0, 1))
+    feet, corners, limits = (-1, 1, 2), (-1, -1, 1), ((2**0.5, 2), (2**0.5, 2), (1, 3))
+    legs = {
+        sr.Length(sr.ground.point(foot, 0, 0), plate.point(corner, 0, 0), f"leg {n}"): pair
+        for n, (foot, corner, pair) in enumerate(zip(feet, corners, limits, strict=True), start=1)
+    }
+    system = sr.System(sr.Model("planar platform", bodies=[plate], joints=[plane]))
+    return sr.workspace(system, plate.point(0, 0, 0)["x", "y"], limits=legs)
+
+
+def five_bar() -> tuple[sr.Workspace, sr.InputSingularities]:
+    """Cranks of 1.2 m at (-1, 0) and (1, 0), rods of 1.5 m."""
+    height = 0.5
+    reach = hypot(0.9, height)
+    tip = (0.0, height + (1.5**2 - 0.1**2) ** 0.5)
+    elbows = [(-1 + 1.2 * 0.9 / reach, 1.2 * height / reach), (1 - 1.2 * 0.9 / reach, 1.2 * height / reach)]
+    tip = (0.0, elbows[0][1] + (1.5**2 - elbows[0][0] ** 2) ** 0.5)
+    cranks = [
+        bar(f"crank_{n}", (x, 0.0), elbow) for n, (x, elbow) in enumerate(zip((-1, 1), elbows, strict=True))
+    ]
+    rods = [bar(f"rod_{n}", elbow, tip) for n, elbow in enumerate(elbows)]
+    joints = []
+    for n, x in enumerate((-1, 1)):
+        joints.append(sr.Revolute(f"motor_{n}", sr.ground, cranks[n], point=(x, 0, 0), axis=(0, 0, 1)))
+        joints.append(sr.Revolute(f"elbow_{n}", cranks[n], rods[n], point=(*elbows[n], 0), axis=(0, 0, 1)))
+    joints.append(sr.Revolute("tip", *rods, point=(*tip, 0), axis=(0, 0, 1)))
+    system = sr.System(sr.Model("five-bar", bodies=[*cranks, *rods], joints=joints))
+    output = rods[0].point(1.5, 0, 0)["x", "y"]
+    return sr.workspace(system, output), sr.input_singularities(system, output, ("motor_0", "motor_1"))
+
+
+def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.Body:
+    half = 0.5 * atan2(end[1] - start[1], end[0] - start[0])
+    turned = (cos(half), 0, 0, sin(half))
+    return sr.Body(name, mass=1, inertia=(1, 1, 1), position=(*start, 0), orientation=turned)
+
+
+def main(folder: Path) -> None:
+    for name, found in {"arm": arm(), "platform": platform()}.items():
+        print(found, end="\n\n")
+        found.plot().figure.savefig(folder / f"workspace_{name}.png", dpi=120)
+    found, lost = five_bar()
+    print(found)
+    lost.plot(found.plot(ghosts=1)).figure.savefig(folder / "workspace_five_bar.png", dpi=120)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from .analyses import end_gradient as end_gradient
     from .analyses import equilibrium as equilibrium
     from .analyses import fit as fit
+    from .analyses import hessian as hessian
+    from .analyses import hessian_product as hessian_product
     from .analyses import input_singularities as input_singularities
     from .analyses import inverse_dynamics as inverse_dynamics
     from .analyses import kinematics as kinematics
@@ -119,6 +121,7 @@ if TYPE_CHECKING:
     from .results import Equilibrium as Equilibrium
     from .results import Gradient as Gradient
     from .results import Happened as Happened
+    from .results import Hessian as Hessian
     from .results import InputSingularities as InputSingularities
     from .results import Mobility as Mobility
     from .results import Modes as Modes
@@ -157,30 +160,30 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "model": (
-        "AngleDriver AngleFriction AngleStop AxisAngle Body Bushing ConstantAngle CoordinateDriver "
-        "Coupler Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame "
-        "Gear LengthStop Model ModelError ParallelAxes Planar Point PointDriver PointForce PointOnLine "
-        "PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
-        "SarrusError Screw Shape SphereContact Spherical TSDA Torque Translational TravelDriver TravelFriction "
-        "TravelStop Length PointCoordinate Turn Tyre Universal ViscousDrag describe ground load parse_expression"
+        "AngleDriver AngleFriction AngleStop AxisAngle Body Bushing ConstantAngle CoordinateDriver Coupler "
+        "Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame Gear Length "
+        "LengthStop Model ModelError ParallelAxes Planar Point PointCoordinate PointDriver PointForce "
+        "PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
+        "SarrusError Screw Shape SphereContact Spherical TSDA Torque Translational TravelDriver "
+        "TravelFriction TravelStop Turn Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (
         "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit "
         "NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap area_gradient assemble dexterity "
-        "end_gradient equilibrium fit input_singularities inverse_dynamics kinematics linearize mobility "
-        "modes optimize repeat resume sensitivity simulate singularities state_derivatives verify_workspace "
-        "workspace workspace_range workspace_volume"
+        "end_gradient equilibrium fit hessian hessian_product input_singularities inverse_dynamics "
+        "kinematics linearize mobility modes optimize repeat resume sensitivity simulate singularities "
+        "state_derivatives verify_workspace workspace workspace_range workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
-        "Assembly Equilibrium Gradient Happened Mobility Modes Optimum Reaction Singularity Solution Trajectory "
-        "Workspace WorkspaceRange WorkspaceVolume InputSingularities ShapeDerivative load_run"
+        "Assembly Equilibrium Gradient Happened Hessian InputSingularities Mobility Modes Optimum Reaction "
+        "ShapeDerivative Singularity Solution Trajectory Workspace WorkspaceRange WorkspaceVolume load_run"
     ),
     "views": "animate view",
     "studies": (
-        "Distribution Grid Kinematics LatinHypercube Listed MonteCarlo Range Simulation Sobol Statics StudyTable "
-        "Uncertainty Values Vibration open_study study uncertainty"
+        "Distribution Grid Kinematics LatinHypercube Listed MonteCarlo Range Simulation Sobol Statics "
+        "StudyTable Uncertainty Values Vibration open_study study uncertainty"
     ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

@@ -9,7 +9,18 @@ from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
 from .optimization import Problem, Within, fit, optimize
-from .sensitivity import At, Final, Integral, Misfit, Outputs, Peak, sensitivity, state_derivatives
+from .sensitivity import (
+    At,
+    Final,
+    Integral,
+    Misfit,
+    Outputs,
+    Peak,
+    hessian,
+    hessian_product,
+    sensitivity,
+    state_derivatives,
+)
 from .singular_positions import singularities
 from .statics import equilibrium
 from .vibration import modes
@@ -53,6 +64,8 @@ __all__ = [
     "end_gradient",
     "equilibrium",
     "fit",
+    "hessian",
+    "hessian_product",
     "input_singularities",
     "inverse_dynamics",
     "kinematics",

@@ -10,7 +10,7 @@ differentiated along a direction of the numbers b and of the guess (q₀, v₀),
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
@@ -27,6 +27,18 @@ OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent 
 
 class NoDerivative(ArithmeticError):
     """A change of these numbers makes constraints contradict each other."""
+
+
+class Adjoint(NamedTuple):
+    """Gradients by the numbers and the guess; adjoint variables of the conditions for q and Φ, for v and its rows."""
+
+    b: Array
+    q: Array
+    v: Array
+    x1: Array
+    y1: Array
+    x2: Array
+    y2: Array
 
 
 class AssemblyDerivatives:
@@ -96,8 +108,16 @@ class AssemblyDerivatives:
         NoDerivative
             If dependent equations would contradict each other.
         """
+        q_dot, _, v_dot, _ = self.whole_along(db, dq=dq, dv=dv)
+        return q_dot, v_dot
+
+    def whole_along(
+        self, db: Any = None, *, dq: Any = None, dv: Any = None
+    ) -> tuple[Array, Array, Array, Array]:
+        """As `along`, with the multipliers of both: q', λ', v', and μ' with ν' behind it."""
         db, dq, dv = self._directions(db, dq, dv)
-        q_dot, g1 = self._position_along(db, dq)
+        g1 = self._g1_b @ db
+        q_dot, lam_dot = self._position.solve(self._f1_b @ db, g1, dq)
         gap, size = abs(self._position.J @ q_dot - g1), abs(g1).max(initial=0.0)
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
             row = self._system.row_names[self._widest(gap)]
@@ -105,7 +125,8 @@ class AssemblyDerivatives:
                 f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
                 "together what keeps them consistent"
             )
-        return q_dot, self._velocity_along(db, dv, q_dot)
+        v_dot, mu_dot = self._velocity_along(db, dv, q_dot)
+        return q_dot, lam_dot, v_dot, mu_dot
 
     def _widest(self, gap: Array) -> int:
         """The joint equation with the largest gap."""
@@ -125,11 +146,7 @@ class AssemblyDerivatives:
                 raise ValueError(f"a direction must have shape {(size, *columns)}, but has {x.shape}")
         return found[0], found[1], found[2]
 
-    def _position_along(self, db: Array, dq: Array) -> tuple[Array, Array]:
-        g1 = self._g1_b @ db
-        return self._position.solve(self._f1_b @ db, g1, dq), g1
-
-    def _velocity_along(self, db: Array, dv: Array, q_dot: Array) -> Array:
+    def _velocity_along(self, db: Array, dv: Array, q_dot: Array) -> tuple[Array, Array]:
         g2 = self._g2_q @ q_dot + self._g2_b @ db
         return self._velocity.solve(self._f2_q @ q_dot + self._f2_b @ db, g2, dv)
 
@@ -144,8 +161,9 @@ class AssemblyDerivatives:
     def columns(self) -> tuple[Array, Array]:
         """Dense q_b and v_b (nq, len(system.b)); columns are NaN where `along` would raise."""
         db = np.eye(len(self._system.b))
-        q_b, g1 = self._position_along(db, np.zeros((self._system.nq, len(db))))
-        v_b = self._velocity_along(db, np.zeros_like(q_b), q_b)
+        g1 = self._g1_b @ db
+        q_b, _ = self._position.solve(self._f1_b @ db, g1, np.zeros((self._system.nq, len(db))))
+        v_b, _ = self._velocity_along(db, np.zeros_like(q_b), q_b)
         gap, size = abs(self._position.J @ q_b - g1).max(axis=0), abs(g1).max(axis=0)
         opened = gap > OPEN * np.maximum(size, 1e-6)
         q_b[:, opened] = v_b[:, opened] = np.nan
@@ -163,11 +181,19 @@ class AssemblyDerivatives:
         by_b : (len(system.b),)
         by_q, by_v : (nq,) by the guess
         """
-        x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float))
-        through = np.asarray(q_bar, dtype=float) + self._f2_q.T @ x2 + self._g2_q.T @ y2
-        x1, y1, by_q = self._position.transposed(through)
+        found = self.adjoint(q_bar, v_bar)
+        return found.b, found.q, found.v
+
+    def adjoint(
+        self, q_bar: Any, v_bar: Any, change: tuple[Array, Array, Array, Array] | None = None
+    ) -> Adjoint:
+        """The gradients with the adjoint variables; `change` is taken from the right sides, of q, λ, v and μ."""
+        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(self._system.m), 0.0, np.zeros(self._g2_b.shape[0]))
+        x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)
+        through = np.asarray(q_bar, dtype=float) + self._f2_q.T @ x2 + self._g2_q.T @ y2 - c_q
+        x1, y1, by_q = self._position.transposed(through, -c_lam)
         by_b = self._f1_b.T @ x1 + self._g1_b.T @ y1 + self._f2_b.T @ x2 + self._g2_b.T @ y2
-        return by_b, by_q, by_v
+        return Adjoint(by_b, by_q, by_v, x1, y1, x2, y2)
 
 
 class _Block:
@@ -180,17 +206,17 @@ class _Block:
         self._A = csr_array(W if H is None else W + H)
         self._kkt = KKT(self._A[free][:, free], csr_array(J[:, free]))
 
-    def solve(self, f: Array, g: Array, d: Array) -> Array:
+    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held
         x[h] = d[h]
         right = f + (self._weight * d.T).T - self._A @ x
-        x[F] = self._kkt.solve(right[F], g - self.J @ x)[0]
-        return x
+        x[F], y = self._kkt.solve(right[F], g - self.J @ x)
+        return x, y
 
-    def transposed(self, x_bar: Array) -> tuple[Array, Array, Array]:
-        """The solution (x, y) for the right side x_bar, and the gradient by d."""
+    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
+        """The solution (x, y) for the right sides x_bar and y_bar, by default 0, and the gradient by d."""
         x, F, h = np.zeros(len(x_bar)), self._free, self._held
-        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self.J.shape[0]))
+        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self.J.shape[0]) if y_bar is None else y_bar)
         by_d = self._weight * x
         by_d[h] = (x_bar - self._A @ x - self.J.T @ y)[h]
         return x, y, by_d

@@ -17,6 +17,7 @@ from .model import Model
 from .origin import Path
 from .point import Point
 from .quantity import is_list
+from .shape import Shape
 from .solid import Solid
 from .tape import Traced
 
@@ -95,7 +96,7 @@ def _part(part: Any, change: Change) -> Any:
 
 def _value(value: Any, steps: Steps, change: Change) -> Any:
     """A field's value with its numbers changed."""
-    if isinstance(value, bool | str | Solid | Curve | Formula) or value is None:
+    if isinstance(value, bool | str | Solid | Shape | Curve | Formula) or value is None:
         return value
     if isinstance(value, int | float | np.number | Traced):
         return change(steps, value)

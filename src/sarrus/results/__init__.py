@@ -2,7 +2,7 @@
 
 from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
-from .gradient import Gradient, StateDerivatives
+from .gradient import Gradient, Hessian, StateDerivatives
 from .happened import Happened
 from .input_singularities import InputSingularities, SingularCurve
 from .joint_motion import JointMotion
@@ -31,6 +31,7 @@ __all__ = [
     "Equilibrium",
     "Gradient",
     "Happened",
+    "Hessian",
     "InputSingularities",
     "JointMotion",
     "Mobility",

@@ -92,3 +92,30 @@ class StateDerivatives:
     v_b: Array = field(repr=False)
     a_b: Array = field(repr=False)
     lam_b: Array = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Hessian:
+    """Second derivatives of one response with respect to named numbers.
+
+    Attributes
+    ----------
+    response : its name
+    names : of the numbers
+    matrix : (p, p), symmetric to round-off
+    """
+
+    response: str
+    names: tuple[str, ...]
+    matrix: Array = field(repr=False)
+
+    def __getitem__(self, pair: tuple[str, str]) -> float:
+        """One entry, ``H["spring.k", "rod.mass"]``."""
+        row, column = (self.names.index(name) for name in pair)
+        return float(self.matrix[row, column])
+
+    @property
+    def asymmetry(self) -> float:
+        """Largest difference of two entries that are equal, relative to the largest entry."""
+        largest = abs(self.matrix).max(initial=0.0)
+        return float(abs(self.matrix - self.matrix.T).max(initial=0.0) / largest) if largest else 0.0

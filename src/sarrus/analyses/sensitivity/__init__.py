@@ -1,6 +1,6 @@
 """Sensitivity: exact derivatives of what a simulation gives, forward and backward."""
 
-from .derivatives import sensitivity, state_derivatives
+from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
 from .outputs import Outputs
 from .responses import At, Final, Integral, Misfit, Peak, Response
 
@@ -12,6 +12,8 @@ __all__ = [
     "Outputs",
     "Peak",
     "Response",
+    "hessian",
+    "hessian_product",
     "sensitivity",
     "state_derivatives",
 ]

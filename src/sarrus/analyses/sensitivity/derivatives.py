@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Gradient, StateDerivatives, Steps, Trajectory
+from ...results import Gradient, Hessian, StateDerivatives, Steps, Trajectory
 from .chain import Chain, Nodes
 from .evaluation import Evaluation, Explicit
+from .hessian import Curvature
 from .parameters import Design, Parameters
 from .responses import Final, Output, Response
 
@@ -78,6 +79,61 @@ def state_derivatives(
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     found = Chain(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
     return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
+
+
+def hessian_product(
+    run: Trajectory,
+    response: Response | Output,
+    direction: Mapping[str, float],
+    wrt: Sequence[str] | None = None,
+    *,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+) -> Array:
+    """The Hessian of a response times a direction, exact for the steps that were taken, in about two sweeps.
+
+    Parameters
+    ----------
+    run, response, design, formula : as for `sensitivity`
+    direction : changes by name; those left out are zero
+    wrt : names of the numbers; by default those of the direction
+
+    Returns
+    -------
+    ndarray (p,)
+        in the order of `wrt`, vectors being taken apart
+    """
+    curvature, parameters = _curvature(run, response, [*direction] if wrt is None else wrt, design, formula)
+    unknown = [name for name in direction if name not in parameters.names]
+    if unknown:
+        raise ValueError(f"the direction names {unknown[0]!r}, which is not among the numbers of wrt")
+    return curvature.times(np.array([float(direction.get(name, 0.0)) for name in parameters.names]))
+
+
+def hessian(
+    run: Trajectory,
+    response: Response | Output,
+    wrt: Sequence[str],
+    *,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+) -> Hessian:
+    """All second derivatives of a response with respect to a few numbers, by one product for each.
+
+    Parameters as for `hessian_product`.
+    """
+    curvature, parameters = _curvature(run, response, wrt, design, formula)
+    matrix = np.array([curvature.times(direction) for direction in np.eye(len(parameters.names))])
+    return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix)
+
+
+def _curvature(
+    run: Trajectory, response: Response | Output, wrt: Sequence[str], design: Any, formula: Any
+) -> tuple[Curvature, Parameters]:
+    steps = kept(run)
+    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    evaluation = Evaluation(run.system, steps, as_responses(response), parameters)
+    return Curvature(Chain(run.system, steps), evaluation, parameters), parameters
 
 
 def _adjoint(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -58,36 +59,66 @@ class Evaluation:
 
     def gradients(self) -> tuple[Nodes, Explicit]:
         """The gradients of all responses, one column each."""
-        count = len(self._responses)
-        nodes, by_b = Nodes.zeros(self._steps, count), np.zeros((len(self._system.b), count))
-        by_c, named = np.zeros((len(self._system.joint_coordinates.b), count)), []
-        for column, (response, outputs) in enumerate(zip(self._responses, self._outputs, strict=True)):
-            sampling, g = self._samplings[column], self.signals[column]
-            found = outputs.tape.gradient({self._found[column].at: response.weights(g, sampling.t)})
-            for (kind, n), variable in outputs.inputs.items():
-                bar = found[variable.at]
-                if kind in ("b", "c"):
-                    (by_b if kind == "b" else by_c)[n, column] += bar
-                else:
-                    sampling.spread(kind, n, np.broadcast_to(bar, sampling.t.shape), nodes, column)
-            named.append(
-                {name: float(np.sum(found[variable.at])) for name, variable in outputs.named.items()}
-            )
-        return nodes, Explicit(by_b, by_c, named)
+        nodes = Nodes.zeros(self._steps, len(self._responses))
+        parts = [self._gradient(n, nodes) for n in range(len(self._responses))]
+        b, c = (np.concatenate([getattr(part, name) for part in parts], axis=1) for name in ("b", "c"))
+        return nodes, Explicit(b, c, [part.named[0] for part in parts])
+
+    def _gradient(self, n: int, nodes: Nodes) -> Explicit:
+        weights = self._responses[n].weights(self.signals[n], self._samplings[n].t)
+        found = self._outputs[n].tape.gradient({self._found[n].at: weights})
+        return self._collected(n, found, nodes, n)[1]
 
     def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
         """The change of every response's output at its times, (nt, k), with changes of states and numbers (…, k)."""
         return [self._signal_along(n, dots, b, c, named) for n in range(len(self._responses))]
 
     def _signal_along(self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> Array:
-        outputs, sampling, columns = self._outputs[n], self._samplings[n], b.shape[1]
-        found = np.zeros((len(sampling.t), columns))
-        for k in range(columns):
-            changes = {}
-            for (kind, place), variable in outputs.inputs.items():
-                numbers = {"b": b, "c": c}.get(kind)
-                own = sampling.gathered(kind, place, dots, k) if numbers is None else float(numbers[place, k])
-                changes[variable.at] = own
-            changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
-            found[:, k] = outputs.tape.along(changes)[self._found[n].at]
+        found = np.zeros((len(self._samplings[n].t), b.shape[1]))
+        for k in range(b.shape[1]):
+            found[:, k] = self._tape_along(n, dots, b, c, named, k)[self._found[n].at]
         return found
+
+    def _tape_along(
+        self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array], k: int
+    ) -> list[Any]:
+        """The change of everything on a response's tape with column k of the changes."""
+        outputs, changes = self._outputs[n], {}
+        for (kind, place), variable in outputs.inputs.items():
+            numbers = {"b": b, "c": c}.get(kind)
+            moved = (
+                self._samplings[n].gathered(kind, place, dots, k) if numbers is None else numbers[place, k]
+            )
+            changes[variable.at] = moved
+        changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
+        return outputs.tape.along(changes)
+
+    def gradient_along(
+        self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
+    ) -> tuple[Nodes, Explicit]:
+        """The change of the gradient of response n, with changes of states and numbers in one column."""
+        response, outputs, sampling, g = (
+            self._responses[n],
+            self._outputs[n],
+            self._samplings[n],
+            self.signals[n],
+        )
+        at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
+        g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
+        weights, turned = response.weights(g, sampling.t), response.weights_along(g, sampling.t, g_dot)
+        _, change = outputs.tape.gradient_along({at: weights}, {at: turned}, along)
+        return self._collected(n, change, Nodes.zeros(self._steps, 1), 0)
+
+    def _collected(self, n: int, bars: list[Any], nodes: Nodes, column: int) -> tuple[Nodes, Explicit]:
+        """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
+        outputs, sampling = self._outputs[n], self._samplings[n]
+        by_b = np.zeros((len(self._system.b), 1))
+        by_c = np.zeros((len(self._system.joint_coordinates.b), 1))
+        for (kind, place), variable in outputs.inputs.items():
+            bar = bars[variable.at]
+            if kind in ("b", "c"):
+                (by_b if kind == "b" else by_c)[place, 0] += bar
+            else:
+                sampling.spread(kind, place, np.broadcast_to(bar, sampling.t.shape), nodes, column)
+        named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
+        return nodes, Explicit(by_b, by_c, [named])

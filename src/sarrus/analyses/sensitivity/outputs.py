@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...elements import TSDA, Dot1, NonlinearTSDA, Normalization
+from ...elements import TSDA, Dot1, Dot2, Heading, NonlinearTSDA, Normalization
 from ...elements.evaluation import element_from, partition
 from ...elements.operators import OPERATORS
 from ...euler import A, B, E
@@ -164,7 +164,7 @@ class Outputs:
         elif not every.angles[every.index(name)]:
             found = element.Phi(x)[0]
         else:
-            c, s = (Dot1(axis, element.f_j).Phi(x)[0] for axis in (element.f_i, element.g_i))
+            c, s = (_projection(element, axis).Phi(x)[0] for axis in (element.f_i, element.g_i))
             found = np.arctan2(s, c)
             values, _ = every.along(self._nodes.t, self._nodes.q, self._nodes.v)
             near = np.interp(self._states.t, self._nodes.t, values[:, every.index(name)])
@@ -288,6 +288,11 @@ class Outputs:
         if kind == "c":
             return float(self._system.joint_coordinates.b[n])
         return getattr(self._states, kind)[:, n]
+
+
+def _projection(element: Any, axis: Any) -> Any:
+    """What an angle's direction has along an axis: a vector of body j, or the line between two points."""
+    return Dot2(axis, element.s_i, element.s_j) if isinstance(element, Heading) else Dot1(axis, element.f_j)
 
 
 def _of(p: Population, owner: str) -> list[int]:

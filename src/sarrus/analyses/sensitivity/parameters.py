@@ -230,6 +230,17 @@ class Parameters:
         found = self._tape.gradient(weights)
         return [float(found[variable.at]) for variable in self.variables.values()]
 
+    def gradient_along(self, bars: Array, bar_dots: Array, change: Array) -> Array:
+        """The change of a gradient (p,), with changes of the parameters and of the gradient by [b; q₀; v₀; c]."""
+        weights: dict[int, float] = {}
+        turned: dict[int, float] = {}
+        for place, at in self._outputs:
+            weights[at] = weights.get(at, 0.0) + float(bars[place])
+            turned[at] = turned.get(at, 0.0) + float(bar_dots[place])
+        dots = self._tape.along(self._seeds(change))
+        _, found = self._tape.gradient_along(weights, turned, dots)
+        return np.array([float(found[variable.at]) for variable in self.variables.values()])
+
     def _seeds(self, change: Array) -> dict[int, float]:
         return {v.at: float(c) for v, c in zip(self.variables.values(), change, strict=True)}
 

@@ -49,12 +49,16 @@ class Start:
 
     def transposed(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array, Array]:
         """Gradients by q (nq, k), v and the numbers of what has the gradients given by a and λ."""
-        y, z = self._solve(a_bar, lam_bar)
+        y, z = self.adjoint(a_bar, lam_bar)
         return (
             -(self._f_q.T @ y + self._g_q.T @ z),
             -(self._f_v.T @ y + self._g_v.T @ z),
             -(self._f_b.T @ y + self._g_b.T @ z),
         )
+
+    def adjoint(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array]:
+        """The adjoint variables of the equations of motion (nq, k) and of the constraints (m, k)."""
+        return self._solve(a_bar, lam_bar)
 
     def _solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         found = [self._saddle.solve(*pair) for pair in zip(f.T, g.T, strict=True)]

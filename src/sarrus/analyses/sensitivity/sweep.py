@@ -38,6 +38,8 @@ BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q", LEFT_OUT, "P
 FUNCTIONS = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed", "add_gradients",
              "remember", "leave_out", "weigh", "factor", "defect_change", "forward_step", "backward_step",
              "forward_rescale", "backward_rescale", "forward", "backward")  # fmt: skip
+NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
+NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 
 
 @cache
@@ -105,26 +107,42 @@ class Sweep:
         nq, m, k = self.system.nq, self.system.m, self.columns
         return loop.Given._make(np.zeros((count, width, k)) for width in (nq, nq, nq, m))
 
-    def backward(self, bars: loop.Bars, given: loop.Given, first: int, last: int) -> None:
+    def kept(self) -> loop.Kept:
+        """Room for what is solved for in every step."""
+        count, size = len(self.steps), self.system.nq + self.system.m
+        wide = (np.zeros((count, size, self.columns)) for _ in range(2))
+        return loop.Kept._make([*wide, np.zeros((count, size))])
+
+    def backward(
+        self,
+        bars: loop.Bars,
+        given: loop.Given,
+        first: int,
+        last: int,
+        kept: loop.Kept | None = None,
+        sources: loop.Sources | None = None,
+    ) -> None:
         """From the ends of the steps first:last, whose gradients are given, to the start of the first, in place."""
         n, stage = last - 1, loop.GRADIENTS
         while n >= first:
             self._choose_pivots(n, stage)
-            n, stage = self._run("backward", n, first, stage, bars, given)
+            n, stage = self._run(
+                "backward", n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
+            )
 
-    def forward(self, bars: loop.Bars, given: loop.Given, first: int, last: int) -> None:
+    def forward(
+        self, bars: loop.Bars, given: loop.Given, first: int, last: int, kept: loop.Kept | None = None
+    ) -> None:
         """From the start of step `first` through the steps first:last; derivatives at their ends are written."""
         n, stage = first, loop.RESCALE
         while n < last:
             self._choose_pivots(n, stage)
-            n, stage = self._run("forward", n, last, stage, bars, given)
+            n, stage = self._run("forward", n, last, stage, bars, given, kept or NOTHING_KEPT, NO_SOURCES)
 
-    def _run(
-        self, name: str, n: int, to: int, stage: int, bars: loop.Bars, given: loop.Given
-    ) -> tuple[int, int]:
+    def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         found = _compiled()[name](
             self.steps.scheme, self._entries, self.b, self._record, n, to, stage, self._matrix, self._blocks,
-            self._views, self._work, bars, given,
+            self._views, self._work, *arrays,
         )  # fmt: skip
         return int(found[0]), int(found[1])
 

@@ -133,6 +133,28 @@ class Bars(NamedTuple):
     b: Any
 
 
+class Kept(NamedTuple):
+    """Room for what is solved for in every step and every change of its size (n, nq + m, columns), or none.
+
+    s are the solutions s, σ of the changes themselves (n, nq + m).
+    """
+
+    step: Any
+    rescale: Any
+    s: Any
+
+
+class Sources(NamedTuple):
+    """Changes of the equations of the adjoint, which a change of it takes in besides (n, nq + m), (n, nq); or none."""
+
+    step: Any
+    step_q: Any
+    step_v: Any
+    rescale: Any
+    rescale_q: Any
+    rescale_v: Any
+
+
 class Given(NamedTuple):
     """Per node what the sweep takes or gives: gradients of responses (backward), or room for derivatives (forward)."""
 
@@ -316,7 +338,7 @@ def forward_step(
 
 def backward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, matrix: Any, blocks: Any, views: Any, work: Any,
-    bars: Any,
+    bars: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
     h, t = record.h[n], record.t[n + 1]
@@ -339,11 +361,19 @@ def backward_step(
         for c in range(width):
             right[nq + k, c] = bars.lam[k, c]
             bars.lam[k, c] = 0.0
+    if len(sources.step) > 0:
+        for k in range(nq + m):
+            right[k, 0] -= sources.step[n, k]
+        for k in range(nq):
+            bars.q[k, 0] -= sources.step_q[n, k]
+            bars.v[k, 0] -= sources.step_v[n, k]
     solve_columns_transposed(matrix, right, mu, work.arranged)
     for k in range(m):
         if views.left_out[k] > 0.0:
             for c in range(width):
                 mu[nq + k, c] = 0.0
+    if len(kept.step) > 0:
+        kept.step[n] = mu
     by_numbers(blocks, 1, -1.0, mu, 0, bars.b, 0, True)  # (Φ_qᵀλ)_b
     by_numbers(blocks, 4, -1.0, mu, 0, bars.b, 0, True)  # (M a)_b
     by_numbers(blocks, 5, 1.0, mu, 0, bars.b, 0, True)  # S_b
@@ -409,7 +439,7 @@ def defect_change(
 
 def forward_rescale(
     entries: Any, b: Any, record: Any, n: Any, matrix: Any, blocks: Any, views: Any, work: Any,
-    bars: Any,
+    bars: Any, kept: Any,
 ) -> Any:  # fmt: skip
     """The change of the state by the new step size of step n; false if pivots must be renewed."""
     nq, m, width = len(work.s), len(work.sigma), bars.q.shape[1]
@@ -435,6 +465,8 @@ def forward_rescale(
                 for c in range(width):
                     right[nq + k, c] = 0.0
         solve_columns(matrix, right, work.solution, work.arranged)
+        if len(kept.rescale) > 0:
+            kept.rescale[n] = work.solution
         for k in range(nq):
             for c in range(width):
                 bars.v[k, c] -= record.removed[n] * work.solution[k, c]
@@ -448,7 +480,7 @@ def forward_rescale(
 
 def backward_rescale(
     entries: Any, b: Any, record: Any, n: Any, matrix: Any, blocks: Any, views: Any, work: Any,
-    bars: Any,
+    bars: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the gradients by the state after the new step size of step n to those before; false for new pivots."""
     nq, m, width = len(work.s), len(work.sigma), bars.q.shape[1]
@@ -462,11 +494,20 @@ def backward_rescale(
         for k in range(m):
             for c in range(width):
                 right[nq + k, c] = 0.0
+        if len(sources.rescale) > 0:
+            for k in range(nq + m):
+                right[k, 0] -= sources.rescale[n, k]
+            for k in range(nq):
+                bars.q[k, 0] -= sources.rescale_q[n, k]
+                bars.v[k, 0] -= sources.rescale_v[n, k]
         solve_columns_transposed(matrix, right, z, work.arranged)
         for k in range(m):
             if views.left_out[k] > 0.0:
                 for c in range(width):
                     z[nq + k, c] = 0.0
+        if len(kept.rescale) > 0:
+            kept.rescale[n] = z
+            kept.s[n] = work.single[1][:, 0]
         values, rows, columns, at, below = (
             blocks.values, blocks.rows, blocks.columns, blocks.segments, z[nq:],
         )  # fmt: skip
@@ -511,7 +552,7 @@ def remember(record: Any, n: Any, views: Any, b: Any) -> None:
 
 def backward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any,
-    blocks: Any, views: Any, work: Any, bars: Any, given: Any,
+    blocks: Any, views: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the end of step n to the start of step `first`; returns (n, stage) of what needs new pivots.
 
@@ -523,10 +564,12 @@ def backward(
             add_gradients(given, n - first, bars)
             stage = STEP
         if stage == STEP:
-            if not backward_step(scheme, entries, b, record, n, matrix, blocks, views, work, bars):
+            if not backward_step(
+                scheme, entries, b, record, n, matrix, blocks, views, work, bars, kept, sources
+            ):
                 return n, STEP
             stage = RESCALE
-        if not backward_rescale(entries, b, record, n, matrix, blocks, views, work, bars):
+        if not backward_rescale(entries, b, record, n, matrix, blocks, views, work, bars, kept, sources):
             return n, RESCALE
         n, stage = n - 1, GRADIENTS
     return n, GRADIENTS
@@ -534,7 +577,7 @@ def backward(
 
 def forward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, stage: Any, matrix: Any,
-    blocks: Any, views: Any, work: Any, bars: Any, given: Any,
+    blocks: Any, views: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the start of step n to that of step `last`; returns (n, stage) of what needs new pivots.
 
@@ -544,7 +587,7 @@ def forward(
     while n < last:
         remember(record, n, views, b)
         if stage == RESCALE:
-            if not forward_rescale(entries, b, record, n, matrix, blocks, views, work, bars):
+            if not forward_rescale(entries, b, record, n, matrix, blocks, views, work, bars, kept):
                 return n, RESCALE
             stage = STEP
         if not forward_step(scheme, entries, b, record, n, matrix, blocks, views, work, bars):

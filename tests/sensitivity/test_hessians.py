@@ -1,0 +1,133 @@
+"""Second derivatives: symmetric, those of differenced gradients, Taylor's remainder of order three, references."""
+
+import json
+
+import numpy as np
+import pytest
+from tests.sensitivity.designs import SUNDIALS, sundials, sundials_crank
+from tests.sensitivity.frozen import again
+from tests.sensitivity.test_all_elements import changes
+from tests.sensitivity.test_all_elements import swung as all_swung
+from tests.sensitivity.test_gradients import METHODS, RESPONSES, ROUGH, swung
+from tests.sensitivity.test_references import FOLDER
+from tests.sensitivity.zoo import zoo
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.derivatives import _adjoint
+from sarrus.analyses.sensitivity.evaluation import Evaluation
+from sarrus.analyses.sensitivity.lagrangian import Lagrangian
+from sarrus.analyses.sensitivity.parameters import Parameters
+
+NAMES = [
+    *(
+        "spring.k",
+        "rod.mass",
+        "crank.inertia.xx",
+        "spring.length",
+        "gravity.z",
+        "pin.point.y",
+        "ball.point.z",
+    ),
+    *("crank.orientation.angle", "crank.angular_velocity.x", "slider.velocity.x", "spring.point_i.y"),
+]
+DIRECTION = np.random.default_rng(0).normal(size=len(NAMES))
+
+
+def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
+    """Responses and their gradients along the direction, with the same steps."""
+    run = swung(method)
+    at = Parameters(run.system, NAMES).values + size * DIRECTION
+    system, steps = again(run.system, run.steps, METHODS[method], dict(zip(NAMES, at, strict=True)))
+    parameters = Parameters(system, NAMES, start=steps.start)
+    evaluation = Evaluation(system, steps, RESPONSES, parameters)
+    return evaluation.values, _adjoint(Chain(system, steps), evaluation, parameters)
+
+
+@pytest.mark.parametrize("method", ["HHT", "generalized"])
+def test_products_are_those_of_differenced_gradients(method: str) -> None:
+    e = 1e-3
+    slopes = [(moved(x, method)[1] - moved(-x, method)[1]) / (2 * x) for x in (e, e / 2)]
+    wanted = (4 * slopes[1] - slopes[0]) / 3
+    for row, response in enumerate(RESPONSES):
+        rough = any(word in response.title for word in ROUGH)
+        found = sr.hessian_product(swung(method), response, dict(zip(NAMES, DIRECTION, strict=True)))
+        error = abs(found - wanted[row]).max() / abs(wanted[row]).max()
+        assert error < (1e-5 if rough else 1e-7), response.title
+
+
+@pytest.mark.parametrize("row", [0, 2, 3, 6, 9])
+def test_hessians_are_symmetric(row: int) -> None:
+    found = sr.hessian(swung("HHT"), RESPONSES[row], NAMES[:5])
+    assert found.asymmetry < 1e-11
+    assert found["spring.k", "rod.mass"] == pytest.approx(found["rod.mass", "spring.k"])
+
+
+def test_what_a_hessian_leaves_falls_with_the_cube() -> None:
+    run, rest = swung("HHT"), []
+    gradient = sr.sensitivity(run, RESPONSES[:4], NAMES)
+    bend = [
+        sr.hessian_product(run, r, dict(zip(NAMES, DIRECTION, strict=True))) @ DIRECTION
+        for r in RESPONSES[:4]
+    ]
+    for size in (4e-2, 2e-2, 1e-2):
+        there = moved(size, "HHT")[0][:4]
+        model = gradient.values + size * gradient.matrix @ DIRECTION + 0.5 * size**2 * np.array(bend)
+        rest.append(abs(there - model))
+    slopes = np.log2(np.array(rest[:-1]) / np.array(rest[1:]))
+    assert np.all(abs(slopes - 3) < 0.25), slopes
+
+
+def test_the_hessian_of_the_published_slider_crank() -> None:
+    told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
+    wanted, names = np.array(told["hess_G"]), list(SUNDIALS)
+    run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], rtol=1e-7, atol=1e-7, keep_steps=True)
+    found = sr.hessian(run, sr.Integral("energy.kinetic"), names, design=SUNDIALS, formula=sundials)
+    assert found.asymmetry < 1e-9
+    assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
+
+
+def test_the_hessian_of_the_spatial_slider_crank() -> None:
+    told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
+    wanted = np.array(told["value"])
+    names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
+    run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], rtol=1e-7, atol=1e-7, keep_steps=True)
+    squared = sr.Integral(lambda o: o("slider.velocity.x") ** 2)
+    found = sr.hessian(run, squared, names)
+    assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
+
+
+def test_second_derivatives_of_every_element() -> None:
+    """The change of the contracted first derivatives, along a change of everything at once."""
+    system, steps = zoo(), all_swung().steps
+    random, m = np.random.default_rng(4), system.m
+    db = 0.1 * changes(system, 1)[0][:, 0]
+    state = {"q": steps.q[3], "v": steps.v[3], "a": steps.a[3]}
+    dots = {name: random.normal(size=system.nq) for name in state}
+    xi, lam, nu, lam_dot = (random.normal(size=n) for n in (system.nq, m, m, m))
+    b, t = steps.b.copy(), 0.05
+    b[steps.places] = steps.memory[3]
+
+    def by_q_and_b(e: float) -> np.ndarray:
+        q, v, a = (state[name] + e * dots[name] for name in ("q", "v", "a"))
+        at, numbers = lam + e * lam_dot, b + e * db
+        rows = system.Phi_qT_lam_q(q, at, t, b=numbers) + system.M_a_q(q, a, b=numbers)
+        forces = system.Q_q(q, v, t, b=numbers) + system.S_q(q, v, b=numbers)
+        by_b = [(system.Phi_b(q, t, b=numbers).T @ nu), system.Phi_qT_lam_b(q, at, t, b=numbers).T @ xi]
+        by_b += [system.M_a_b(q, a, b=numbers).T @ xi, -(system.Q_b(q, v, t, b=numbers).T @ xi)]
+        by_b += [-(system.S_b(q, v, b=numbers).T @ xi)]
+        return np.concatenate([(rows - forces).T @ xi + system.Phi_q(q, t, b=numbers).T @ nu, sum(by_b)])
+
+    given = state | {f"{name}_dot": dot for name, dot in dots.items()}
+    change = Lagrangian(system, "step")(t, b, db, lam, nu, lam_dot, xi=xi, **given)
+    slopes = [(by_q_and_b(e) - by_q_and_b(-e)) / (2 * e) for e in (1e-4, 5e-5)]
+    wanted, nq = (4 * slopes[1] - slopes[0]) / 3, system.nq
+    own = db[: system.nb] != 0
+    assert abs(change.q - wanted[:nq]).max() < 1e-8 * abs(wanted[:nq]).max()
+    assert abs(change.b[: system.nb][own] - wanted[nq:][own]).max() < 1e-8 * abs(wanted[nq:][own]).max()
+
+
+def test_a_direction_must_name_known_numbers() -> None:
+    with pytest.raises(ValueError, match="not among the numbers"):
+        sr.hessian_product(swung("HHT"), "slider.x", {"spring.c": 1.0}, ["spring.k"])

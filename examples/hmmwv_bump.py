@@ -2,9 +2,9 @@
 
 python examples/hmmwv_bump.py [FOLDER]
 
-Writes settle.png, bump.png and steer.png into the folder: bounce, pitch and roll of the chassis, loads of the tyres and
-travel of the wheels. The wheels do not spin and the tyres have vertical forces only, so nothing would hold the vehicle
-in a curve: steering is shown at rest.
+Writes hmmwv-settle.png, hmmwv-bump.png and hmmwv-steer.png into the folder: bounce, pitch and roll of the chassis, loads
+of the tyres and travel of the wheels. The wheels do not spin and the tyres have vertical forces only, so nothing would
+hold the vehicle in a curve: steering is shown at rest.
 """
 
 import dataclasses
@@ -102,7 +102,7 @@ def angles(run: sr.Trajectory, body: str) -> dict[str, np.ndarray]:
     return {"roll": np.degrees(roll), "pitch": np.degrees(pitch), "yaw": np.degrees(yaw)}
 
 
-def picture(run: sr.Trajectory, title: str, path: Path) -> None:
+def picture(run: sr.Trajectory, title: str, path: Path, dpi: int) -> None:
     """Bounce and attitude of the chassis, travel of the wheels, loads of the tyres."""
     from matplotlib.figure import Figure
 
@@ -124,10 +124,10 @@ def picture(run: sr.Trajectory, title: str, path: Path) -> None:
         axes.legend(fontsize="small")
     for axes in (bounce, attitude, travel, load):
         axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=80)
+    figure.savefig(path, dpi=dpi)
 
 
-def steering_picture(run: sr.Trajectory, path: Path) -> None:
+def steering_picture(run: sr.Trajectory, path: Path, dpi: int) -> None:
     """Angles of the front wheels over the travel of the rack."""
     from matplotlib.figure import Figure
 
@@ -146,14 +146,16 @@ def steering_picture(run: sr.Trajectory, path: Path) -> None:
     for axes in (over_rack, rear):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="small")
-    figure.savefig(path, dpi=80)
+    figure.savefig(path, dpi=dpi)
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, dpi: int = 80) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    picture(settle(), "Dropped from 5 cm above rest", folder / "settle.png")
-    picture(over_the_bump(), "5 m/s over a bump of 6 cm under the left wheels", folder / "bump.png")
-    steering_picture(steered(), folder / "steer.png")
+    picture(settle(), "Dropped from 5 cm above rest", folder / "hmmwv-settle.png", dpi)
+    picture(
+        over_the_bump(), "5 m/s over a bump of 6 cm under the left wheels", folder / "hmmwv-bump.png", dpi
+    )
+    steering_picture(steered(), folder / "hmmwv-steer.png", dpi)
 
 
 if __name__ == "__main__":

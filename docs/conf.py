@@ -1,7 +1,10 @@
 """Sphinx configuration: Markdown by MyST, nothing fetched from the network while building."""
 
+import sys
 import tomllib
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))  # for api_pages
 
 project = "Sarrus"
 author = "The Sarrus developers"
@@ -9,7 +12,7 @@ copyright = "2026, the Sarrus developers"
 pyproject = Path(__file__).parent.parent / "pyproject.toml"
 release = version = tomllib.loads(pyproject.read_text(encoding="utf-8"))["project"]["version"]
 
-extensions = ["myst_parser", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages"]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
 nitpicky = True

@@ -1,6 +1,7 @@
-"""The Python in the README runs as it stands, from the root of a clone."""
+"""The Python in the README runs as it stands, where the folder `src` is as it is in a clone."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,8 +13,10 @@ BLOCKS = re.findall(
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_readme(block: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
+def test_readme(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mechanisms = Path("src/sarrus/mechanisms")
+    shutil.copytree(ROOT / mechanisms, tmp_path / mechanisms)
+    monkeypatch.chdir(tmp_path)
     exec(compile(block, "README.md", "exec"), {"__name__": "__main__"})
 
 

@@ -1,0 +1,66 @@
+"""The tutorial runs as it stands and prints what it says; the reference has every public name."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import webbrowser
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+import sarrus as sr
+
+DOCS = Path(__file__).parent.parent / "docs"
+TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+NEAR = 1e-4  # relative: other machines round differently
+
+
+def printed(line: str) -> tuple[str, list[float]]:
+    """A line without its numbers and spaces, and its numbers."""
+    return re.sub(r"\s+", " ", NUMBER.sub("#", line)).strip(), [float(x) for x in NUMBER.findall(line)]
+
+
+def test_the_tutorial(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    monkeypatch.chdir(tmp_path)
+    plt.switch_backend("agg")
+    names = {"__name__": "__main__"}
+    for block in re.findall(r"^```python\n(.*?)^```", TUTORIAL, re.DOTALL | re.MULTILINE):
+        exec(compile(block, "tutorial.md", "exec"), names)
+    plt.close("all")
+    assert len(opened) == 1
+    assert (tmp_path / "four_bar.html").exists()
+    told = [printed(line) for line in capsys.readouterr().out.splitlines()]
+    for line in re.findall(
+        r"^    (?! *\")(\S.*|  .*)$", re.sub(r"^```.*?^```", "", TUTORIAL, flags=re.S | re.M), re.M
+    ):
+        words, numbers = printed(line)
+        found = [values for text, values in told if text == words]
+        assert any(values == pytest.approx(numbers, rel=NEAR, abs=1e-12) for values in found), line
+
+
+def test_the_model_file_of_the_tutorial(tmp_path: Path) -> None:
+    (text,) = re.findall(r"^```yaml\n(.*?)^```", TUTORIAL, re.DOTALL | re.MULTILINE)
+    (tmp_path / "four_bar.yaml").write_text(text)
+    system = sr.System(sr.load(tmp_path / "four_bar.yaml"))
+    assert sr.mobility(system, sr.assemble(system).q).degrees_of_freedom == 1
+
+
+def test_the_reference_has_every_public_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = importlib.util.spec_from_file_location("api_pages", DOCS / "api_pages.py")
+    assert spec is not None
+    assert spec.loader is not None
+    pages = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pages)
+    monkeypatch.setattr(pages, "HERE", tmp_path)
+    pages.write()
+    text = "\n".join(page.read_text(encoding="utf-8") for page in (tmp_path / "api").iterdir())
+    for name in sr.__all__:
+        assert name.startswith("__") or f"\n## {name}\n" in text
+    assert "### Trajectory.reaction" in text

@@ -17,12 +17,15 @@ if TYPE_CHECKING:
     from .analyses import ODE as ODE
     from .analyses import AssemblyDerivatives as AssemblyDerivatives
     from .analyses import At as At
+    from .analyses import Combined as Combined
     from .analyses import Event as Event
     from .analyses import Final as Final
     from .analyses import GeneralizedAlpha as GeneralizedAlpha
     from .analyses import Impact as Impact
     from .analyses import Integral as Integral
     from .analyses import JointSpace as JointSpace
+    from .analyses import Maximum as Maximum
+    from .analyses import Minimum as Minimum
     from .analyses import Misfit as Misfit
     from .analyses import NoDerivative as NoDerivative
     from .analyses import Outputs as Outputs
@@ -169,9 +172,10 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives At Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace Misfit "
-        "NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap area_gradient assemble dexterity "
-        "end_gradient equilibrium fit hessian hessian_product input_singularities inverse_dynamics "
+        "AssemblyDerivatives At Combined Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace "
+        "Maximum Minimum Misfit NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap "
+        "area_gradient assemble dexterity end_gradient equilibrium fit hessian hessian_product "
+        "input_singularities inverse_dynamics"
         "kinematics linearize mobility modes optimize repeat resume sensitivity simulate singularities "
         "state_derivatives verify_workspace workspace workspace_range workspace_volume"
     ),

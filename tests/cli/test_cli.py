@@ -207,11 +207,17 @@ def test_every_verb_answers_in_json(tmp_path: Path, capsys: pytest.CaptureFixtur
         "statics": [SLIDER_CRANK],
         "modes": [SLIDER_CRANK],
         "view": [SLIDER_CRANK, "--output", str(tmp_path / "crank.glb")],
+        "sensitivity": [SLIDER_CRANK, "--until", "0.1", "--response", "slider.x", "--wrt", "spring.k"],
         "check": [SLIDER_CRANK],
         "schema": [],
         "completion": ["bash"],
     }
-    others = {"paper", "study", "workspace"}  # paper takes its time, and the others take other files
+    others = {
+        "optimize",
+        "paper",
+        "study",
+        "workspace",
+    }  # paper takes its time, and the others take other files
     assert set(lines) | others == set(VERBS)
     for verb, words in lines.items():
         code = main([verb, *words, "--json", "-q"])

@@ -249,3 +249,20 @@ def test_convergence_is_drawn() -> None:
     axes = found.plot()
     assert axes.get_xlabel() == "simulation"
     assert len(axes.figure.axes) == 2
+
+
+def test_responses_of_responses() -> None:
+    """A quotient of two integrals and a maximum, beside them."""
+    parts = [sr.Integral("energy.kinetic"), sr.Maximum("spring.length"), sr.Minimum("spring.length")]
+    mixed = sr.Combined(lambda e, top, low: np.sqrt(e) / (top - low), parts, name="mixed")
+    p = sr.Problem(slider_crank(), [mixed, *parts], ["spring.k", "rod.mass"], until=0.4, **LOOSE)
+    found = p.gradient(p.x0)
+    e, top, low = found.values[1:]
+    assert found.responses[0] == "mixed"
+    assert found.values[0] == pytest.approx(np.sqrt(e) / (top - low))
+    by_e, by_range = 0.5 / np.sqrt(e) / (top - low), -np.sqrt(e) / (top - low) ** 2
+    assert np.allclose(
+        found.matrix[0], by_e * found.matrix[1] + by_range * (found.matrix[2] - found.matrix[3])
+    )
+    assert np.allclose(p.vjp(p.x0, np.array([1.0, 0, 2.0, 0])), found.matrix[0] + 2 * found.matrix[2])
+    assert np.allclose(p.jvp(p.x0, np.array([1.0, -2.0])), found.matrix @ [1.0, -2.0])

@@ -8,11 +8,13 @@ from .inverse import inverse_dynamics
 from .joint_space import JointSpace
 from .kinematic import kinematics
 from .linearization import linearize
-from .optimization import Problem, Within, fit, optimize
+from .optimization import Combined, Problem, Within, fit, optimize
 from .sensitivity import (
     At,
     Final,
     Integral,
+    Maximum,
+    Minimum,
     Misfit,
     Outputs,
     Peak,
@@ -43,6 +45,7 @@ __all__ = [
     "ODE",
     "AssemblyDerivatives",
     "At",
+    "Combined",
     "Dexterity",
     "Event",
     "Final",
@@ -50,6 +53,8 @@ __all__ = [
     "Impact",
     "Integral",
     "JointSpace",
+    "Maximum",
+    "Minimum",
     "Misfit",
     "NoDerivative",
     "Outputs",

@@ -16,6 +16,8 @@ VERBS = {
     "workspace": "map what two outputs of a model can reach, its boundary and barriers",
     "view": "show a model file, or its motion, in the browser",
     "study": "run a model for many values of its numbers, and tabulate the responses",
+    "sensitivity": "rank the numbers of a model by their influence on responses of its motion",
+    "optimize": "find the best numbers of a model, or those with which it follows measurements",
     "check": "explain a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",

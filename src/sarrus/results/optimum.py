@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -83,6 +84,13 @@ class Optimum:
         """The 95 % confidence interval of a fitted parameter."""
         value, wide = self[name], self.quantile * float(self.deviations[self.names.index(name)])
         return value - wide, value + wide
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write every simulation with its objective, size of gradient, gap in constraints, and variables."""
+        head = ",".join(["objective", "gradient", "gap", *self.names])
+        np.savetxt(
+            path, np.hstack([self.history, self.trace]), delimiter=",", header=head, comments="", fmt="%.17g"
+        )
 
     def table(self) -> str:
         """Design variables before and after as a text."""

@@ -1,6 +1,6 @@
 """Pictures: figures with Matplotlib (the extra `plot`), imported when the first is drawn, and pages for the browser."""
 
-from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient
+from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient, tornado_figure
 from .histories import plot, plot_energies, plot_phase, plot_sensitivities, plot_steps, plot_violation
 from .mechanism import mechanism_figure
 from .mode_shapes import animate_mode
@@ -37,6 +37,7 @@ __all__ = [
     "plot_violation",
     "plot_workspace",
     "plot_workspace_volume",
+    "tornado_figure",
     "view",
     "workspace_report",
 ]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
+from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes, figure_of
 
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
 DECADES = 100.0  # ratio of values from which their axis is logarithmic
@@ -47,6 +47,16 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     ax.axvline(0, color=GREY, linewidth=0.8)
     ax.set_xlabel(f"change of {found.responses[response]} for 1 % more")
     return ax
+
+
+def tornado_figure(found: Gradient, most: int = 15) -> Any:
+    """The influences on every response, one panel each, as one figure."""
+    rows = len(found.responses)
+    listed = min(most, int(np.count_nonzero(found.at)))
+    figure = figure_of(7.5, rows * (0.27 * listed + 1.1))
+    for row, ax in enumerate(figure.subplots(rows, 1, squeeze=False)[:, 0]):
+        plot_gradient(found, ax, row, most)
+    return figure
 
 
 def optimum_table(found: Optimum) -> str:

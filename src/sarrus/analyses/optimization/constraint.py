@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...algebra import Array
-from ..sensitivity.responses import Output, Response
+from .combined import Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class Within:
     lower, upper : None for no limit
     """
 
-    response: Response | Output
+    response: Part
     lower: float | None = None
     upper: float | None = None
 

@@ -14,7 +14,7 @@ from ...algebra import Array
 from ...model import Model
 from ...results import Optimum
 from ...system import System
-from ..sensitivity.derivatives import Wanted, as_responses
+from .combined import Part
 from .constraint import Within, gap
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Stuck, Variables
@@ -25,7 +25,7 @@ SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisf
 
 def optimize(
     system: System,
-    objective: Wanted,
+    objective: Part | Sequence[Part],
     wrt: Sequence[str] | None = None,
     *,
     until: float,
@@ -51,7 +51,7 @@ def optimize(
     Parameters
     ----------
     system : with the design at the start
-    objective : what is made least, see `sensitivity`; of several responses their sum
+    objective : what is made least, see `sensitivity`, or `Combined`; of several responses their sum
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
@@ -81,7 +81,10 @@ def optimize(
         If the first design cannot be simulated.
     """
     solver_of(solver, bool(constraints))
-    wanted = [*as_responses(objective), *as_responses([one.response for one in constraints])]
+    several = (
+        list(objective) if isinstance(objective, Sequence) and not isinstance(objective, str) else [objective]
+    )
+    wanted = [*several, *(one.response for one in constraints)]
     problem = Problem(system, wanted, wrt, until=until, design=design, formula=formula, **settings)
     task = Task(tuple(constraints), solver, iterations, tolerance)
     variables = Variables(problem.names, problem.x0, bounds, scale)
@@ -157,7 +160,7 @@ def _from_many(
         return [one for x in designs if (one := _from(task, problem, variables, x, progress)) is not None]
     model, plan = (
         problem.system.model,
-        (problem.responses, list(problem.names), problem.design, problem.formula),
+        (problem.given, list(problem.names), problem.design, problem.formula),
     )
     waiting = [
         executor.submit(_elsewhere, task, model, plan, problem.settings, variables, x) for x in designs

@@ -17,9 +17,10 @@ from ...system import System
 from ..assembly import assemble
 from ..dynamics import HHT, GeneralizedAlpha, simulate
 from ..sensitivity.chain import Chain, Nodes
-from ..sensitivity.derivatives import Wanted, as_responses, inner, sensitivity
+from ..sensitivity.derivatives import inner, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.parameters import Design, Parameters
+from .combined import Outer, Part
 
 KEPT = 3  # designs whose simulations are remembered
 LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
@@ -35,7 +36,7 @@ class Problem:
     Parameters
     ----------
     system : with the design at the start
-    responses : one or several, see `sensitivity`
+    responses : one or several, see `sensitivity`, or `Combined` ones
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
     design : values of named design variables at the start
@@ -65,7 +66,7 @@ class Problem:
     def __init__(
         self,
         system: System,
-        responses: Wanted,
+        responses: Part | Sequence[Part],
         wrt: Sequence[str] | None = None,
         *,
         until: float,
@@ -76,14 +77,14 @@ class Problem:
         atol: float = 1e-8,
         time_limit: float | None = None,
     ) -> None:
-        self.system, self.responses = system, as_responses(responses)
+        self.system, self.given, self.outer = system, responses, Outer(responses)
         self.design, self.formula = design, formula
         self.settings = {"method": method, "until": float(until), "rtol": rtol, "atol": atol}
         self.time_limit = time_limit
         self._parameters = Parameters(system, wrt, design=design, formula=formula)
         self.names = tuple(self._parameters.names)
         self.x0: Array = self._parameters.values.copy()
-        self.titles = tuple(one.title for one in self.responses)
+        self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
 
     def at(self, x: Array) -> Point:
@@ -220,20 +221,25 @@ class Point:
             steps, named = self.run.steps, self._named() | {"wrt": []}
             assert steps is not None
             self._evaluation = Evaluation(
-                self.system, steps, self.problem.responses, Parameters(self.system, **named)
+                self.system, steps, self.problem.outer.parts, Parameters(self.system, **named)
             )
         return self._evaluation
 
     @property
     def values(self) -> Array:
         """The responses (r,)."""
-        return self.evaluation().values
+        return self.problem.outer.values(self.evaluation().values)
 
     @property
     def gradient(self) -> Gradient:
         """Responses and their gradients, by one sweep backwards."""
         if self._gradient is None:
-            self._gradient = sensitivity(self.run, self.problem.responses, **self._named())
+            outer = self.problem.outer
+            found = sensitivity(self.run, outer.parts, **self._named())
+            values, slopes = outer.linear(found.values)
+            self._gradient = replace(
+                found, responses=outer.titles, values=values, matrix=slopes @ found.matrix
+            )
         return self._gradient
 
     def along(self, changes: Array) -> Array:
@@ -243,18 +249,19 @@ class Point:
         nodes, explicit = evaluation.gradients()
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
         total = inner(nodes, self._chain().along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
-        return np.asarray(total + named @ changes)
+        return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
     def gradient_of_sum(self, weights: Array) -> Array:
         """The gradient (p,) of the responses' sum with weights (r,): one column, however many responses there are."""
-        parameters, (nodes, explicit) = self._parameters(), self.evaluation().gradients()
-        one = Nodes(*(getattr(nodes, kind) @ weights[:, None] for kind in ("q", "v", "a", "lam")))
-        by = self._chain().gradients(one)
-        found = parameters.gradient(
-            replace(by, b=by.b + explicit.b @ weights[:, None]), explicit.c @ weights[:, None]
-        )[:, 0]
+        parameters, evaluation = self._parameters(), self.evaluation()
+        nodes, explicit = evaluation.gradients()
+        column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
+        by = self._chain().gradients(
+            Nodes(*(getattr(nodes, kind) @ column for kind in ("q", "v", "a", "lam")))
+        )
+        found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column)
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-        return np.asarray(found + weights @ named)
+        return np.asarray((found.T + column.T @ named)[0])
 
     def signals(self) -> tuple[list[Array], list[Array]]:
         """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""

@@ -119,7 +119,7 @@ class Search:
         progress: Progress | None = None,
     ) -> None:
         self.problem, self.variables, self.constraints = problem, variables, constraints
-        self.count = len(problem.responses) - len(constraints)
+        self.count = len(problem.titles) - len(constraints)
         self._told: list[tuple[float, float]] = []
         self.trace: list[Array] = []
         self.failures: list[str] = []

@@ -2,12 +2,14 @@
 
 from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
 from .outputs import Outputs
-from .responses import At, Final, Integral, Misfit, Peak, Response
+from .responses import At, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
 
 __all__ = [
     "At",
     "Final",
     "Integral",
+    "Maximum",
+    "Minimum",
     "Misfit",
     "Outputs",
     "Peak",

@@ -124,6 +124,28 @@ class Peak(Response):
 
 
 @dataclass(frozen=True, eq=False)
+class Maximum(Response):
+    """The largest value of the output at the ends of steps; where two are nearly equal it has a kink, see `Peak`."""
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g.max())
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.asarray(np.arange(len(g)) == np.argmax(g), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum(Response):
+    """The least value of the output at the ends of steps."""
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g.min())
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.asarray(np.arange(len(g)) == np.argmin(g), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
 class Misfit(Response):
     """Half the sum of squares of (output - data) / sigma at given times [s]."""
 

@@ -1,0 +1,84 @@
+"""Responses made of other responses by a function of their values, differentiated exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.tape import Tape, Traced
+from ..sensitivity.derivatives import as_responses
+from ..sensitivity.responses import Output, Response
+
+Part: TypeAlias = "Response | Output | Combined"
+
+
+@dataclass(frozen=True, eq=False)
+class Combined:
+    """A function of the values of some responses, ``Combined(lambda work, time: work / time, [work, time])``.
+
+    Parameters
+    ----------
+    function : of as many numbers as there are responses; made of arithmetic and NumPy's functions
+    of : the responses
+    name : in tables
+    """
+
+    function: Callable[..., Any]
+    of: Sequence[Response | Output]
+    name: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its name in tables."""
+        return self.name or getattr(self.function, "__name__", "").strip("<>") or "combined"
+
+    def value_and_slopes(self, values: Array) -> tuple[float, Array]:
+        """The value, and its derivatives by the values of the responses."""
+        tape = Tape()
+        inputs = [tape.variable(float(value)) for value in values]
+        found = self.function(*inputs)
+        if not isinstance(found, Traced):
+            return float(found), np.zeros(len(values))
+        bars = tape.gradient({found.at: 1.0})
+        return float(found.value), np.array([float(bars[one.at]) for one in inputs])
+
+
+class Outer:
+    """What is asked for, as functions of the responses of which it is made.
+
+    Parameters
+    ----------
+    given : one or several responses, outputs, or `Combined`
+    """
+
+    def __init__(self, given: Part | Sequence[Part]) -> None:
+        some = [given] if isinstance(given, str | Response | Combined) or callable(given) else list(given)
+        groups = [
+            as_responses(list(one.of)) if isinstance(one, Combined) else as_responses(one) for one in some
+        ]
+        self.parts = [part for group in groups for part in group]
+        self.titles = tuple(
+            one.title if isinstance(one, Combined) else group[0].title
+            for one, group in zip(some, groups, strict=True)
+        )
+        self._functions = [one if isinstance(one, Combined) else None for one in some]
+        ends = np.cumsum([len(group) for group in groups])
+        self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
+
+    def values(self, parts: Array) -> Array:
+        """What is asked for (r,), of the values of the parts."""
+        return self.linear(parts)[0]
+
+    def linear(self, parts: Array) -> tuple[Array, Array]:
+        """What is asked for (r,), and its derivatives by the parts (r, parts)."""
+        values, slopes = np.zeros(len(self._places)), np.zeros((len(self._places), len(parts)))
+        for row, (place, function) in enumerate(zip(self._places, self._functions, strict=True)):
+            if function is None:
+                values[row], slopes[row, place] = parts[place][0], 1.0
+            else:
+                values[row], slopes[row, place] = function.value_and_slopes(parts[place])
+        return values, slopes

@@ -1,0 +1,52 @@
+"""``sarrus optimize FILE``: the best numbers of a model, or those with which it follows measurements."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .answer import Answer
+from .progress import Bar
+from .values import figure_file, refuse_unwritable
+
+EXAMPLES = (
+    "sarrus optimize softest.yaml",
+    "sarrus optimize softest.yaml --figure convergence.png --csv designs.csv",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, and what to write."""
+    parser.add_argument(
+        "study", type=Path, help="a .yaml or .json file: model, parameters, minimize or fit, analysis"
+    )
+    parser.add_argument("--figure", type=figure_file, help="file for the convergence, .png, .svg or .pdf")
+    parser.add_argument("--csv", type=Path, help="file for all designs that were tried, as a table")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Search; 1 if the solver did not converge."""
+    from ..io import load_any
+    from ..studies.optimization import read_optimization_file
+
+    refuse_unwritable([chosen.figure, chosen.csv])
+    sought = read_optimization_file(chosen.study, load_any)
+    most = int(sought.options.get("iterations", 100))
+    with Bar(f"{sought.name}: simulations", most) as bar:
+        found = sought.solved(lambda count, value: bar.reach(min(count, most)))
+    answer.say(found)
+    answer.put(study=sought.name, message=found.message, objective=found.value, objective_before=found.value0)
+    answer.put(numbers=dict(zip(found.names, found.x, strict=True)), constraints=found.constraints)
+    answer.put(simulations=len(found.history), failures=found.failures, seconds=found.seconds)
+    if found.covariance.size:
+        answer.put(
+            covariance=found.covariance, intervals={name: found.interval(name) for name in found.names}
+        )
+        answer.put(hardly_determined=found.poor)
+    if chosen.figure:
+        found.plot().figure.savefig(chosen.figure, dpi=150)
+        answer.wrote(chosen.figure)
+    if chosen.csv:
+        found.to_csv(chosen.csv)
+        answer.wrote(chosen.csv)
+    return 0 if found.success else 1

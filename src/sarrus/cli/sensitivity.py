@@ -1,0 +1,73 @@
+"""``sarrus sensitivity MODEL``: how responses of a motion change with the numbers of a model, ranked by influence."""
+
+from __future__ import annotations
+
+import argparse
+
+from . import model_file
+from .answer import Answer
+from .values import figure_file, natural, positive, refuse_unwritable
+
+EXAMPLES = (
+    "sarrus sensitivity crank.yaml --until 2 --response slider.x",
+    "sarrus sensitivity crank.yaml --until 2 --response 'max(slider.x) - min(slider.x)' 'rms(spring.tension)' "
+    "--wrt spring rod.mass pin.point --figure tornado.png",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The model, the motion, what is asked, and what to write."""
+    model_file.arguments(parser)
+    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
+    parser.add_argument(
+        "--response",
+        nargs="+",
+        required=True,
+        metavar="FORMULA",
+        help="e.g. slider.x (its final value), 'integral(slider.velocity.x**2)', 'max(spring.tension)'",
+    )
+    parser.add_argument(
+        "--wrt",
+        nargs="+",
+        metavar="NAME",
+        help="numbers or parts of the model, e.g. spring.k rod pin.point, or parameters of its file (all numbers)",
+    )
+    parser.add_argument("--rtol", type=positive, default=1e-6, help="relative tolerance of the run (1e-6)")
+    parser.add_argument("--atol", type=positive, default=1e-8, help="absolute tolerance of the run (1e-8)")
+    parser.add_argument("--most", type=natural, default=20, help="how many numbers are listed (20)")
+    parser.add_argument("--figure", type=figure_file, help="file for a tornado plot, .png, .svg or .pdf")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Simulate, differentiate, and list what matters most."""
+    from ..analyses import Problem
+    from ..analyses.optimization import Infeasible
+    from ..studies.differentiable import differentiable
+    from ..studies.responses import responses_of
+    from ..system import System
+    from ..views import tornado_figure
+
+    refuse_unwritable([chosen.figure])
+    system = System(model_file.read(chosen))
+    wanted = [differentiable(one, chosen.until) for one in responses_of(chosen.response)]
+    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, rtol=chosen.rtol, atol=chosen.atol)
+    try:
+        found = problem.gradient(problem.x0)
+    except Infeasible as trouble:
+        answer.say(trouble)
+        answer.put(model=system.name, message=str(trouble))
+        return 1
+    for row in range(len(found.responses)):
+        answer.say(found.table(row, chosen.most))
+    answer.put(model=system.name, message=f"{len(found.responses)} responses by {len(found.names)} numbers")
+    answer.put(names=found.names, at=found.at)
+    answer.put(
+        responses={
+            name: {"value": found.values[row], "gradient": found.matrix[row], "ranked": found.ranked(row)}
+            for row, name in enumerate(found.responses)
+        }
+    )
+    if chosen.figure:
+        tornado_figure(found, min(chosen.most, 15)).savefig(chosen.figure, dpi=150)
+        answer.wrote(chosen.figure)
+    return 0

@@ -1,0 +1,246 @@
+"""An optimization or a fit in a file: the model, what may change, what is wanted; every error with file and line."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from ..analyses import Combined, Misfit, Within, fit, optimize
+from ..analyses.optimization.solvers import SOLVERS
+from ..model import Model, ModelError, SarrusError
+from ..model.file.document import Document
+from ..model.file.load import read
+from ..model.show import suggest
+from ..results import Optimum
+from ..system import System
+from .differentiable import differentiable
+from .parameters import number, whole
+from .responses import Response
+from .runs import Simulation, run_of
+from .source import Source
+
+KEYS = (
+    "name", "model", "parameters", "minimize", "fit", "noise", "constraints", "analysis", "solver", "starts", "seed",
+    "iterations", "time_limit",
+)  # fmt: skip
+ONLY = {"minimize": ("constraints", "solver", "starts", "seed"), "fit": ("noise",)}
+Read = Callable[[Path], Model]
+
+
+@dataclass(frozen=True)
+class Sought:
+    """An optimization or a fit that was checked.
+
+    Attributes
+    ----------
+    name, system : of what
+    bounds : limits by name of the number
+    run : the simulation
+    objective : what is made least; none for a fit
+    constraints : of an optimization
+    misfits : of a fit
+    options : of `optimize` or `fit`
+    """
+
+    name: str
+    system: System
+    bounds: Mapping[str, tuple[float, float]]
+    run: Simulation
+    objective: Combined | None = None
+    constraints: Sequence[Within] = ()
+    misfits: Sequence[Misfit] = ()
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def solved(self, progress: Callable[[int, float], None] | None = None) -> Optimum:
+        """The optimum."""
+        settings = {name: getattr(self.run, name) for name in ("until", "method", "rtol", "atol")}
+        common: dict[str, Any] = {**settings, **self.options, "bounds": self.bounds, "progress": progress}
+        if self.objective is None:
+            return fit(self.system, self.misfits, list(self.bounds), **common)
+        return optimize(
+            self.system, self.objective, list(self.bounds), constraints=self.constraints, **common
+        )
+
+
+def read_optimization_file(path: str | Path, load: Read) -> Sought:
+    """Read an optimization or a fit from a YAML or JSON file and check all of it.
+
+    Parameters
+    ----------
+    path : of the file
+    load : reads the model, whose name is relative to the file
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong: file and line, what, and what to do.
+    """
+    place = Path(path)
+    file = _File(read(place), place.parent)
+    file.check()
+    data = file.document.data
+    run = file.part(_simulation, "analysis")
+    model = load(place.parent / str(data["model"]))
+    changes = {name: file.part(_change, "parameters", name) for name in data["parameters"]}
+    source = Source.of(model)
+    file.part(lambda _: source.check(changes), "parameters")
+    begin = {name: start for name, (_, start) in changes.items() if start is not None}
+    system = source.made(begin)[0] if begin else System(model)
+    options = {key: file.part(reader, key) for key, reader in OPTIONS.items() if key in data}
+    sought = {"name": str(data.get("name", place.stem)), "system": system, "run": run, "options": options}
+    bounds = {name: limits for name, (limits, _) in changes.items()}
+    if "fit" in data:
+        misfits = [
+            file.part(lambda said: _misfit(said, place.parent), "fit", k) for k in range(len(data["fit"]))
+        ]
+        return Sought(bounds=bounds, misfits=misfits, **sought)
+    objective = file.part(
+        lambda text: differentiable(Response("objective", str(text)), run.until), "minimize"
+    )
+    within = partial(_within, until=run.until)
+    constraints = [
+        file.part(partial(within, name), "constraints", name) for name in data.get("constraints", {})
+    ]
+    return Sought(bounds=bounds, objective=objective, constraints=constraints, **sought)
+
+
+@dataclass(frozen=True)
+class _File:
+    """The file's entries."""
+
+    document: Document
+    folder: Path
+
+    def part(self, reader: Callable[[Any], Any], *path: str | int) -> Any:
+        """What the reader makes of an entry; errors name the file and the line."""
+        given: Any = self.document.data
+        for step in path:
+            given = given[step]
+        try:
+            return reader(given)
+        except (SarrusError, ValueError) as wrong:
+            where = self.document.origin.where(path)
+            raise ModelError(str(wrong), where=where, part=".".join(map(str, path))) from None
+
+    def check(self) -> None:
+        """Refuse unknown, missing and contradictory keys."""
+        data, origin = self.document.data, self.document.origin
+        if not isinstance(data, dict):
+            raise ModelError("the file is a mapping with the keys " + ", ".join(KEYS), where=origin.file)
+        for key in data:
+            if key not in KEYS:
+                told = f"an optimization has no key {key!r}; {suggest(str(key), KEYS)}"
+                raise ModelError(told, where=origin.where((key,)))
+        for key in ("model", "parameters", "analysis"):
+            if key not in data:
+                raise ModelError(f"the file lacks the key {key!r}; give it", where=origin.file)
+        if ("minimize" in data) == ("fit" in data):
+            raise ModelError("give minimize or fit, and not both", where=origin.file)
+        other = "fit" if "minimize" in data else "minimize"
+        for key in ONLY[other]:
+            if key in data:
+                raise ModelError(f"{key!r} belongs to {other!r}; leave it out", where=origin.where((key,)))
+        for key, kind in (("parameters", dict), ("constraints", dict), ("fit", list)):
+            if key in data and not isinstance(data[key], kind):
+                told = "a mapping of names" if kind is dict else "a list of measurements"
+                raise ModelError(f"{key} must be {told}", where=origin.where((key,)))
+
+
+def _simulation(given: Any) -> Simulation:
+    run = run_of(given)
+    if not isinstance(run, Simulation):
+        raise SarrusError("derivatives are those of a simulation; give {type: simulate, until: ...}")
+    return run
+
+
+def _known(said: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
+    if not isinstance(said, dict):
+        raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}")
+    for key in said:
+        if key not in keys:
+            raise SarrusError(f"{what} has no key {key!r}; {suggest(str(key), keys)}")
+    return said
+
+
+def _change(given: Any) -> tuple[tuple[float, float], float | None]:
+    """Limits and start of ``{from: 1, to: 60, start: 10}``; any of them may be missing."""
+    said = _known(given or {}, ("from", "to", "start"), "a number that may change")
+    low, high = number(said.get("from", float("-inf"))), number(said.get("to", float("inf")))
+    if not low < high:
+        raise SarrusError(f"its limits must rise, but are {low:g} and {high:g}")
+    return (low, high), number(said["start"]) if "start" in said else None
+
+
+def _within(name: str, given: Any, *, until: float) -> Within:
+    said = _known(given, ("of", "lower", "upper"), "a constraint")
+    if "of" not in said:
+        raise SarrusError("a constraint lacks its formula; give of")
+    limits = {key: number(said[key]) for key in ("lower", "upper") if key in said}
+    return Within(differentiable(Response(str(name), str(said["of"])), until), **limits)
+
+
+def _misfit(given: Any, folder: Path) -> Misfit:
+    said = _known(given, ("of", "file", "time", "column", "sigma"), "a measurement")
+    for key in ("of", "file", "sigma"):
+        if key not in said:
+            raise SarrusError(f"a measurement lacks the key {key!r}; give it")
+    output = str(said["of"])
+    rows = _columns(folder / str(said["file"]), str(said.get("time", "t")), str(said.get("column", output)))
+    sigma = number(said["sigma"])
+    if not sigma > 0:
+        raise SarrusError(f"sigma must be greater than 0, but is {sigma:g}")
+    return Misfit(output, name=output, at=tuple(rows[0]), data=tuple(rows[1]), sigma=sigma)
+
+
+def _columns(path: Path, *names: str) -> list[list[float]]:
+    """Two columns of a table with a head, in SI units."""
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+    except OSError:
+        raise SarrusError(f"{path}: cannot be read; check the path") from None
+    known = list(table[0]) if table else []
+    for name in names:
+        if name not in known:
+            raise SarrusError(
+                f"{path}: has no column {name!r}; {suggest(name, known) if known else 'it is empty'}"
+            )
+    found = [[_cell(path, row[name]) for row in table] for name in names]
+    return found
+
+
+def _cell(path: Path, text: str) -> float:
+    try:
+        value = float(text)
+    except (TypeError, ValueError):
+        value = float("nan")
+    if not isfinite(value):
+        raise SarrusError(f"{path}: holds {text!r}, which is no number")
+    return value
+
+
+def _solver(given: Any) -> str:
+    if given not in SOLVERS:
+        raise SarrusError(f"there is no solver {given!r}; {suggest(str(given), SOLVERS)}")
+    return str(given)
+
+
+def _noise(given: Any) -> str:
+    if given not in ("given", "estimated"):
+        raise SarrusError(f"noise is given or estimated, but not {given!r}")
+    return str(given)
+
+
+OPTIONS: dict[str, Callable[[Any], Any]] = {
+    "noise": _noise,
+    "solver": _solver,
+    "starts": lambda given: whole(given, "starts"),
+    "seed": lambda given: whole(given, "seed", least=0),
+    "iterations": lambda given: whole(given, "iterations"),
+    "time_limit": number,
+}

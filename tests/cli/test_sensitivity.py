@@ -1,0 +1,154 @@
+"""The verbs that differentiate: influences ranked, and best numbers from a file."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus import mechanisms
+from sarrus.cli import main
+from sarrus.model import ModelError, load
+from sarrus.studies.optimization import read_optimization_file
+
+CRANK = str(mechanisms.path("slider_crank"))
+SHORT = ["--until", "0.3", "--rtol", "1e-5", "--atol", "1e-7"]
+
+
+def test_influences_are_ranked_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "tornado.png"
+    wanted = ["--response", "slider.x", "max(slider.x) - min(slider.x)", "--wrt", "spring", "rod.mass"]
+    assert main(["sensitivity", CRANK, *SHORT, *wanted, "--figure", str(figure)]) == 0
+    told = capsys.readouterr().out
+    assert "slider.x = " in told
+    assert told.index("spring.length") < told.index("rod.mass")
+    assert figure.stat().st_size > 10_000
+    assert main(["sensitivity", CRANK, *SHORT, *wanted, "--json", "-q"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    run = sr.simulate(sr.System(load(CRANK)), until=0.3, rtol=1e-5, atol=1e-7, keep_steps=True)
+    direct = sr.sensitivity(run, "slider.x", found["names"], method="direct")
+    assert np.allclose(found["responses"]["slider.x"]["gradient"], direct.matrix[0], rtol=1e-8, atol=1e-12)
+    assert found["responses"]["slider.x"]["ranked"][:3] == direct.ranked()[:3]
+
+
+MISUSE = [
+    ("--response slider.w", "no output 'slider.w'"),
+    ("--response slider.x --wrt spring.kk", "no number 'spring.kk'"),
+    ("--response max(max(slider.x))", "a reduction in a reduction"),
+    ("--response slider.x --figure a.xyz", "--figure: must end in"),
+    ("--response max(slider.x", "max(slider.x"),
+]
+
+
+@pytest.mark.parametrize(("line", "sentence"), MISUSE, ids=[line for line, _ in MISUSE])
+def test_misuse_is_one_sentence(line: str, sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sensitivity", CRANK, "--until", "0.01", *line.split()]) == 2
+    told = capsys.readouterr().err
+    assert sentence in told
+    assert told.startswith("sarrus: ")
+    assert told.count("\n") == 1
+
+
+BEST = """\
+name: soft
+model: crank.yaml
+parameters:
+  spring.k: {from: 5 N/m, to: 40}
+  spring.c: {from: 0.5, to: 5, start: 2}
+minimize: integral(slider.velocity.x**2)
+constraints:
+  last: {of: slider.velocity.x, upper: -1.0}
+analysis: {type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7}
+iterations: 20
+"""
+FIT = """\
+model: crank.yaml
+parameters: {spring.k: {start: 13}, rod.mass: {from: 0.2, start: 1.2}}
+fit:
+  - {of: slider.x, file: data.csv, column: slider.r.x, sigma: 1 mm}
+noise: estimated
+analysis: {type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7}
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    (folder / "crank.yaml").write_text(Path(CRANK).read_text())
+    run = sr.simulate(sr.System(load(CRANK)), until=1.0, t_eval=np.linspace(0, 1, 21), rtol=1e-7, atol=1e-9)
+    run.to_csv(folder / "data.csv")
+    (folder / "best.yaml").write_text(text)
+    return folder / "best.yaml"
+
+
+def test_best_numbers_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, figure, table = written(tmp_path, BEST), tmp_path / "c.png", tmp_path / "d.csv"
+    assert main(["optimize", str(file), "--figure", str(figure), "--csv", str(table), "--json", "-q"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    bounds = {"spring.k": (5.0, 40.0), "spring.c": (0.5, 5.0)}
+    effort = sr.Integral(lambda o: o("slider.velocity.x") ** 2)
+    limit = sr.Within("slider.velocity.x", upper=-1.0)
+    same = sr.optimize(
+        sr.System(load(CRANK)),
+        effort,
+        [*bounds],
+        until=1.0,
+        bounds=bounds,
+        constraints=[limit],
+        rtol=1e-5,
+        atol=1e-7,
+    )
+    assert found["objective"] == pytest.approx(same.value, rel=1e-3)
+    assert found["constraints"]["last"] == pytest.approx(-1.0, abs=1e-4)
+    assert figure.stat().st_size > 10_000
+    assert len(table.read_text().splitlines()) == found["simulations"] + 1
+
+
+def test_parameters_from_measurements_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["optimize", str(written(tmp_path, FIT)), "--json", "-q"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["numbers"]["spring.k"] == pytest.approx(10, rel=1e-2)
+    assert found["numbers"]["rod.mass"] == pytest.approx(1, rel=1e-2)
+    assert set(found["intervals"]) == {"spring.k", "rod.mass"}
+
+
+WRONG = [
+    (
+        "minimize:",
+        "minimise:",
+        "best.yaml:6: an optimization has no key 'minimise'; did you mean \"minimize\"?",
+    ),
+    ("spring.k:", "spring.kk:", "has no number 'spring.kk'"),
+    ("{from: 5 N/m, to: 40}", "{from: 50, to: 40}", "best.yaml:4: parameters.spring.k: its limits must rise"),
+    ("{from: 5 N/m, to: 40}", "{form: 5, to: 40}", "has no key 'form'; did you mean \"from\"?"),
+    ("upper: -1.0", "uper: -1.0", "has no key 'uper'"),
+    (", upper: -1.0", "", "needs a lower or an upper limit"),
+    (
+        "type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7",
+        "type: statics",
+        "derivatives are those of a simulation",
+    ),
+    ("iterations: 20", "iterations: 0", "best.yaml:10: iterations: iterations must be a whole number"),
+    ("iterations: 20", "solver: Newton", "there is no solver 'Newton'"),
+    ("iterations: 20", "noise: given", "best.yaml:10: 'noise' belongs to 'fit'"),
+    ("iterations: 20", "fit: []", "give minimize or fit, and not both"),
+    ("minimize: integral(", "minimize: integrate(", "best.yaml:6: minimize:"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "sentence"), WRONG, ids=[wrong for _, wrong, _ in WRONG])
+def test_what_is_wrong_in_a_file_is_told_with_its_line(
+    right: str, wrong: str, sentence: str, tmp_path: Path
+) -> None:
+    assert right in BEST
+    (tmp_path / "crank.yaml").write_text(Path(CRANK).read_text())
+    (tmp_path / "best.yaml").write_text(BEST.replace(right, wrong))
+    with pytest.raises(ModelError) as told:
+        read_optimization_file(tmp_path / "best.yaml", load)
+    assert sentence in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_a_missing_column_is_named(tmp_path: Path) -> None:
+    file = written(tmp_path, FIT.replace("slider.r.x", "slider.q"))
+    with pytest.raises(ModelError, match=r"has no column 'slider.q'"):
+        read_optimization_file(file, load)

@@ -175,7 +175,7 @@ _HOMES = {
         "AssemblyDerivatives At Combined Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace "
         "Maximum Minimum Misfit NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap "
         "area_gradient assemble dexterity end_gradient equilibrium fit hessian hessian_product "
-        "input_singularities inverse_dynamics"
+        "input_singularities inverse_dynamics "
         "kinematics linearize mobility modes optimize repeat resume sensitivity simulate singularities "
         "state_derivatives verify_workspace workspace workspace_range workspace_volume"
     ),

@@ -49,6 +49,16 @@ def test_allocation() -> None:
         assert found[f"{group}.mallocs_compiled"] == found[f"{group}.numba_allocations"] == 0
 
 
+def test_workspace() -> None:
+    """Maps are right, pass their tests, and take far fewer kinematic solutions than grids."""
+    found = figures("workspace.py", "--repeats", "1")
+    for name in ("arm_3r", "five_bar", "platform", "platform_with_legs"):
+        assert found[f"{name}.area_error"] < 1e-6
+        assert found[f"{name}.tests_passed"]
+    assert found["platform.grid_solutions_over_ours"] > 100
+    assert found["platform.grid_error_over_ours"] > 10
+
+
 def test_studies() -> None:
     """Workers compute the same numbers."""
     found = figures("studies.py", "--cases", "10", "--repeats", "1")

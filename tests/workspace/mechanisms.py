@@ -66,18 +66,22 @@ def platform_equilateral() -> Case:
     return system, output, dict.fromkeys(legs, (0.8, 2.2))
 
 
-def five_bar() -> Case:
-    """Two cranks of 1.2 m at (-1, 0) and (1, 0), two rods of 1.5 m: five hinges, three redundant equations."""
+def five_bar(balls: bool = False) -> Case:
+    """Two cranks of 1.2 m at (-1, 0) and (1, 0), two rods of 1.5 m: five hinges, three redundant equations.
+
+    With ball joints at both ends of the first rod, no equation is redundant, but the rod can spin.
+    """
     A1, A2, P = np.array([-1.0, 0.0]), np.array([1.0, 0.0]), np.array([0.1, 1.9])
     B1, B2 = _corner(A1, 1.2, P, 1.5), _corner(P, 1.5, A2, 1.2)
     cranks = [_bar("crank_1", A1, B1), _bar("crank_2", A2, B2)]
     rods = [_bar("rod_1", B1, P), _bar("rod_2", B2, P)]
+    at_ends = _ball if balls else _hinge
     joints = [
         _hinge("a1", sr.ground, cranks[0], A1),
         _hinge("a2", sr.ground, cranks[1], A2),
-        _hinge("b1", cranks[0], rods[0], B1),
+        at_ends("b1", cranks[0], rods[0], B1),
         _hinge("b2", cranks[1], rods[1], B2),
-        _hinge("p", rods[0], rods[1], P),
+        at_ends("p", rods[0], rods[1], P),
     ]
     system = sr.System(sr.Model("five-bar", bodies=[*cranks, *rods], joints=joints))
     return system, rods[0].point(1.5, 0, 0)["x", "y"], {}
@@ -91,6 +95,10 @@ def _bar(name: str, start: np.ndarray, end: np.ndarray) -> sr.Body:
 
 def _hinge(name: str, i: sr.Body, j: sr.Body, at: np.ndarray) -> sr.Revolute:
     return sr.Revolute(name, i, j, point=(*at, 0), axis=(0, 0, 1))
+
+
+def _ball(name: str, i: sr.Body, j: sr.Body, at: np.ndarray) -> sr.Spherical:
+    return sr.Spherical(name, i, j, point=(*at, 0))
 
 
 def _corner(a: np.ndarray, r_a: float, b: np.ndarray, r_b: float) -> np.ndarray:

@@ -42,6 +42,17 @@ def test_redundant_equations_are_left_out() -> None:
     assert problem.freedoms == 2
 
 
+def test_a_rod_that_spins_idly_is_locked() -> None:
+    """A five-bar with ball joints at both ends of one rod has the workspace of one with hinges."""
+    system, output, _ = five_bar(balls=True)
+    map_ = sr.WorkspaceMap(system, output)
+    assert len(map_.problem.locked) == 1
+    assert map_.problem.freedoms == 2
+    found = map_.run().result()
+    assert found.success, found.message
+    assert found.area == pytest.approx(11.788984798867766, rel=3e-7)
+
+
 def test_random_positions_can_be_built() -> None:
     """The hinges' equations allow their axes to be reversed; the samples do not."""
     problem = problem_of(arm_3r())
@@ -81,6 +92,9 @@ def test_a_map_can_be_left_and_taken_up_again() -> None:
     [
         (("link_9.x", "link_2.y"), {}, "link_2.x"),
         (("link_2.x",) * 4, {}, "one to three outputs"),
+        (("link_2.x",), {}, "a map is of two outputs, not 1"),
+        (("link_2.x", "link_2.y"), {"fixed": {"q1": 0.0}}, "has 1 degree of freedom"),
+        (("link_2.x", "link_2.y"), {"fixed": {"q1": 2.0}, "limits": {"q1": (0, 1)}}, "beyond its limits"),
         (("link_2.x", "link_2.y"), {"limits": {"q1": (1.0, 0.0)}}, "give the lower one first"),
         (("link_2.x", "link_2.y"), {"fixed": {"link_2.z": 1.0}}, "could not be assembled"),
         (("link_2(0, 1).x", "link_2.y"), {}, "give three numbers"),

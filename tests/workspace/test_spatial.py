@@ -135,9 +135,8 @@ def test_a_section_of_an_orthogonal_arm() -> None:
         rho = np.hypot(out, 1 + 1.5 * np.sin(theta[ok]))
         change = np.diff(rho)
         stationary += rho[np.flatnonzero(change[1:] * change[:-1] < 0) + 1].tolist()
-    assert sorted(r for found_radii in radii.values() for r in found_radii) == pytest.approx(
-        sorted(stationary), abs=1e-8
-    )
+    mine = sorted(r for some in radii.values() for r in some)
+    assert mine == pytest.approx(sorted(stationary), abs=1e-8)
     (outer,), void = radii["outer"], radii["void"]
     assert found.area == pytest.approx(np.pi * (outer**2 - sum(r**2 for r in void)), rel=3e-7)
 

@@ -63,7 +63,7 @@ def input_singularities(
 
 
 def _refuse_counts(problem: Problem) -> None:
-    freedoms, name = problem.freedoms + len(problem.fixed), problem.system.name
+    freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
     if len(problem.normal) != freedoms:
         told = f"{name} has {freedoms} degrees of freedom, but {len(problem.normal)} inputs are given"
         raise SarrusError(f"{told}; give as many inputs")

@@ -12,6 +12,7 @@ from ...model import SarrusError, blueprint
 from ...system import System
 from ..degrees_of_freedom import normalizations
 from ..rank import unit_rows
+from .idle import locks
 from .measures import Measure, measures
 from .problem import Problem
 from .sample import Samples
@@ -49,11 +50,14 @@ def formulate(
     bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
     normal = outputs if singular == "outputs" else driven
     free = _without_drivers(system)
-    nothing, size = np.zeros((0, system.nq)), _size(system)
-    rough = Problem(system, table, outputs, normal, targets, {}, free, nothing, size)
+    size = _size(system)
+    rough = Problem(system, table, outputs, normal, targets, {}, free, (), size)
     positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
     kept = _independent(system, positions, free)
-    return Problem(system, table, outputs, normal, targets, bounds, kept, nothing, size, positions)
+    idle = locks(rough, [q / rough.scale for q in positions])
+    locked = range(len(table), len(table) + len(idle))
+    targets |= dict.fromkeys(locked, 0.0)
+    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, positions)
 
 
 def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:

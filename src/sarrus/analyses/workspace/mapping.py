@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...model import SarrusError
 from ...results.workspace import Effort, Verification, Workspace
 from ...system import System
 from .crossing import Crossing, crossing
@@ -24,6 +25,16 @@ from .trace import LONGEST
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
 MOST_STARTS = 600
 CONFIDENCE = 0.95
+
+
+def _refuse_counts(problem: Problem) -> None:
+    name, freedoms = problem.system.name, problem.freedoms
+    if len(problem.outputs) != 2:
+        told = "see workspace_range for one, workspace_volume for three"
+        raise SarrusError(f"a map is of two outputs, not {len(problem.outputs)}; {told}")
+    if freedoms < 2:
+        told = f"{name} has {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
+        raise SarrusError(f"{told}; fix less, or ask for the range of one output (workspace_range)")
 
 
 class WorkspaceMap:
@@ -55,9 +66,9 @@ class WorkspaceMap:
         repeats: int = REPEATS,
         longest: float = LONGEST,
     ) -> None:
-        self._begin(
-            formulate(system, output, limits=limits, fixed=fixed, inputs=inputs), seed, repeats, longest
-        )
+        problem = formulate(system, output, limits=limits, fixed=fixed, inputs=inputs)
+        _refuse_counts(problem)
+        self._begin(problem, seed, repeats, longest)
 
     def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:
         self.problem, self.seed, self.repeats = problem, seed, repeats

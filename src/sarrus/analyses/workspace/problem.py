@@ -1,7 +1,7 @@
 """Which workspace is asked for: one table of rows, Φ and named functions, with all derivatives, free of units.
 
-The table has the independent rows of Φ, then locks of idle freedoms, then the functions: outputs, limited and fixed
-ones. Positions are scaled by the size L of the mechanism, and so are the rows: q = S q̂, f = f̂ / R.
+The table has the independent rows of Φ, then the functions: outputs, limited and fixed ones, locks of idle freedoms.
+Positions are scaled by the size L of the mechanism, and so are the rows: q = S q̂, f = f̂ / R.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Problem:
     fixed : place -> value that it keeps
     limits : place -> (lowest, highest), infinite where there is none
     kept : rows of Φ that are independent (and no driver's)
-    locks : (k, nq) scaled linear forms that hold idle freedoms at zero
+    locked : places of functions that hold idle freedoms; they are among the fixed ones
     size : L [m]
     positions : random ones (nq,), by which axes are found that stay parallel
 
@@ -53,14 +53,14 @@ class Problem:
         fixed: Mapping[int, float],
         limits: Mapping[int, tuple[float, float]],
         kept: Array,
-        locks: Array,
+        locked: Sequence[int],
         size: float,
         positions: Sequence[Array] = (),
     ) -> None:
         self.system, self.table, self.size = system, tuple(table), size
         self.outputs, self.normal = np.array(outputs, dtype=int), np.array(normal, dtype=int)
-        self.fixed, self.limits, self.kept, self.locks = dict(fixed), dict(limits), kept, locks
-        self.n, self.m = system.nq, len(kept) + len(locks)
+        self.fixed, self.limits, self.kept, self.locked = dict(fixed), dict(limits), kept, tuple(locked)
+        self.n, self.m = system.nq, len(kept)
         self.freedoms = self.n - self.m - len(fixed)
         self.units = np.array([self._unit(k) for k in range(len(table))])
         self.output_angles = np.array([table[k].kind == "angle" for k in outputs], dtype=bool)
@@ -80,14 +80,14 @@ class Problem:
             {**self.fixed, k: value},
             self.limits,
             self.kept,
-            self.locks,
+            self.locked,
             self.size,
             self._positions,
         )
 
     def _unit(self, k: int) -> float:
         """What a scaled function is multiplied by."""
-        if self.table[k].kind == "angle":
+        if self.table[k].kind in ("angle", "form"):
             return 1.0
         if self.table[k].kind == "length":
             return self.size
@@ -150,14 +150,13 @@ class Problem:
     def values(self, q: Array) -> Array:
         """Φ̂ and all functions (rows,) at scaled q; targets are not subtracted."""
         real = q * self.scale
-        return np.concatenate([self._Phi[0](real), self.locks @ q, self._Phi[1](real)])
+        return np.concatenate([self._Phi[0](real), self._Phi[1](real)])
 
     def jacobian(self, q: Array) -> Array:
         """The gradients of all rows (rows, n)."""
         real, J = q * self.scale, np.zeros((self.rows, self.n))
         for matrix in self._Phi_q:
             matrix.add(J, real)
-        J[len(self.kept) : self.m] = self.locks
         return J
 
     def curvature(self, q: Array, weights: Array) -> Array:
@@ -177,14 +176,12 @@ class Problem:
     def second_along(self, q: Array, along: Array) -> Array:
         """The second derivatives of all rows, contracted twice with a direction (rows,)."""
         real, xi = q * self.scale, along * self.scale
-        return -np.concatenate(
-            [self._gamma[0](real, xi), np.zeros(len(self.locks)), self._gamma[1](real, xi)]
-        )
+        return -np.concatenate([self._gamma[0](real, xi), self._gamma[1](real, xi)])
 
     def unscaled(self, weights: Array) -> tuple[Array, Array]:
         """Multipliers of Φ (m,) and of the functions in real units."""
         lam = np.zeros(self.system.m)
-        lam[self.kept] = weights[: len(self.kept)] * self.row_scale[self.kept]
+        lam[self.kept] = weights[: self.m] * self.row_scale[self.kept]
         return lam, weights[self.m :] / self.units
 
     def shown(self, k: int, scaled: Any) -> Any:

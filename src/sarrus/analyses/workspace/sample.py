@@ -32,8 +32,7 @@ class Samples:
         self._problem, self._random = problem, np.random.default_rng(seed)
         self._rows, self._goal = constrained(problem)
         self._near = problem.system.q0 / problem.scale
-        tree = np.flatnonzero(np.isin(problem.kept, tree_rows(problem.system)))
-        self._tree = np.concatenate([tree, np.arange(len(problem.kept), problem.m)]).astype(int)
+        self._tree = np.flatnonzero(np.isin(problem.kept, tree_rows(problem.system)))
         drawn = settle(problem, self._near, self._rows, self._goal)
         self._known = [] if drawn is None else [drawn]
         self.tried = self.found = 0

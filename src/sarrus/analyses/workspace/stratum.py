@@ -47,7 +47,10 @@ class Stratum:
         self.normal = problem.m + problem.normal
         ends = [problem.bounds[i, end] for i, end in self.active]
         self.goal = np.concatenate([np.zeros(problem.m), problem.targets, np.array(ends)])
-        self.pushing = self.rows if problem.of_outputs else self.rows[: problem.m]
+        self.pushing = self.rows
+        if not problem.of_outputs:
+            locks = problem.m + np.array(problem.locked, dtype=int)
+            self.pushing = np.concatenate([np.arange(problem.m), locks])
         self.n, self.count, self.k = problem.n, len(self.pushing), len(self.normal)
         self.size = self.n + self.count + self.k
         self.first_limit = self.n + self.count - len(self.active)

@@ -135,7 +135,7 @@ def _chain(system: System, task: _Task) -> Iterator[Slice]:
     third = task.output[2]
     fixed = {**task.fixed, third: task.heights[0]}
     problem = formulate(system, task.output[:2], limits=task.limits, fixed=fixed)
-    place = list(problem.fixed)[-1]
+    place = [k for k in problem.fixed if k not in problem.locked][-1]
     before: WorkspaceMap | None = None
     for height in task.heights:
         here = problem.held_at(place, height)

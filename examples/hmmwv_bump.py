@@ -3,8 +3,8 @@
 python examples/hmmwv_bump.py [FOLDER]
 
 Writes hmmwv-settle.png, hmmwv-bump.png and hmmwv-steer.png into the folder: bounce, pitch and roll of the chassis,
-loads of the tyres and travel of the wheels. The wheels do not spin and the tyres have vertical forces only, so nothing would
-hold the vehicle in a curve: steering is shown at rest.
+loads of the tyres and travel of the wheels. The wheels do not spin and the tyres have vertical forces only, so
+nothing would hold the vehicle in a curve: steering is shown at rest.
 """
 
 import dataclasses

@@ -85,3 +85,10 @@ def test_energy_drifts_less_with_smaller_tolerances() -> None:
     found = figures("drift.py", "--quick")
     for method in ("HHT", "Radau", "DOP853"):
         assert found[f"simple_pendulum.1e-08.{method}"] < 0.2 * found[f"simple_pendulum.1e-06.{method}"]
+
+
+def test_sensitivity() -> None:
+    found = figures("sensitivity.py", "--quick")
+    assert found["hmmwv.parameters"] > 500
+    assert 0 < found["hmmwv.direct_ratio_per_parameter"] < 0.5
+    assert found["sundials_crank.gradient_error"] < 5e-3

@@ -49,14 +49,13 @@ class Gradient:
         return float(self.values[0])
 
     def influences(self, response: int = 0) -> Array:
-        """Change of a response for one hundredth more of each number (p,); per unit where the number is 0."""
-        scale = np.where(self.at == 0, 1.0, 0.01 * self.at)
-        return np.asarray(self.matrix[response] * scale)
+        """Change of a response for one hundredth more of each number (p,): nothing where the number is 0."""
+        return np.asarray(0.01 * self.matrix[response] * self.at)
 
     def ranked(self, response: int = 0) -> list[str]:
-        """Names of the numbers by falling influence."""
-        order = np.argsort(-abs(self.influences(response)), kind="stable")
-        return [self.names[k] for k in order]
+        """Names of the numbers by falling influence; those that are 0 at the end, by falling derivative."""
+        keys = -abs(self.matrix[response]), -abs(self.influences(response))
+        return [self.names[k] for k in np.lexsort(keys)]
 
     def table(self, response: int = 0, most: int = 20) -> str:
         """The numbers of the largest influence as a text."""

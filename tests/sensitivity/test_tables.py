@@ -1,0 +1,40 @@
+"""Gradients as tables and figures, and the guide's code."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from tests.sensitivity.test_gradients import swung
+
+import sarrus as sr
+from sarrus.results import Gradient
+
+GUIDE = Path(__file__).parent.parent.parent / "docs/how-to/sensitivity.md"
+
+
+def test_numbers_are_ranked_by_their_influence() -> None:
+    at, slopes = np.array([0.0, 2.0, -100.0, 0.0]), np.array([[9.0, 3.0, 0.1, 10.0]])
+    found = Gradient(("x",), ("a", "b", "c", "d"), np.array([1.0]), at, slopes)
+    assert found.ranked() == ["c", "b", "d", "a"]
+    assert np.allclose(found.influences(), [0, 0.06, -0.1, 0])
+    told = found.table(most=2).splitlines()
+    assert told[0] == "x = 1"
+    assert told[2].split() == ["c", "-100", "+0.1", "-0.1"]
+    assert told[-1].strip() == "and 2 more of less influence"
+
+
+def test_the_largest_influences_are_drawn() -> None:
+    gradient = sr.sensitivity(swung("HHT"), "slider.x", ["spring.k", "spring.c", "rod.mass", "spring.force"])
+    ax = gradient.plot()
+    bars = {
+        label.get_text(): bar.get_width() for label, bar in zip(ax.get_yticklabels(), ax.patches, strict=True)
+    }
+    assert set(bars) == {"spring.k", "spring.c", "rod.mass"}
+    assert np.isclose(bars["spring.k"], 0.1 * gradient["spring.k"])
+
+
+def test_the_code_of_the_guide_runs() -> None:
+    code = "\n".join(re.findall(r"```python\n(.*?)```", GUIDE.read_text(), flags=re.DOTALL))
+    scope: dict[str, object] = {}
+    exec(compile(code, str(GUIDE), "exec"), scope)
+    assert scope["bend"].asymmetry < 1e-9

@@ -2,9 +2,9 @@
 
     python benchmarks/workspace.py [--json] [--repeats 3]
 
-Every mechanism is mapped with all its barriers, warm, on one core (its processor time is told); the error is that of the area, known in closed form.
-A grid map takes one kinematic solution for each of its points; its error is found with the exact boundary, so that only
-the number of solutions is compared, not anybody's inverse kinematics.
+Every mechanism is mapped with all its barriers, warm, on one core (its processor time is told); the error is that of
+the area, known in closed form. A grid map takes one kinematic solution for each of its points; its error is found
+with the exact boundary, so that only the number of solutions is compared, not anybody's inverse kinematics.
 """
 
 from __future__ import annotations

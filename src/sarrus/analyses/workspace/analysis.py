@@ -19,7 +19,6 @@ def workspace(
     *,
     limits: Limits | None = None,
     fixed: Mapping[Any, float] | None = None,
-    inputs: Iterable[Any] = (),
     verify: bool = True,
     samples: int = 1000,
     rays: int = 30,
@@ -45,7 +44,6 @@ def workspace(
         Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
         a robot description.
     fixed : function -> value that it keeps, such as an orientation
-    inputs : functions that are driven, for `manipulability`
     verify : whether the map is tested by random positions, rays and inverse kinematics, see `verify_workspace`
     samples, rays : of these tests
     seed : of all random numbers
@@ -63,7 +61,7 @@ def workspace(
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
     found = WorkspaceMap(
-        system, output, limits=limits, fixed=fixed, inputs=inputs, seed=seed, repeats=repeats, longest=longest
+        system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest
     )
     first = found.run().result()
     return verify_workspace(first, samples, rays) if verify else first

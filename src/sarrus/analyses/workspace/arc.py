@@ -114,8 +114,3 @@ def _between(piece: Array, low: float, high: float) -> Array:
         shifted[0] += row
         found = shifted
     return found
-
-
-def arc_of(steps: list[Array]) -> Arc:
-    """The arc of a branch's quintic steps."""
-    return Arc(np.array(steps))

@@ -60,12 +60,6 @@ def workspace_range(
     return Search(problem, seed, repeats).result()
 
 
-def critical_values(problem: Problem, seed: int = 0, repeats: int = REPEATS) -> Array:
-    """The critical values of a problem with one output, free of units, rising."""
-    search = Search(problem, seed, repeats)
-    return np.array(sorted({round(value, 10) for value in search.values()}))
-
-
 class Search:
     """Random starts until nothing new is found."""
 

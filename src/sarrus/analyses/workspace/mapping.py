@@ -42,10 +42,10 @@ class WorkspaceMap:
 
     Parameters
     ----------
-    system, output, limits, fixed, inputs : see `sarrus.workspace`
+    system, output, limits, fixed : see `sarrus.workspace`
     seed : of all random numbers
     repeats : starts in a row that lead to nothing new, before the map counts as complete
-    finest : how long steps may be; smaller numbers give more points
+    longest : step of a curve, free of units; smaller numbers give more points
 
     Attributes
     ----------
@@ -61,12 +61,11 @@ class WorkspaceMap:
         *,
         limits: Limits | None = None,
         fixed: Mapping[Any, float] | None = None,
-        inputs: Iterable[Any] = (),
         seed: int = 0,
         repeats: int = REPEATS,
         longest: float = LONGEST,
     ) -> None:
-        problem = formulate(system, output, limits=limits, fixed=fixed, inputs=inputs)
+        problem = formulate(system, output, limits=limits, fixed=fixed)
         _refuse_counts(problem)
         self._begin(problem, seed, repeats, longest)
 

@@ -15,7 +15,6 @@ from .stratum import Active, Stratum
 
 STEPS = 25
 LONGEST = 0.5
-STALL = 0.995
 
 
 class Start(NamedTuple):

@@ -8,7 +8,7 @@ S + {i}, each of its limits can be left instead.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -135,8 +135,6 @@ def _both(stratum: Stratum, point: Point, own: Own) -> Iterator[Half]:
 
 def turned(point: Point) -> Point:
     """The same point with the curve run through the other way."""
-    from dataclasses import replace
-
     t = point.tangent
     other = t._replace(t=-t.t, sign=-t.sign)
     return replace(point, tangent=other, u_s=-point.u_s, margins_s=-point.margins_s)

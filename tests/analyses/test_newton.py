@@ -9,10 +9,17 @@ import pytest
 from scipy.sparse.linalg import splu
 
 import sarrus as sr
+from sarrus.analyses.dynamics.alpha_loop import Scheme
 from sarrus.analyses.dynamics.newton_matrix import NewtonMatrix
 from sarrus.analyses.dynamics.placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
-from sarrus.analyses.dynamics.radau_loop import weigh
-from sarrus.analyses.dynamics.radau_run import MATRICES, newton_parts
+from sarrus.analyses.dynamics.stabilized_matrix import (
+    MATRICES,
+    START,
+    StabilizedMatrix,
+    compiled_solver,
+    newton_parts,
+    weigh,
+)
 from sarrus.analyses.linear import SingularMatrix
 from sarrus.analyses.motion import Motion
 
@@ -55,29 +62,71 @@ def evaluate(views: dict[str, np.ndarray], without: str, **state: np.ndarray) ->
         views[without][:] = 0.0
 
 
+def end_of(scheme: Scheme, a: np.ndarray) -> tuple[np.ndarray, ...]:
+    """q and v at the end of a step, without multipliers."""
+    q0, v0, a0, _ = moving()
+    x = (1 - scheme.alpha_f) * a + scheme.alpha_f * a0
+    q = q0 + H * v0 + H * H * ((0.5 - scheme.beta) * a0 + scheme.beta * x)
+    return q, v0 + H * ((1 - scheme.gamma) * a0 + scheme.gamma * x)
+
+
+def weights_of(scheme: Scheme) -> tuple[float, float]:
+    """β' and γ'."""
+    kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+    return scheme.beta * H * H * kappa, scheme.gamma * H * kappa
+
+
+def unbalanced(q: np.ndarray, v: np.ndarray, a: np.ndarray, lam: np.ndarray) -> np.ndarray:
+    """M a + Φ_qᵀλ - Q - S."""
+    system = top()
+    return system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
+
+
 def alpha_steps(without: str = "") -> list[float]:
     """Sizes of the Newton steps of one step of HHT, from a disturbed start."""
-    system, (q0, v0, a0, lam) = top(), moving()
-    matrix, scheme, a, sizes = (
-        NewtonMatrix(system, None),
-        sr.HHT().scheme(),
-        a0 + 20 * np.cos(np.arange(7)),
-        [],
-    )
-    kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-    beta, gamma = scheme.beta * H * H * kappa, scheme.gamma * H * kappa
+    system, (_, _, a0, lam), sizes = top(), moving(), list[float]()
+    matrix, scheme, a = NewtonMatrix(system, None), sr.HHT().scheme(), a0 + 20 * np.cos(np.arange(7))
+    beta, gamma = weights_of(scheme)
     for _ in range(7):
-        x = (1 - scheme.alpha_f) * a + scheme.alpha_f * a0
-        q = q0 + H * v0 + H * H * ((0.5 - scheme.beta) * a0 + scheme.beta * x)
-        v = v0 + H * ((1 - scheme.gamma) * a0 + scheme.gamma * x)
+        q, v = end_of(scheme, a)
         evaluate(matrix.views, without, q=q, v=v, a=a, lam=lam)
         matrix.weigh(beta, gamma)
         matrix.choose_pivots()
-        upper = system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
-        step = matrix.lu.solve(np.concatenate([upper, system.Phi(q) / beta]))
+        step = matrix.lu.solve(np.concatenate([unbalanced(q, v, a, lam), system.Phi(q) / beta]))
         a, lam = a - step[: system.nq], lam - step[system.nq :]
         sizes.append(float(np.linalg.norm(beta * step[: system.nq])))
     return sizes
+
+
+def stabilized_steps(without: str = "") -> list[float]:
+    """The same on the stabilized equations, with multipliers η and the shift -Φ_q(q₀)ᵀη of q."""
+    system, (q0, v0, a0, lam), sizes = top(), moving(), list[float]()
+    scheme, a = sr.HHT().scheme(), a0 + 20 * np.cos(np.arange(7))
+    nq, m, (beta, gamma) = system.nq, system.m, weights_of(scheme)
+    matrix, shift, eta = StabilizedMatrix(system, None), np.zeros(system.nq), np.zeros(system.m)
+    for _ in range(8):
+        q, v = end_of(scheme, a)
+        q = q + shift
+        evaluate(matrix.views, "", q=q0, v=v0, a=a0, lam=lam)
+        matrix.views[START][:] = matrix.views["Phi_q"] * (without != START)
+        evaluate(matrix.views, "" if without == START else without, q=q, v=v, a=a, lam=lam)
+        matrix.weigh(beta, gamma)
+        matrix.choose_pivots()
+        rates = beta / gamma * system.Phi_q_xi(q, v)
+        upper = [shift + system.Phi_qT_lam(q0, eta), beta * unbalanced(q, v, a, lam)]
+        step = solved(matrix, np.concatenate([*upper, system.Phi(q), rates]))
+        dq, da, dlam, deta = np.split(step, [nq, 2 * nq, 2 * nq + m])
+        a, lam, eta, shift = a - da / beta, lam - dlam / beta, eta - deta, shift - (dq - da)
+        sizes.append(float(np.linalg.norm(step[: 2 * nq])))
+    return sizes
+
+
+def solved(matrix: StabilizedMatrix, right: np.ndarray) -> np.ndarray:
+    """The solution for the numbers of the matrix, its pivots chosen for them."""
+    placed, solution = matrix.placed, np.zeros(len(right))
+    assert compiled_solver()["refactor"](matrix.values, placed) > 0
+    compiled_solver()["backsolve"](placed, right, solution)
+    return solution
 
 
 def radau_steps(without: str = "") -> list[float]:
@@ -91,10 +140,9 @@ def radau_steps(without: str = "") -> list[float]:
     for _ in range(7):
         a = s * (v - v0)
         evaluate(numbers.views, without, q=q, v=v, a=a, lam=lam)
-        weigh(matrix.weights, s)
+        weigh(matrix.weights, 1 / s**2, 1 / s)
         first = s * (q - q0) - v + system.Phi_qT_lam(q, mu)
-        second = system.M_a(q, a) + system.Phi_qT_lam(q, lam) - system.Q(q, v) - system.S(q, v)
-        rows = [first / s, second / s**2, system.Phi(q), system.Phi_q_xi(q, v) / s]
+        rows = [first / s, unbalanced(q, v, a, lam) / s**2, system.Phi(q), system.Phi_q_xi(q, v) / s]
         place = matrix.pattern()
         place.data[:] = matrix.assembled()
         with np.errstate(all="ignore"):
@@ -106,7 +154,11 @@ def radau_steps(without: str = "") -> list[float]:
     return sizes
 
 
-CASES = [*((alpha_steps, term) for term in TERMS), *((radau_steps, term) for term in (*TERMS, "gamma_v"))]
+CASES = [
+    *((alpha_steps, term) for term in TERMS),
+    *((radau_steps, term) for term in (*TERMS, "gamma_v")),
+    *((stabilized_steps, term) for term in (*TERMS, "gamma_v", START)),
+]
 
 
 def quadratic(sizes: list[float]) -> bool:
@@ -114,7 +166,7 @@ def quadratic(sizes: list[float]) -> bool:
     return sizes[-1] < 1e-14 and all(after < 10 * before**2 + 1e-14 for before, after in pairwise(sizes))
 
 
-@pytest.mark.parametrize("steps", [alpha_steps, radau_steps])
+@pytest.mark.parametrize("steps", [alpha_steps, radau_steps, stabilized_steps])
 def test_quadratic_with_the_exact_matrix(steps: Callable[..., list[float]]) -> None:
     sizes = steps()
     assert sizes[0] > 0.01
@@ -123,7 +175,7 @@ def test_quadratic_with_the_exact_matrix(steps: Callable[..., list[float]]) -> N
 
 @pytest.mark.parametrize(("steps", "term"), CASES)
 def test_not_quadratic_without_a_term(steps: Callable[..., list[float]], term: str) -> None:
-    """Each term of the matrix counts: M, (M q'')_q, (Φ_qᵀλ)_q, Q_q, Q_v, S_q, S_v, Φ_q, and (Φ_q v)_q for Radau."""
+    """Each term of the matrix counts: M, (M q'')_q, (Φ_qᵀλ)_q, Q_q, Q_v, S_q, S_v, Φ_q, (Φ_q v)_q and Φ_q(q₀)."""
     try:
         sizes = steps(term)
     except (SingularMatrix, RuntimeError):

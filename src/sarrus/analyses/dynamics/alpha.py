@@ -1,4 +1,4 @@
-"""HHT and generalized-α: implicit methods of order 2 with numerical damping, on the index-3 equations."""
+"""HHT and generalized-α: implicit methods of order 2 with numerical damping, on the index-3 equations or stabilized."""
 
 from __future__ import annotations
 
@@ -53,6 +53,7 @@ class _Alpha:
     """What HHT and generalized-α share: everything but the coefficients."""
 
     step: float | None
+    stabilized: bool
 
     def scheme(self) -> loop.Scheme:
         """The coefficients of the method."""
@@ -69,7 +70,13 @@ class _Alpha:
                 scheme._replace(error=0.0),
                 replace(settings, max_step=longest, first_step=longest),
             )
-        return AlphaStepper(system, scheme, start, settings)
+        if not self.stabilized:
+            return AlphaStepper(system, scheme, start, settings)
+        if settings.keep_steps:
+            raise ValueError("with stabilized=True no steps are kept for derivatives; leave one of them out")
+        from .stabilized import StabilizedStepper
+
+        return StabilizedStepper(system, scheme, start, settings)
 
     def run(
         self,
@@ -103,10 +110,14 @@ class HHT(_Alpha):
     alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step.
     With `step` [s] all steps have this length, without error control; shorter only before breakpoints and where
     Newton's method fails.
+
+    With `stabilized` the velocity constraints are solved with the others, by a second set of multipliers (Gear, Gupta
+    and Leimkuhler 1985): Φ = 0 and Φ_q v + Φ_t = 0 hold at every step without projection, which costs more a step.
     """
 
     alpha: float = -0.1
     step: float | None = None
+    stabilized: bool = False
 
     def scheme(self) -> loop.Scheme:
         if not -1 / 3 <= self.alpha <= 0:
@@ -118,11 +129,12 @@ class HHT(_Alpha):
 class GeneralizedAlpha(_Alpha):
     """Chung and Hulbert's method; rho_inf, its spectral radius at infinite frequency: 1 does not damp, 0 damps most.
 
-    `step` as for `HHT`.
+    `step` and `stabilized` as for `HHT`.
     """
 
     rho_inf: float = 0.8
     step: float | None = None
+    stabilized: bool = False
 
     def scheme(self) -> loop.Scheme:
         if not 0 <= self.rho_inf <= 1:
@@ -138,17 +150,21 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
     return loop.Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
 
 
+def calls() -> dict[str, Any]:
+    """What calls kernels by address, and the solvers."""
+    run = pointer.run
+    found = {"RESIDUAL": run(1, 4), "MOMENTUM": run(0, 5), "FORCE": run(1, 3), "JACOBIAN": run(1, 4)}
+    found |= {"INERTIA": run(0, 7), "STIFFNESS": run(1, 4), "VELOCITY": run(1, 4), "TURNING": run(1, 3)}
+    return found | {"REMEMBER": run(1, 2), "REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
+
+
 @cache
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
-    run = pointer.run
-    calls = {"RESIDUAL": run(1, 4), "MOMENTUM": run(0, 5), "FORCE": run(1, 3), "JACOBIAN": run(1, 4)}
-    calls |= {"INERTIA": run(0, 7), "STIFFNESS": run(1, 4), "VELOCITY": run(1, 4), "REMEMBER": run(1, 2)}
-    calls |= {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-    order = "residual factor backsolve size update correct newton polish predict accept keep rescale remember advance"
-    made: dict[str, Any] = {}
-    for name in order.split():
-        made[name] = compiled_function(getattr(loop, name), **calls, **made)
+    order = "residual factor backsolve size update correct newton polish predict accept keep stretch rescale"
+    made, known = dict[str, Any](), calls()
+    for name in (*order.split(), "remember", "advance"):
+        made[name] = compiled_function(getattr(loop, name), **known, **made)
     return made
 
 
@@ -167,22 +183,26 @@ class AlphaStepper:
         self._numbers = self.b.copy()
         system.remember(start.q, self.b, 0.0)
         self.independence = independence_at(system, start)
-        self.matrix = NewtonMatrix(system, self.independence.kept)
-        self._advance = compiled_parts()["advance"]
-        entries = [system.group(*names).entry() for names in GROUPS.values()]
-        self._entries = loop.Entries._make([*entries, system.remembered.entry()])
+        self._make()
         nq, m = system.nq, system.m
-        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
-        self._memory = loop.Memory(*(np.zeros(length) for length in rows))
-        self._state = loop.State(
-            *(np.zeros(length) for length in (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m))
-        )
         self._control = loop.Control(np.zeros(9), np.zeros(5, dtype=np.int64))
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
         self.keeping = Keeping(system, self._chunk, settings)
         self._tolerance = settings.tolerances.for_loop()
-        self._arrays: loop.Matrix | None = None
+        self._arrays: Any = None
         self._vain = 0
+
+    def _make(self) -> None:
+        """The matrix, the compiled loop, and the arrays that it works on."""
+        system, nq, m = self.system, self.system.nq, self.system.m
+        self.matrix: Any = NewtonMatrix(system, self.independence.kept)
+        self._advance = compiled_parts()["advance"]
+        entries = [system.group(*names).entry() for names in GROUPS.values()]
+        self._entries: Any = loop.Entries._make([*entries, system.remembered.entry()])
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
+        self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
+        widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)
+        self._state: Any = loop.State(*(np.zeros(length) for length in widths))
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state: a and λ of the equations of motion, ã = a, a first step of its own."""
@@ -191,9 +211,11 @@ class AlphaStepper:
             a, lam = self._motion().acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
-        values = (q, v, a, a, lam, q, v, a, a, lam, 0 * a, 0 * lam)
-        for place, value in zip(self._state, values, strict=True):
-            place[:] = value
+        for place in self._state:
+            place[:] = 0.0
+        for name, value in {"q": q, "v": v, "a": a, "x": a, "lam": lam}.items():
+            for place in (getattr(self._state, f"{name}0"), getattr(self._state, f"{name}1")):
+                place[:] = value
         numbers, given = self._control.numbers, self.keeping.given()
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0
@@ -270,13 +292,9 @@ class AlphaStepper:
 
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
-        system, state, views = self.system, self._state, self.matrix.views
-        h, scheme = self._control.numbers[1], self.scheme
+        state, h, scheme = self._state, self._control.numbers[1], self.scheme
         kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-        operands = {"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0}
-        for kind in ("JACOBIAN", "INERTIA", "STIFFNESS"):
-            group = system.group(*GROUPS[kind])
-            group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
+        self._evaluate({"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0})
         self.matrix.weigh(scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
         try:
             self.matrix.choose_pivots()
@@ -284,6 +302,13 @@ class AlphaStepper:
             raise self._explained(state.q0, state.v0) from None
         self._control.numbers[2] = 0.0
         self._show_matrix()
+
+    def _evaluate(self, operands: dict[str, Any]) -> None:
+        """The numbers of all operators of the matrix."""
+        views = self.matrix.views
+        for kind in ("JACOBIAN", "INERTIA", "STIFFNESS"):
+            group = self.system.group(*GROUPS[kind])
+            group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
 
     def _show_matrix(self) -> None:
         """The matrix as the loop takes it."""
@@ -327,7 +352,7 @@ class AlphaStepper:
             raise ValueError(
                 "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
             )
-        found = {f"state_{name}": array for name, array in zip(loop.State._fields, self._state, strict=True)}
+        found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
         ready = self._arrays is not None
         found |= {f"matrix_{name}": array for name, array in self.matrix.state().items() if ready}
         numbers = np.array([self.t, self._span, self._vain])
@@ -343,16 +368,15 @@ class AlphaStepper:
         """Go on from such a state."""
         self.independence.resume(state["null"])
         self.matrix.keep(self.independence.kept)
-        for name, array in zip(loop.State._fields, self._state, strict=True):
+        for name, array in zip(self._state._fields, self._state, strict=True):
             array[:] = state[f"state_{name}"]
         self.b[:], self._control.numbers[:] = state["b"], state["numbers"]
         self._control.counts[:] = state["counts"]
         self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
         self.tally, self._arrays = Tally.of(state["tally"]), None
-        if "matrix_factors" in state:
-            self.matrix.resume(
-                *(state[f"matrix_{name}"] for name in ("row_place", "column_order", "factors"))
-            )
+        found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}
+        if found:
+            self.matrix.resume(**found)
             self._show_matrix()
 
     def steps(self) -> Any:

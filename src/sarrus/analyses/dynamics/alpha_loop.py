@@ -357,6 +357,12 @@ def accept(state: Any) -> Any:
         state.lam0[k] = state.lam1[k]
 
 
+def stretch(ratio: Any, state: Any) -> None:
+    """ã₀ - a₀ goes with h."""
+    for k in range(len(state.x0)):
+        state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
+
+
 def rescale(
     entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
 ) -> None:
@@ -366,8 +372,7 @@ def rescale(
     Φ_q s = d. The factors at hand are replaced.
     """
     n = len(state.q0)
-    for k in range(n):
-        state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
+    stretch(ratio, state)
     control.numbers[2] = 0.0
     if control.numbers[6] == 0.0:
         return

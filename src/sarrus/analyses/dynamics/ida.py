@@ -24,7 +24,7 @@ from ..saddle import SingularSystem
 from .nodes import Nodes
 from .ode import PARTS
 from .placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
-from .radau_run import MATRICES, newton_parts
+from .stabilized_matrix import MATRICES, newton_parts
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .trouble import dependent_rows, singular

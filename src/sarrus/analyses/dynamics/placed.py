@@ -7,7 +7,7 @@ data[place] += weight of the part x number.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,9 @@ from ...algebra import Array
 from ...system import System
 from ..linear import SparseLU
 
+ASSEMBLE: Any = None  # `assemble` and solvers, put in place when this is compiled
+REFACTOR: Any = None
+SOLVE: Any = None
 UNIT, LEFT_OUT = (
     "unit",
     "left_out",
@@ -51,10 +54,13 @@ class Placed(NamedTuple):
 
 
 class Numbers:
-    """The numbers of operators, one array: `views[name]` is an operator's part of `values`."""
+    """The numbers of operators, one array: `views[name]` is an operator's part of `values`.
 
-    def __init__(self, system: System, names: Sequence[str]) -> None:
-        self.system = system
+    `like` names, for numbers of an operator at another state, the operator.
+    """
+
+    def __init__(self, system: System, names: Sequence[str], like: Mapping[str, str] | None = None) -> None:
+        self.system, self._like = system, like or {}
         sizes = [len(self.entries(name)[0]) for name in names]
         ends = np.cumsum(sizes)
         self.values, self.start = np.zeros(ends[-1]), dict(zip(names, ends - sizes, strict=True))
@@ -68,7 +74,7 @@ class Numbers:
         if name in (UNIT, LEFT_OUT):
             along = np.arange(self.system.nq if name == UNIT else self.system.m)
             return along, along
-        pattern = self.system.pattern(name)
+        pattern = self.system.pattern(self._like.get(name, name))
         rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
         return rows, pattern.indices.astype(np.int64)
 
@@ -138,3 +144,22 @@ def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> N
     for s in range(len(parts)):
         for k in range(parts[s, 1]):
             data[places[parts[s, 2] + k]] += weights[s] * values[parts[s, 0] + k]
+
+
+def refactor(values: Any, placed: Any) -> Any:
+    """Assemble and factor a matrix; returns how far its pivots can be trusted."""
+    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.data)
+    return REFACTOR(
+        placed.pointers, placed.rows, placed.diagonal, placed.indptr, placed.indices, placed.data, placed.factors,
+        placed.work,
+    )  # fmt: skip
+
+
+def backsolve(placed: Any, right: Any, solution: Any) -> None:
+    """solution = matrix⁻¹ right."""
+    work = placed.work
+    for k in range(len(right)):
+        work[placed.row_place[k]] = right[k]
+    SOLVE(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    for k in range(len(right)):
+        solution[placed.column_order[k]] = work[k]

@@ -25,9 +25,9 @@ STIFFNESS: Any = None
 TURNING: Any = None
 BENDING: Any = None
 REMEMBER: Any = None
-ASSEMBLE: Any = None
-REFACTOR: Any = None
-SOLVE: Any = None
+weigh: Any = None
+refactor: Any = None
+backsolve: Any = None
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
@@ -203,39 +203,12 @@ def evaluate(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matri
         matrices.Phi_q[k] *= 1.0 - matrices.left_out[matrices.row_of[k]]
 
 
-def refactor(values: Any, placed: Any) -> Any:
-    """Assemble and factor one matrix; returns how far its pivots can be trusted."""
-    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.data)
-    return REFACTOR(
-        placed.pointers, placed.rows, placed.diagonal, placed.indptr, placed.indices, placed.data, placed.factors,
-        placed.work,
-    )  # fmt: skip
-
-
-def weigh(weights: Any, s: Any) -> None:
-    """The weights of the parts of a Newton matrix, in the order of `radau_run.newton_parts`."""
-    beta, gamma = 1.0 / (s * s), 1.0 / s
-    weights[1] = -1.0
-    weights[4], weights[5], weights[6], weights[7] = beta, beta, -beta, -beta
-    weights[9], weights[10] = -gamma, -gamma
-    weights[13] = -0.5 * gamma
-
-
 def factor(scheme: Any, h: Any, matrices: Any) -> Any:
     """Factor the real and the complex Newton matrix of the derivatives at hand; returns their lesser trust."""
-    weigh(matrices.real.weights, scheme.gamma / h)
-    weigh(matrices.pair.weights, scheme.pair / h)
+    s, pair = scheme.gamma / h, scheme.pair / h
+    weigh(matrices.real.weights, 1.0 / (s * s), 1.0 / s)
+    weigh(matrices.pair.weights, 1.0 / (pair * pair), 1.0 / pair)
     return min(refactor(matrices.values, matrices.real), refactor(matrices.values, matrices.pair))
-
-
-def backsolve(placed: Any, right: Any, solution: Any) -> None:
-    """solution = matrix⁻¹ right."""
-    work = placed.work
-    for k in range(len(right)):
-        work[placed.row_place[k]] = right[k]
-    SOLVE(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
-    for k in range(len(right)):
-        solution[placed.column_order[k]] = work[k]
 
 
 def scaled(right: Any, n: Any, m: Any, s: Any) -> None:

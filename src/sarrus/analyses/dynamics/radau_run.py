@@ -21,6 +21,7 @@ from . import radau_loop as loop
 from .alpha_loop import Tolerance
 from .nodes import Nodes
 from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
+from .stabilized_matrix import FACTORS, MATRICES, compiled_solver, newton_parts, weigh
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .tolerance import Tolerances
@@ -53,31 +54,7 @@ CALLS = {  # scalars and arrays that each takes
     "BENDING": (1, 4),
     "REMEMBER": (1, 2),
 }
-KINDS, FACTORS = ("real", "pair", "motion"), ("row_place", "column_order", "factors", "weights")
-MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
-
-
-def newton_parts(nq: int, m: int) -> list[Part]:
-    """Where operators stand in the Newton matrix; (Φ_q v + Φ_t)_q is -½ γ_v. `radau_loop.weigh` has their weights."""
-    v, lam, mu = nq, 2 * nq, 2 * nq + m
-    return [
-        Part(UNIT, 0, 0),
-        Part(UNIT, 0, v),
-        Part("Phi_q", 0, mu, transposed=True),
-        Part("Phi_q", v, lam, transposed=True),
-        Part("M_a_q", v, 0),
-        Part("Phi_qT_lam_q", v, 0),
-        Part("S_q", v, 0),
-        Part("Q_q", v, 0),
-        Part("M", v, v),
-        Part("S_v", v, v),
-        Part("Q_v", v, v),
-        Part("Phi_q", lam, 0),
-        Part("Phi_q", mu, v),
-        Part("gamma_v", mu, 0),
-        Part(LEFT_OUT, lam, lam),
-        Part(LEFT_OUT, mu, mu),
-    ]
+KINDS = ("real", "pair", "motion")
 
 
 def motion_parts(nq: int, m: int) -> list[Part]:
@@ -89,19 +66,14 @@ def motion_parts(nq: int, m: int) -> list[Part]:
 @cache
 def _compiled() -> Any:
     """The time loop: the same code for every system; drivers are called by their address."""
-    from ..linear import compiled as factors
-
     known: dict[str, Any] = {name: run(*counts) for name, counts in CALLS.items()}
-    known |= {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-    known["ASSEMBLE"] = compiled_function(placed.assemble)
+    known |= compiled_solver()
+    known["weigh"] = compiled_function(weigh)
     inner = (
         "stages",
         "residual",
         "evaluate",
-        "refactor",
-        "weigh",
         "factor",
-        "backsolve",
         "scaled",
         "unscaled",
         "size",
@@ -279,8 +251,8 @@ class RadauStepper:
             group = system.group(*GROUPS[kind])
             group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
         views["Phi_q"][views[LEFT_OUT][self._row_of] > 0] = 0.0
-        loop.weigh(self.real.weights, self.scheme.gamma / h)
-        loop.weigh(self.pair.weights, self.scheme.pair / h)
+        for matrix, s in ((self.real, self.scheme.gamma / h), (self.pair, self.scheme.pair / h)):
+            weigh(matrix.weights, 1.0 / (s * s), 1.0 / s)
         try:
             placed_anew = [matrix.placed() for matrix in (self.real, self.pair, self.motion)]
         except SingularMatrix:

@@ -1,0 +1,191 @@
+"""One step of the generalized-α method on the stabilized index-2 equations (Gear, Gupta and Leimkuhler 1985), compiled.
+
+As in `alpha_loop`, but both constraints hold at the end of a step (Arnold, Brüls and Cardona 2015):
+
+    q₁ = q₀ + h v₀ + h² ((½ - β) ã₀ + β ã₁) - Φ_q(q₀)ᵀ η,    Φ(q₁) = 0,    Φ_q(q₁) v₁ + Φ_t = 0.
+
+Unknowns are a₁, λ₁, η₁ and the shift s₁ of q₁ from what ã gives, which converges to -Φ_q(q₀)ᵀ η₁: with it the matrix
+stays sparse, see `stabilized_matrix`. η and s are as small as the local error, h³.
+
+What is not defined here (`advance`, `newton`, ...) is that of `alpha_loop`, compiled with these functions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+RESIDUAL: Any = None  # calls of kernels by address, put in place when this is compiled
+VELOCITY: Any = None
+JACOBIAN: Any = None
+plain_update: Any = None  # of `alpha_loop`
+plain_residual: Any = None
+plain_predict: Any = None
+plain_accept: Any = None
+stretch: Any = None
+size: Any = None
+evaluate: Any = None  # of `radau_loop`
+weigh: Any = None  # of `stabilized_matrix`
+refactor: Any = None  # of `placed`
+backsolve: Any = None
+
+
+class State(NamedTuple):
+    """`alpha_loop.State`, with the multipliers η and the shift s of q at the start and the end of a step."""
+
+    q0: Any
+    v0: Any
+    a0: Any
+    x0: Any
+    lam0: Any
+    q1: Any
+    v1: Any
+    a1: Any
+    x1: Any
+    lam1: Any
+    a_change: Any
+    lam_change: Any
+    eta0: Any
+    eta1: Any
+    shift0: Any
+    shift1: Any
+
+
+class Memory(NamedTuple):
+    """`alpha_loop.Memory`, with Φ_q(q₀)ᵀη; `right` is of the index-3 equations, `whole` and `solution` of all."""
+
+    Phi: Any
+    Phi_qT_lam: Any
+    M_a: Any
+    S: Any
+    Q: Any
+    rate: Any
+    Phi_t: Any
+    right: Any
+    solution: Any
+    previous: Any
+    Phi_qT_eta: Any
+    whole: Any
+
+
+class Matrix(NamedTuple):
+    """The numbers of all operators, Φ_q at the start of the step among them; q there; the matrix and its factors."""
+
+    values: Any
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    gamma_v: Any
+    Phi_q_start: Any
+    q0: Any
+    row_of: Any
+    left_out: Any
+    placed: Any
+
+
+class Entries(NamedTuple):
+    """The kernels of the groups of operators, see `_jit.pointer`."""
+
+    residual: Any
+    momentum: Any
+    force: Any
+    jacobian: Any
+    inertia: Any
+    stiffness: Any
+    velocity: Any
+    turning: Any
+    remember: Any
+
+
+def update(scheme: Any, h: Any, state: Any) -> None:
+    """q₁, v₁, ã₁ of a₁ and s₁."""
+    plain_update(scheme, h, state)
+    for k in range(len(state.q1)):
+        state.q1[k] += state.shift1[k]
+
+
+def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> None:
+    """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step, Φ_q v and Φ_t there, and Φ_q(q₀)ᵀη."""
+    plain_residual(entries, b, t, state, memory, left_out, beta)
+    VELOCITY(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
+    RESIDUAL(entries.residual, b, t, state.q0, state.eta1, memory.Phi, memory.Phi_qT_eta)
+
+
+def factor(
+    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
+) -> Any:
+    """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
+    JACOBIAN(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
+    evaluate(entries, b, t, q, v, a, lam, matrix)
+    for k in range(len(matrix.Phi_q_start)):
+        matrix.Phi_q_start[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
+    weigh(matrix.placed.weights, beta, gamma)
+    return refactor(matrix.values, matrix.placed)
+
+
+def scaled(state: Any, memory: Any, left_out: Any, beta: Any, gamma: Any) -> None:
+    """The right side of a Newton step, its rows scaled as those of the matrix."""
+    n, m, whole = len(state.q0), len(left_out), memory.whole
+    for k in range(n):
+        whole[k] = state.shift1[k] + memory.Phi_qT_eta[k]
+        whole[n + k] = beta * memory.right[k]
+    for k in range(m):
+        whole[2 * n + k] = beta * memory.right[n + k]
+        rate = beta / gamma * (memory.rate[k] + memory.Phi_t[k])
+        whole[2 * n + m + k] = rate if left_out[k] == 0.0 else state.eta1[k]
+
+
+def correct(
+    scheme: Any,
+    h: Any,
+    state: Any,
+    memory: Any,
+    matrix: Any,
+    beta: Any,
+    gamma: Any,
+    tol: Any,
+) -> Any:
+    """One correction of a₁, λ₁, η₁ and s₁ by the residual and the factors at hand; returns its size."""
+    n, m, change = len(state.q0), len(state.lam0), memory.solution
+    scaled(state, memory, matrix.left_out, beta, gamma)
+    backsolve(matrix.placed, memory.whole, change)
+    for k in range(n):
+        state.shift1[k] -= change[k] - change[n + k]
+        state.a1[k] -= change[n + k] / beta
+    for k in range(m):
+        state.lam1[k] -= change[2 * n + k] / beta
+        state.eta1[k] -= change[2 * n + m + k]
+    update(scheme, h, state)
+    in_q = size(change, 1.0, state.q0, state.q1, tol.rtol_q, tol.atol_q)
+    in_v = size(change[n:], gamma / beta, state.v0, state.v1, tol.rtol_v, tol.atol_v)
+    return max(in_q, in_v)
+
+
+def predict(ratio: Any, state: Any) -> None:
+    """First guess of the unknowns; η and s go with h³."""
+    plain_predict(ratio, state)
+    for k in range(len(state.eta0)):
+        state.eta1[k] = ratio**3 * state.eta0[k]
+    for k in range(len(state.shift0)):
+        state.shift1[k] = ratio**3 * state.shift0[k]
+
+
+def accept(state: Any) -> None:
+    """The end of the step is the start of the next."""
+    plain_accept(state)
+    for k in range(len(state.eta0)):
+        state.eta0[k] = state.eta1[k]
+    for k in range(len(state.shift0)):
+        state.shift0[k] = state.shift1[k]
+
+
+def rescale(
+    entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
+) -> None:
+    """A new step size; velocities satisfy their constraints, so that none of their defect is removed."""
+    stretch(ratio, state)
+    control.numbers[2] = 0.0

@@ -36,7 +36,7 @@ EXTRAS = {
 }
 COMMANDS = {
     "demo": [[str(BIN / "sarrus"), "demo"]],
-    "test": [[PYTHON, "-m", "pytest"]],
+    "test": [[PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]],  # a process for each processor
     "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],

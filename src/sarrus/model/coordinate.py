@@ -57,14 +57,16 @@ def travel(
     return Coordinate(Primitive(TRAVEL, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
 
 
-def heading(i: LocalFrame, j: LocalFrame, poses: Poses, *, name: str = "angle") -> Coordinate:
-    """The angle from f_i to the line from P_i to P_j, about h_i. [rad]"""
+def heading(
+    i: LocalFrame, j: LocalFrame, poses: Poses, *, from_start: bool, name: str = "angle"
+) -> Coordinate:
+    """The angle from f_i, or from where it is at the start, to the line from P_i to P_j, about h_i. [rad]"""
     apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
     f, g = (plain(turned(vector, i.body, poses) @ apart) for vector in (i.f, i.g))
     start: float = atan2(g, f)
-    return Coordinate(
-        Primitive(elements.Heading, (i.body, j.body), (i.f, i.g, i.s, j.s, 0.0, start), name), start
-    )
+    zero = start if from_start else 0.0
+    measure = Primitive(elements.Heading, (i.body, j.body), (i.f, i.g, i.s, j.s, zero, start), name)
+    return Coordinate(measure, start - zero)
 
 
 def angle_between(f: tuple[str, Vec3], g: tuple[str, Vec3], a: tuple[str, Vec3], poses: Poses) -> float:
@@ -91,7 +93,7 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
     if joint not in known:
         raise ModelError(f"there is no joint {quote(joint)}; {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]
-    fit = [c for c in known[joint] if kind in (None, c.measure.element)]
+    fit = [c for c in known[joint] if c.measure.element in WORDS and kind in (None, c.measure.element)]
     found = [c for c in fit if name in ("", c.name)]
     if len(found) == 1:
         return found[0]

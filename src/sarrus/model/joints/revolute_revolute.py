@@ -41,8 +41,8 @@ class RevoluteRevolute(Link, Joint):
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the angles of the link about h_i and about h_j."""
         i, j = self._hinges(poses)
-        yield heading(i, j, poses, name="angle_i")
-        yield heading(j, i, poses, name="angle_j")
+        yield heading(i, j, poses, from_start=self.frame_i is None, name="angle_i")
+        yield heading(j, i, poses, from_start=self.frame_j is None, name="angle_j")
 
     def _hinges(self, poses: Poses) -> Frames:
         axis_j = self.axis_i if self.axis_j is None else self.axis_j

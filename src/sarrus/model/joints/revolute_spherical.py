@@ -31,4 +31,5 @@ class RevoluteSpherical(Link, Joint):
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the angle of the link about h_i."""
-        yield heading(*self.ends(poses, self.axis, self.axis, ("axis", "axis")), poses)
+        i, j = self.ends(poses, self.axis, self.axis, ("axis", "axis"))
+        yield heading(i, j, poses, from_start=self.frame_i is None)

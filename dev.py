@@ -30,6 +30,7 @@ EXTRAS = {
     "browser": ["browser"],
     "dist": ["dist"],
     "sundials": ["test", "ida"],
+    "bridges": ["bridges"],
     "check": ["lint", "test"],
     "docs": ["docs"],
     "format": ["lint"],
@@ -41,6 +42,7 @@ COMMANDS = {
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
     "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py"]],
+    "bridges": [[PYTHON, "-m", "pytest", "tests/bridges"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],

@@ -48,6 +48,36 @@ def test_estimate_parameters(tmp_path: Path) -> None:
     assert drawn(tmp_path) == {"estimate_parameters.png"}
 
 
+def test_four_bar_synthesis(tmp_path: Path) -> None:
+    """The places were those of a four-bar, which is found again."""
+    script = of("four_bar_synthesis")
+    found = script["main"](tmp_path)
+    assert found.success
+    assert found.value < 1e-6  # half of the sum of squares over 1 mm
+    assert found.x == pytest.approx([*script["WANTED"].values()], abs=1e-5)
+    assert drawn(tmp_path) == {"four_bar_synthesis.png"}
+
+
+def test_torque_history(tmp_path: Path) -> None:
+    script = of("torque_history")
+    found = script["main"](tmp_path, iterations=20)
+    assert len(found.names) == 120
+    assert found.value < 3e-2 * found.value0
+    angles = [found.run.joint(name).angle[-1] for name in ("shoulder", "elbow")]
+    assert angles == pytest.approx(script["GOAL"], abs=0.2)
+    assert drawn(tmp_path) == {"torque_history.png"}
+
+
+def test_hmmwv_ride(tmp_path: Path) -> None:
+    script = of("hmmwv_ride")
+    free, limited = script["main"](tmp_path, iterations=6)
+    assert len(free.names) == 14
+    assert free.value < 0.25 * free.value0
+    assert limited.value < 0.25 * limited.value0
+    assert max(limited.constraints.values()) < script["MOST"] * 1.01
+    assert drawn(tmp_path) == {"hmmwv_ride.png"}
+
+
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """Of twenty intervals from five noises, 95 %, give or take two."""

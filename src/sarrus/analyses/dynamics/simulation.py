@@ -26,6 +26,8 @@ from .room import refuse_too_large
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
 
+ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
+
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
 
@@ -118,7 +120,13 @@ def _stops(system: System, given: Array, until: float) -> tuple[Array, Array]:
         raise ValueError("breakpoints must be a list of times in s")
     every, ends = of_model(system)
     stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
-    return stops[(stops > 0) & (stops < until)], kinks[(kinks > 0) & (kinks < until)]
+    return _apart(stops, until), _apart(kinks, until)
+
+
+def _apart(times: Array, until: float) -> Array:
+    """The times inside of the run, without those that differ from the one before by round-off alone."""
+    inside = times[(times > ROUND * until) & (times < until * (1 - ROUND))]
+    return inside[np.diff(inside, prepend=-until) > ROUND * until]
 
 
 def _first(step: float | None) -> float:

@@ -117,17 +117,17 @@ class Task:
             )
         except KeyboardInterrupt:
             answer = Answer(False, "stopped by the user")
-        return told(search, answer)
+        return told(search, answer, max(SATISFIED, self.tolerance))
 
 
-def told(search: Search, answer: Answer) -> Optimum:
-    """The best design of a search, with the solver's words."""
+def told(search: Search, answer: Answer, near: float = SATISFIED) -> Optimum:
+    """The best design of a search, with the solver's words; constraints count as satisfied if they are so near."""
     point, problem = search.best, search.problem
     assert point is not None
     values, limited = point.values, search.count
     short = gap(values[limited:], search.constraints)
-    success = answer.success and short <= SATISFIED
-    message = answer.message if short <= SATISFIED or not answer.success else (
+    success = answer.success and short <= near
+    message = answer.message if short <= near or not answer.success else (
         f"{answer.message}, but a constraint is short of its limit by {short:.2g} of it"
     )  # fmt: skip
     history = search.history

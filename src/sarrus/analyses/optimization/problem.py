@@ -42,7 +42,7 @@ class Problem:
     design : values of named design variables at the start
     formula : the function that gives numbers of the model from them; differentiated exactly
     method : `HHT` (the default) or `GeneralizedAlpha`
-    rtol, atol : tolerances of the simulation
+    rtol, atol, max_step : tolerances and longest step of the simulation
     time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
         took, 10 s at least
 
@@ -75,11 +75,18 @@ class Problem:
         method: HHT | GeneralizedAlpha | None = None,
         rtol: float = 1e-6,
         atol: float = 1e-8,
+        max_step: float = np.inf,
         time_limit: float | None = None,
     ) -> None:
         self.system, self.given, self.outer = system, responses, Outer(responses)
         self.design, self.formula = design, formula
-        self.settings = {"method": method, "until": float(until), "rtol": rtol, "atol": atol}
+        self.settings = {
+            "method": method,
+            "until": float(until),
+            "rtol": rtol,
+            "atol": atol,
+            "max_step": max_step,
+        }
         self.time_limit = time_limit
         self._parameters = Parameters(system, wrt, design=design, formula=formula)
         self.names = tuple(self._parameters.names)

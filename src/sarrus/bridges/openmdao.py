@@ -1,0 +1,66 @@
+"""A simulation as an explicit component of OpenMDAO, with exact partial derivatives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..analyses import Problem
+from ..analyses.optimization import Infeasible
+
+try:
+    import openmdao.api as om
+except ImportError:
+    raise ImportError("this bridge needs OpenMDAO; install it with: pip install openmdao") from None
+
+
+class MechanismComponent(om.ExplicitComponent):
+    """Inputs are the design variables, outputs the responses, under their names with ``_`` for every other character.
+
+    Options
+    -------
+    problem : the simulation
+    """
+
+    def initialize(self) -> None:
+        """Declare the options."""
+        self.options.declare("problem", types=Problem, recordable=False)
+
+    def setup(self) -> None:
+        """Declare inputs and outputs."""
+        problem: Problem = self.options["problem"]
+        self.inputs_of = [word(name) for name in problem.names]
+        self.outputs_of = [word(title) for title in problem.titles]
+        for name, value in zip(self.inputs_of, problem.x0, strict=True):
+            self.add_input(name, val=value)
+        for name in self.outputs_of:
+            self.add_output(name)
+
+    def setup_partials(self) -> None:
+        """All are given."""
+        self.declare_partials("*", "*")
+
+    def compute(self, inputs: Any, outputs: Any) -> None:
+        """Simulate; an AnalysisError tells drivers to step back."""
+        try:
+            values = self.options["problem"].values(self._design(inputs))
+        except Infeasible as trouble:
+            raise om.AnalysisError(str(trouble)) from None
+        for name, value in zip(self.outputs_of, values, strict=True):
+            outputs[name] = value
+
+    def compute_partials(self, inputs: Any, partials: Any) -> None:
+        """One sweep backwards."""
+        matrix = self.options["problem"].gradient(self._design(inputs)).matrix
+        for row, of in enumerate(self.outputs_of):
+            for column, wrt in enumerate(self.inputs_of):
+                partials[of, wrt] = matrix[row, column]
+
+    def _design(self, inputs: Any) -> Any:
+        return np.array([float(np.ravel(inputs[name])[0]) for name in self.inputs_of])
+
+
+def word(name: str) -> str:
+    """A name as OpenMDAO takes it: ``spring.k`` is ``spring_k``."""
+    return "".join(c if c.isalnum() else "_" for c in name).strip("_")

@@ -25,7 +25,7 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     influences = found.influences(response)
     for name in found.ranked(response)[:most]:
         k = found.names.index(name)
-        change = f"{influences[k]:>+14.4g}" + ("" if found.at[k] else "  for 0.01")
+        change = f"{influences[k]:>+14.4g}" if found.at[k] else f"{'(value 0)':>14}"
         lines.append(f"  {name:<{width}}{found.at[k]:>14.6g}{found.matrix[response, k]:>+16.7g}{change}")
     if len(found.names) > most:
         lines.append(f"  and {len(found.names) - most} more of less influence")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 from ..algebra import Array
 from ..system import System
@@ -87,8 +87,8 @@ class LeastChange:
     def _direction(self, q: Array, J: csr_array, lam: Array, slope: Array) -> Array:
         """Newton's step along the constraints, its curvature shifted until it goes downhill."""
         F = self.free
-        J_F, H = csr_array(J[:, F]), self.system.Phi_qT_lam_q(q, lam, self.t).toarray()[np.ix_(F, F)]
-        step, W = np.zeros(len(q)), np.diag(self.weight[F])
+        J_F, H = csr_array(J[:, F]), csr_array(self.system.Phi_qT_lam_q(q, lam, self.t))[F][:, F]
+        step, W = np.zeros(len(q)), csr_array(diags_array(self.weight[F]))
         for shift in SHIFTS:
             A = (1 + shift) * W + H
             step[F], _ = KKT(A, J_F).step(-slope[F], np.zeros(len(lam)))

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
 from .._jit import sparse_lu
 from .._jit.driver import compiled_function
 from ..algebra import Array
 
-GRADES = 4  # of size, to a factor of two: whole costs, since SciPy's matching can run for ever on others
-TINY = 1e-30  # relative size, below which an entry is as bad as any other
+LEAST = (0.5, 0.1, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
+SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
 PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
 TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
 
@@ -83,20 +83,22 @@ class SparseLU:
         return places, columns
 
     def _candidates(self, data: Array) -> Iterator[tuple[Array, Array, int]]:
-        """Row places, column order and size of the factors: of the matrix, and with rows permuted for a large diagonal.
+        """Row places, column order and size of the factors: with rows permuted for a large diagonal, and as it is.
 
         Where pivots can stay on the diagonal, a symmetric ordering keeps its promise; of the matrix as it is, with
         zeros on the diagonal, it would fill a long chain.
         """
         whole = csc_array((data, self._indices, self._indptr), shape=(self.n, self.n))
-        lu = _superlu(whole, "COLAMD", symmetric=False)
-        yield lu.perm_r.astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
         to = _large_diagonal(whole)
-        if to is not None:
-            permuted = csc_array((data.copy(), to[self._indices], self._indptr), shape=whole.shape)
-            permuted.sort_indices()
-            lu = _superlu(permuted, "MMD_AT_PLUS_A", symmetric=True)
-            yield lu.perm_r[to].astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
+        if to is None:
+            raise SingularMatrix("the matrix is singular, whatever its numbers")
+        permuted = csc_array((data.copy(), to[self._indices], self._indptr), shape=whole.shape)
+        permuted.sort_indices()
+        lu = _superlu(permuted, "MMD_AT_PLUS_A", symmetric=True)
+        yield lu.perm_r[to].astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
+        if lu.nnz > SPARSE * len(data):
+            lu = _superlu(whole, "COLAMD", symmetric=False)
+            yield lu.perm_r.astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
 
     def _arrange(self) -> None:
         """The pattern in pivot order, and where each number goes."""
@@ -148,18 +150,19 @@ def _superlu(matrix: csc_array, ordering: str, symmetric: bool) -> Any:
 
 
 def _large_diagonal(matrix: csc_array) -> Array | None:
-    """Where each row goes so that the product of the diagonal entries is greatest, columns and rows scaled to 1."""
+    """Where each row goes so that the least diagonal entry is nearly the largest possible, both scaled to 1.
+
+    None where the matrix is singular, whatever its numbers.
+    """
     rows = csr_array(abs(matrix))
     rows.eliminate_zeros()
     in_row, in_column = rows.max(axis=1).toarray(), rows.max(axis=0).toarray()
     size = rows.data / np.sqrt(np.repeat(in_row, np.diff(rows.indptr)) * in_column[rows.indices])
-    cost = csr_array(
-        (1 + np.round(-GRADES * np.log2(np.maximum(size, TINY))), rows.indices, rows.indptr), shape=rows.shape
-    )
-    try:
-        chosen, columns = min_weight_full_bipartite_matching(cost)
-    except ValueError:  # the matrix is singular, whatever its numbers
-        return None
-    to = np.empty(matrix.shape[0], dtype=np.int64)
-    to[chosen] = columns
-    return to
+    for least in LEAST:
+        numbers = np.where(size >= least, size, 0.0)
+        large = csr_array((numbers, rows.indices, rows.indptr), shape=rows.shape, copy=True)
+        large.eliminate_zeros()
+        to: Array = maximum_bipartite_matching(large, perm_type="column").astype(np.int64)
+        if np.all(to >= 0):
+            return to
+    return None

@@ -16,6 +16,9 @@ TOLERANCE = (
     1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
 )
 DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
+LONG = (
+    0.01  # of the tolerance, in large components: that of a chain of N links falls with 1/N² and is not zero
+)
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
 
 
@@ -112,8 +115,9 @@ def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]
     start = np.random.default_rng(0).normal(size=m)
     for count in (8, 32, 128, 512):
         _, vectors = eigsh(inverse, k=min(count, m - 1), which="LM", v0=start)
-        values = np.linalg.norm(unit.T @ vectors, axis=0)
-        zero = values <= max(tolerance, 1e-7) * np.sqrt(normal.diagonal().max())
+        turns, values, _ = np.linalg.svd((unit.T @ vectors).T, full_matrices=False)
+        vectors = vectors @ turns
+        zero = values <= tolerance * LONG * np.sqrt(normal.diagonal().max())
         if not np.all(zero):
             return vectors[:, zero], float(values[~zero].min())
     raise ArithmeticError(

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from ..algebra import Array
 from ..system import System
+from .linear import SingularMatrix, SparseLU
 
-DENSE_BELOW = 150  # unknowns, where LAPACK is faster than SuperLU
+DENSE_BELOW = 150  # unknowns, where LAPACK is faster than sparse factors
 
 
 class SingularSystem(ArithmeticError):
@@ -48,7 +48,7 @@ class Saddle:
                 (np.arange(len(self._rows)) + 1.0, (self._rows, self._columns)), shape=(size, size)
             )
             self._order = numbered.data.astype(np.int64) - 1
-            self._matrix = csc_array((numbered.data, numbered.indices, numbered.indptr), shape=numbered.shape)
+            self._indptr, self._indices = (x.astype(np.int64) for x in (numbered.indptr, numbered.indices))
         self._factors: Any = None
 
     def factor(self, W: Array, Phi_q: Array) -> None:
@@ -64,10 +64,16 @@ class Saddle:
             self._dense[self._rows, self._columns] = numbers
             self._factors = _dense_factors(self._dense)
             return
-        self._matrix.data[:] = numbers[self._order]
+        self._factor_sparse(numbers[self._order])
+
+    def _factor_sparse(self, data: Array) -> None:
         try:
-            self._factors = splu(self._matrix)
-        except RuntimeError as trouble:
+            if self._factors is None:
+                self._factors = SparseLU(self._indptr, self._indices, data)
+            else:
+                self._factors.factor(data)
+        except SingularMatrix as trouble:
+            self._factors = None
             raise SingularSystem(str(trouble)) from None
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:

@@ -29,7 +29,7 @@ from .stepper import Settings, Tally, Trouble
 from .tolerance import Tolerances
 from .trouble import singular, trouble_of
 
-ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
+ROOM = 1_000_000  # numbers of the record of one chunk of steps, at most
 PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 GROUPS = {

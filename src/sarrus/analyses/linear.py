@@ -16,7 +16,7 @@ from .._jit import sparse_lu
 from .._jit.driver import compiled_function
 from ..algebra import Array
 
-LEAST = (0.5, 0.1, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
+LEAST = (0.2, 0.05, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
 SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
 PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
 TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed

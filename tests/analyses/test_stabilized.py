@@ -9,6 +9,7 @@ from tests.system.mechanisms import hmmwv, slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics.stepper import Settings
 from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.motion import Motion
 
 METHODS = (sr.HHT(stabilized=True), sr.GeneralizedAlpha(0.8, stabilized=True))
 EXACT = 3.715022003716  # x of the slider after 2 s
@@ -89,6 +90,19 @@ def test_both_constraints_hold_at_every_step(make: object) -> None:
         left.append(violations(system, nodes))
     assert all(in_q < tol and in_v < tol for in_q, in_v in left[:2]), left
     assert left[2][1] > 100 * max(in_v for _, in_v in left[:2]), left
+
+
+@pytest.mark.parametrize("kind", [sr.HHT, sr.GeneralizedAlpha])
+def test_without_damping_multipliers_stay_right(kind: type) -> None:
+    """Those of the steps, against the equations of motion there; on the index-3 equations their error grows."""
+    system, errors = slider_crank(), []
+    undamped = 0.0 if kind is sr.HHT else 1.0
+    for method in (kind(undamped, stabilized=True), kind(undamped)):
+        nodes, motion = at_work(system, method, 1e-6).advance(2.0, 2000), Motion(system)
+        states = zip(nodes.t, nodes.q, nodes.v, nodes.lam, strict=True)
+        errors.append(max(abs(lam - motion.acceleration(t, q, v)[1]).max() for t, q, v, lam in states))
+    assert errors[0] < 2e-3 * abs(nodes.lam[0]).max(), errors
+    assert errors[1] > 10 * errors[0], errors
 
 
 def test_hmmwv_follows_the_reference() -> None:

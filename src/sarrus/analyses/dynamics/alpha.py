@@ -107,7 +107,8 @@ class _Alpha:
 class HHT(_Alpha):
     """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: -1/3 damps high frequencies most.
 
-    alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step.
+    alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step, or
+    stabilized.
     With `step` [s] all steps have this length, without error control; shorter only before breakpoints and where
     Newton's method fails.
 

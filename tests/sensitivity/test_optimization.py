@@ -232,6 +232,7 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
         ({"bounds": {"spring.k": (3, 2)}}, "must rise, but are 3 and 2"),
         ({"scale": {"spring.k": 0.0}}, "must be greater than 0"),
         ({"starts": 0}, "1 at least"),
+        ({"second_order": True}, "L-BFGS-B takes no Hessian products"),
     ],
 )
 def test_misuse_is_one_sentence(options: dict[str, object], sentence: str) -> None:
@@ -266,3 +267,26 @@ def test_responses_of_responses() -> None:
     )
     assert np.allclose(p.vjp(p.x0, np.array([1.0, 0, 2.0, 0])), found.matrix[0] + 2 * found.matrix[2])
     assert np.allclose(p.jvp(p.x0, np.array([1.0, -2.0])), found.matrix @ [1.0, -2.0])
+
+
+def test_hessian_products_are_differences_of_gradients() -> None:
+    wanted = sr.Integral(lambda o: o("energy.kinetic") * o.parameter("spring.k") ** 2, name="weighed")
+    p = sr.Problem(slider_crank(), wanted, ["spring.k", "rod.mass"], until=0.3, rtol=1e-7, atol=1e-9)
+    direction, e = np.array([1.0, -0.1]), 1e-3
+    ends = [p.gradient(p.x0 + d * direction).matrix[0] for d in (e, -e)]
+    assert np.allclose(p.hvp(p.x0, direction), (ends[0] - ends[1]) / (2 * e), rtol=1e-4)
+
+
+def test_exact_hessians_lead_to_the_same_optimum() -> None:
+    found = sr.optimize(
+        sundials_crank(), sr.Integral(penalized), ["spring.k", "spring.c"], until=10.0, solver="trust-constr",
+        second_order=True, **LOOSE,
+    )  # fmt: skip
+    assert found.x == pytest.approx([0.6826136, 1.3357019], abs=5e-3)
+    assert len(found.history) < 12
+
+
+def test_second_derivatives_of_combined_responses_are_refused() -> None:
+    mixed = sr.Combined(lambda a: a**2, ["slider.x"], name="square")
+    with pytest.raises(ValueError, match="'square', a Combined response"):
+        sr.Problem(slider_crank(), mixed, ["spring.k"], until=0.1, **LOOSE).hvp(np.array([10.0]), np.ones(1))

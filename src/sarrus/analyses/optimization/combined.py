@@ -82,3 +82,17 @@ class Outer:
             else:
                 values[row], slopes[row, place] = function.value_and_slopes(parts[place])
         return values, slopes
+
+    def plain(self, row: int) -> int:
+        """The place of the part that a row is.
+
+        Raises
+        ------
+        ValueError
+            If it is a `Combined` one, whose second derivatives are not there.
+        """
+        if self._functions[row] is not None:
+            raise ValueError(
+                f"second derivatives of {self.titles[row]!r}, a Combined response, are not there"
+            )
+        return int(self._places[row].start)

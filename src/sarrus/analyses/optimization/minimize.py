@@ -35,6 +35,7 @@ def optimize(
     design: Mapping[str, float] | None = None,
     formula: Any = None,
     solver: str | None = None,
+    second_order: bool = False,
     iterations: int = 100,
     tolerance: float = 1e-8,
     starts: int = 1,
@@ -60,6 +61,7 @@ def optimize(
     design, formula : named design variables, and the function that gives numbers of the model from them
     solver : "L-BFGS-B" (the default), "SLSQP" (the default with constraints), "trust-constr", or "IPOPT" (the extra
         `ipopt`)
+    second_order : give "trust-constr" exact products of the objective's Hessian with vectors
     iterations, tolerance : when the solver ends
     starts : how many designs to start from: the system's own, and others at random between the bounds
     seed : of the random designs
@@ -86,7 +88,7 @@ def optimize(
     )
     wanted = [*several, *(one.response for one in constraints)]
     problem = Problem(system, wanted, wrt, until=until, design=design, formula=formula, **settings)
-    task = Task(tuple(constraints), solver, iterations, tolerance)
+    task = Task(tuple(constraints), solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)
     if starts == 1:
         return task.solved(problem, variables, progress)
@@ -104,11 +106,12 @@ class Task:
     solver: str | None
     iterations: int
     tolerance: float
+    second_order: bool = False
 
     def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
         """The optimum from one start."""
         search = Search(problem, variables, self.constraints, progress)
-        solver = solver_of(self.solver, bool(self.constraints))
+        solver = solver_of(self.solver, bool(self.constraints), self.second_order)
         try:
             answer = solver(search, self.iterations, self.tolerance)
         except Stuck as stuck:

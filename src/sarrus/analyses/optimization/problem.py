@@ -19,6 +19,7 @@ from ..dynamics import HHT, GeneralizedAlpha, simulate
 from ..sensitivity.chain import Chain, Nodes
 from ..sensitivity.derivatives import inner, sensitivity
 from ..sensitivity.evaluation import Evaluation
+from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
 from .combined import Outer, Part
 
@@ -144,6 +145,16 @@ class Problem:
         """The gradient (p,) of the responses' sum with weights (r,), by one sweep backwards."""
         return self.at(x).gradient_of_sum(np.asarray(weights, dtype=float))
 
+    def hvp(self, x: Array, direction: Array, response: int = 0) -> Array:
+        """The Hessian of a response times a direction (p,), in about two sweeps.
+
+        Raises
+        ------
+        ValueError
+            For a `Combined` response.
+        """
+        return self.at(x).curved(np.asarray(direction, dtype=float), response)
+
     def limit(self, began: float) -> Callable[[float], None]:
         """What stops a simulation that takes too long."""
 
@@ -171,6 +182,7 @@ class Point:
         self._evaluation: Evaluation | None = None
         self._gradient: Gradient | None = None
         self._trouble = ""
+        self._curvatures: dict[int, Curvature] = {}
 
     @property
     def run(self) -> Trajectory:
@@ -269,6 +281,16 @@ class Point:
         found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column)
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
         return np.asarray((found.T + column.T @ named)[0])
+
+    def curved(self, direction: Array, response: int = 0) -> Array:
+        """The Hessian of a response times a direction (p,)."""
+        place = self.problem.outer.plain(response)
+        if place not in self._curvatures:
+            steps, parameters = self.run.steps, self._parameters()
+            assert steps is not None
+            evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
+            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
+        return np.asarray(self._curvatures[place].times(direction))
 
     def signals(self) -> tuple[list[Array], list[Array]]:
         """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""

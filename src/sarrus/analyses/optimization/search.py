@@ -172,6 +172,17 @@ class Search:
             [[value, size, short] for (value, short), size in zip(self._told, sizes, strict=True)]
         )
 
+    def curved(self, z: Array, direction: Array) -> Array:
+        """The Hessian of the objective by z times a direction (p,); at a wall that of the last iterate."""
+        scale = self.variables.scale
+        try:
+            point = self.point(z)
+            point.values  # noqa: B018
+        except Infeasible:
+            point = self.point(self.anchor)
+        rows = (point.curved(direction * scale, row) for row in range(self.count))
+        return np.asarray(sum(rows) * scale)
+
     def others(self, z: Array) -> Array:
         """The constrained responses; where there are none, those of the last iterate."""
         try:

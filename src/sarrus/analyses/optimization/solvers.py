@@ -40,25 +40,31 @@ class Answer(NamedTuple):
     message: str
 
 
-def solver_of(name: str | None, constrained: bool) -> Callable[[Search, int, float], Answer]:
+def solver_of(
+    name: str | None, constrained: bool, second_order: bool = False
+) -> Callable[[Search, int, float], Answer]:
     """The solver of a name; by default L-BFGS-B, or SLSQP with constraints.
 
     Raises
     ------
     ValueError
-        For an unknown one, and where L-BFGS-B meets constraints.
+        For an unknown one, where L-BFGS-B meets constraints, and for second derivatives that a solver cannot use.
     """
     chosen = name or ("SLSQP" if constrained else "L-BFGS-B")
     if chosen not in SOLVERS:
         raise ValueError(f"there is no solver {chosen!r}; take one of {', '.join(SOLVERS)}")
     if constrained and chosen == "L-BFGS-B":
         raise ValueError("L-BFGS-B takes no constraints; take SLSQP, trust-constr or IPOPT")
+    if second_order and chosen != "trust-constr":
+        raise ValueError(f"{chosen} takes no Hessian products; take trust-constr")
     if chosen == "IPOPT":
         return by_ipopt
-    return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance)
+    return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance, second_order)
 
 
-def by_scipy(search: Search, method: str, iterations: int, tolerance: float) -> Answer:
+def by_scipy(
+    search: Search, method: str, iterations: int, tolerance: float, second_order: bool = False
+) -> Answer:
     """`scipy.optimize.minimize`, the objective divided by its size at the start."""
     from scipy.optimize import Bounds, minimize
 
@@ -77,6 +83,7 @@ def by_scipy(search: Search, method: str, iterations: int, tolerance: float) -> 
             lambda z: search.value(z) / search.size, search.variables.z0, jac=lambda z: search.slope(z) / search.size,
             method=method, bounds=bounds, constraints=_constraints(search), tol=tolerance, callback=accepted,
             options={"maxiter": iterations},
+            hessp=(lambda z, p: search.curved(z, p) / search.size) if second_order else None,
         )  # fmt: skip
     return Answer(bool(found.success), in_words(str(found.message)))
 

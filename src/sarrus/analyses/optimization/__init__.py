@@ -1,9 +1,9 @@
 """Optimization: designs and parameters that make responses of a motion best, by exact gradients."""
 
-from .combined import Combined
+from .combined import Combined, Outer
 from .constraint import Within
 from .fit import fit
 from .minimize import optimize
 from .problem import Infeasible, Problem
 
-__all__ = ["Combined", "Infeasible", "Problem", "Within", "fit", "optimize"]
+__all__ = ["Combined", "Infeasible", "Outer", "Problem", "Within", "fit", "optimize"]

@@ -125,7 +125,10 @@ class Peak(Response):
 
 @dataclass(frozen=True, eq=False)
 class Maximum(Response):
-    """The largest value of the output at the ends of steps; where two are nearly equal it has a kink, see `Peak`."""
+    """The largest value of the output, at eight times in every step; it has kinks where two are equal, see `Peak`."""
+
+    def times(self, t: Array) -> Array | None:
+        return refined(t)
 
     def value(self, g: Array, t: Array) -> float:
         return float(g.max())
@@ -136,7 +139,10 @@ class Maximum(Response):
 
 @dataclass(frozen=True, eq=False)
 class Minimum(Response):
-    """The least value of the output at the ends of steps."""
+    """The least value of the output, at eight times in every step."""
+
+    def times(self, t: Array) -> Array | None:
+        return refined(t)
 
     def value(self, g: Array, t: Array) -> float:
         return float(g.min())
@@ -168,6 +174,12 @@ class Misfit(Response):
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         return np.asarray(g_dot / self.sigma**2)
+
+
+def refined(t: Array) -> Array:
+    """Every step in eight parts (8 n + 1,)."""
+    parts = np.arange(8) / 8
+    return np.append((t[:-1, None] + np.diff(t)[:, None] * parts).ravel(), t[-1])
 
 
 def trapezoidal(t: Array) -> Array:

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from tests.analyses.linkages import bennett
 from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
@@ -113,3 +114,11 @@ def test_a_stiff_spring_does_not_set_the_steps() -> None:
         assert run.success, run.message
         steps.append(run.nsteps)
     assert steps[1] < 1.5 * steps[0] < 150, steps
+
+
+def test_round_off_in_redundant_loops_is_not_taken_for_divergence() -> None:
+    """Where corrections stop falling far below the tolerance, a shorter step would only make them larger."""
+    run = sr.simulate(
+        sr.System(bennett()), until=0.6, t_eval=[0.6], method=sr.Radau(), rtol=1e-10, atol=1e-10
+    )
+    assert run.success, run.message

@@ -32,6 +32,7 @@ RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
+STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
 HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most
@@ -292,8 +293,11 @@ def newton(
             return 0, 2.0
         if iteration > 0:
             rate = max(0.5 * rate, change / before) if before > 0.0 else 0.0
-            if rate >= 0.99:
+            if rate >= 0.99 and change > STALLED:
                 return 0, rate
+            if rate >= 0.99:  # round-off, of which shorter steps make more: constraints are divided by h
+                stages(scheme, h, state)
+                return iteration + 1, SLOW
         if change <= 1e-3 * enough or (iteration > 0 and change * rate / (1.0 - rate) <= enough):
             stages(scheme, h, state)
             return iteration + 1, rate

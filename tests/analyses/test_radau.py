@@ -118,7 +118,5 @@ def test_a_stiff_spring_does_not_set_the_steps() -> None:
 
 def test_round_off_in_redundant_loops_is_not_taken_for_divergence() -> None:
     """Where corrections stop falling far below the tolerance, a shorter step would only make them larger."""
-    run = sr.simulate(
-        sr.System(bennett()), until=0.6, t_eval=[0.6], method=sr.Radau(), rtol=1e-10, atol=1e-10
-    )
+    run = sr.simulate(bennett(), until=0.6, t_eval=[0.6], method=sr.Radau(), rtol=1e-10, atol=1e-10)
     assert run.success, run.message

@@ -2,9 +2,10 @@
 
     python benchmarks/dynamics.py [--json] [--quick] [--exudyn PYTHON]
 
-PYTHON is an interpreter that has the package exudyn. Both codes run on one thread, in turns; the error is that of a
-point at the end of the run, against a reference solution. Both use generalized-α with rho_inf = 0.9 and steps of one
-length; Sarrus also chooses its steps.
+PYTHON is an interpreter that has the package exudyn. Both codes run on one thread, in turns, and seconds are those of
+the processor; the error is that of a point at the end of the run, against a reference solution. Both use generalized-α
+with rho_inf = 0.9 and steps of one length; Sarrus also chooses its steps. The memory of a chain is the most that a run
+of two steps has allocated above its system.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ import os
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
@@ -90,11 +93,11 @@ def timed(problem: Problem, start: Any, method: Any, tol: float) -> dict[str, An
     """Seconds, steps and the end of a run."""
     import sarrus as sr
 
-    began = time.perf_counter()
+    began = time.process_time()
     run = sr.simulate(
         problem.system, start, until=problem.until, t_eval=[problem.until], method=method, rtol=tol, atol=tol
     )
-    taken = time.perf_counter() - began
+    taken = time.process_time() - began
     end = problem.point(run).tolist() if run.success else [np.nan, np.nan]
     return {"seconds": taken, "steps": run.nsteps, "end": end, "message": run.message}
 
@@ -136,7 +139,55 @@ def compared(problem: Problem, python: str | None) -> dict[str, Any]:
             for method in (sr.HHT(-0.05), sr.Radau()):
                 runs = [timed(problem, start, method, tol) for _ in range(2)]
                 free.append({"method": type(method).__name__, "tol": tol, **best(problem, runs)})
-    return {"problem": problem.name, "coordinates": problem.system.nq, "steps": rows, "free": free}
+    found = {"problem": problem.name, "coordinates": problem.system.nq, "steps": rows, "free": free}
+    return found | ({"bytes_a_body": memory(problem, start)} if problem.name.startswith("chain") else {})
+
+
+def memory(problem: Problem, start: Any) -> float:
+    """The most that a run of two steps has allocated, for each body."""
+    import sarrus as sr
+
+    end, method = problem.until / 100, sr.GeneralizedAlpha(0.9, step=problem.until / 200)
+    tracemalloc.start()
+    sr.simulate(problem.system, start, until=end, t_eval=[end], method=method)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak / len(problem.system.bodies)
+
+
+def share_of_python() -> float:
+    """Part of the processor time of the vehicle's run over a bump that is not spent in compiled loops."""
+    from hmmwv_bump import SPEED, bump, moved, vehicle
+
+    import sarrus as sr
+    from sarrus.analyses.dynamics import alpha, sampler
+
+    system = sr.System(vehicle({"left": bump}))
+    start = moved(system, speed=SPEED)
+
+    def run() -> sr.Trajectory:
+        return sr.simulate(system, start, until=4.0, rtol=1e-6, atol=1e-7, max_step=0.02)
+
+    run()
+    spent: list[float] = []
+
+    def watched(loop: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            began = time.process_time()
+            result = loop(*arguments)
+            spent.append(time.process_time() - began)
+            return result
+
+        return call
+
+    advance, (sample, settle) = alpha.compiled_parts()["advance"], sampler._compiled()
+    with (
+        patch.object(alpha, "compiled_parts", lambda: {"advance": watched(advance)}),
+        patch.object(sampler, "_compiled", lambda: (watched(sample), settle)),
+    ):
+        began = time.process_time()
+        run()
+        return 1 - sum(spent) / (time.process_time() - began)
 
 
 def best(problem: Problem, runs: list[dict[str, Any]]) -> dict[str, Any]:
@@ -179,8 +230,11 @@ def main() -> None:
     chosen = parser.parse_args()
     wanted = [p for p in problems(chosen.quick) if p.name.startswith(chosen.only or "")]
     found = [compared(problem, chosen.exudyn) for problem in wanted]
+    named = ratios(found)
+    if not chosen.only:
+        named["hmmwv_share_of_python"] = share_of_python()
     if chosen.json:
-        print(json.dumps({"problems": found, "ratios": ratios(found)}, indent=1))
+        print(json.dumps({"problems": found, "ratios": named}, indent=1))
         return
     for one in found:
         print(f"{one['problem']}, {one['coordinates']} coordinates")
@@ -190,7 +244,9 @@ def main() -> None:
                     show(f"{code}, {row['steps']} equal steps", row[code])
         for run in one["free"]:
             show(f"sarrus, {run['method']}, {run['tol']:g}", run)
-    for name, value in ratios(found).items():
+        if "bytes_a_body" in one:
+            print(f"  memory: {one['bytes_a_body'] / 1e3:.1f} kB a body")
+    for name, value in named.items():
         print(f"{name}: {value:.2f}")
 
 

@@ -311,3 +311,15 @@ def test_pint_is_imported_only_if_a_unit_is_met(tmp_path: Path) -> None:
     code = "import sys, sarrus; sarrus.load(sys.argv[1]); print('pint' in sys.modules)"
     command = [sys.executable, "-c", code, str(tmp_path / "plain.yaml")]
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == "False"
+
+
+def test_a_time_read_as_a_tonne_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "wheel.yaml"
+    file.write_text(
+        "name: wheel\n"
+        "bodies:\n  wheel: {mass: 1, inertia: [1, 1, 1]}\n"
+        "joints:\n  axle: {type: revolute, bodies: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1]}\n"
+        "drivers:\n  motor: {type: angle, joint: axle, motion: 3 rad/s*t}\n"
+    )
+    with pytest.raises(ModelError, match=r't after "3 rad/s" is read as a tonne; write "3 rad/s \* t"'):
+        load(file)

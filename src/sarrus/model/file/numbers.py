@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from math import isfinite
 from typing import Any, NamedTuple
@@ -20,6 +21,7 @@ from .scalar import NUMBER
 from .scope import full_name
 from .typed import measures
 
+TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
 LONGEST_CHAIN = 60  # names that need one another
 AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
 FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
@@ -153,6 +155,10 @@ class Numbers:
         if unit and not fits(found, unit):
             expected = "a plain number" if unit == "1" else unit
             told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
+            if variables and (tonne := TONNE.search(text)):
+                raise ModelError(
+                    f"{told}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
+                )
             raise ModelError(f"{told}; give it in {expected}, or leave the unit away")
 
     def _definition(self, name: str, text: str, variables: tuple[str, ...]) -> tuple[Any, str | None]:

@@ -43,11 +43,17 @@ def test_a_saved_run_is_the_run(method: str, tmp_path: Path) -> None:
     assert np.array_equal(again.q, plain.q)
 
 
+def slowly(t: float) -> None:
+    """Leave the parent time to see how far the run has come."""
+    time.sleep(0.05)
+
+
 CHILD = """
 import sys
 import tests.analyses.test_saving as here
 import sarrus as sr
-sr.simulate(here.slider_crank(), save=sys.argv[2], **here.options(sys.argv[1]))
+here.march.PAUSE = here.march.PATIENT = 0.0
+sr.simulate(here.slider_crank(), save=sys.argv[2], progress=here.slowly, **here.options(sys.argv[1]))
 """
 
 

@@ -165,7 +165,7 @@ class Outputs:
             found = element.Phi(x)[0]
         else:
             c, s = (_projection(element, axis).Phi(x)[0] for axis in (element.f_i, element.g_i))
-            found = np.arctan2(s, c)
+            found = np.arctan2(s, c) - element.angle
             values, _ = every.along(self._nodes.t, self._nodes.q, self._nodes.v)
             near = np.interp(self._states.t, self._nodes.t, values[:, every.index(name)])
             turns = np.round((near - found.value) / (2 * np.pi))

@@ -101,7 +101,7 @@ def test_sparse_factors_agree_with_dense(monkeypatch: pytest.MonkeyPatch) -> Non
     system = turned(3.0, 0.5)
     J, rows = system.Phi_q(system.q0), np.arange(system.m)
     dense = Driven(J, rows)
-    monkeypatch.setattr("sarrus.analyses.driven.DENSE_BELOW", 0)
+    monkeypatch.setattr("sarrus.analyses.factored.DENSE_BELOW", 0)
     sparse = Driven(J, rows)
     g = np.cos(np.arange(system.m))
     length = np.sqrt((J.toarray() ** 2).sum(axis=1))

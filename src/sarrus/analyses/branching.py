@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BPoly
 from scipy.sparse import block_array, csr_array
-from scipy.sparse.linalg import splu
 
 from ..algebra import Array
 from .driven_path import Instant, Path
+from .factored import Factored, SingularSystem
 from .onto import largest
-from .saddle import SingularSystem
 
 HALVINGS = 40
 STEPS = 10
@@ -47,14 +46,14 @@ def _polished(path: Path, t: float, q: Array, interval: float) -> float | None:
         u, n, near = u / np.linalg.norm(u), len(q), t
         x = np.concatenate([q, u[path.rows], [t, 0.0]])
         for _ in range(STEPS):
-            step = splu(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
+            step = Factored(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
                 -_residual(path, x[:n], x[n:-2], x[-2], x[-1])
             )
             x = x + step
             if largest(step) <= SETTLED:
                 close = abs(x[-2] - near) <= interval and abs(x[-1]) <= PERTURBATION
                 return float(x[-2]) if close else None
-    except (RuntimeError, SingularSystem):
+    except SingularSystem:
         pass
     return None
 

@@ -9,9 +9,9 @@ import numpy as np
 from ..algebra import Array
 from ..system import System
 from .driven import Driven, independent_rows
+from .factored import SingularSystem
 from .nullspace import NullSpace
 from .onto import ACCEPTED, TOLERANCE, largest
-from .saddle import SingularSystem
 
 ITERATIONS = 12
 CONTRACTION = 0.5  # each Newton step must be so much shorter than the one before

@@ -14,8 +14,9 @@ from ..algebra import Array
 from ..results import Assembly
 from ..system import System
 from .degrees_of_freedom import normalizations
+from .factored import SingularSystem
 from .rank import independent_rows, rank_of, row_lengths
-from .saddle import Saddle, SingularSystem
+from .saddle import Saddle
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
 AMPLIFICATION = 10.0  # of the equations kept in those left out, above which another choice is made

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import block_array, csr_array, diags_array, eye_array
-from scipy.sparse.linalg import splu
 
 from ..algebra import Array
+from .factored import DENSE_BELOW, Factored
 
-DENSE_BELOW = 400  # unknowns, where LAPACK is faster than SuperLU
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL times the scale of J A⁻¹ Jᵀ
 REFINEMENTS = 12
 SMALL = 1e-15  # correction, relative, at which refinement ends
@@ -37,24 +34,22 @@ class KKT:
         self._J = J
         self.n = J.shape[1]
         self._delta = PROXIMAL * _scale(self._A, J)
-        self._inverse = self._factored()
+        self._factors = Factored(self._matrix())
 
-    def _factored(self) -> Callable[[Array], Array]:
+    def _matrix(self) -> Any:
         m, n = self._J.shape
         if m + n >= DENSE_BELOW:
             corner = -self._delta * eye_array(m)
-            whole = block_array([[self._A, self._J.T], [self._J, corner]]).tocsc()
-            return splu(whole).solve  # type: ignore[no-any-return]
+            return block_array([[self._A, self._J.T], [self._J, corner]])
         matrix = np.zeros((n + m, n + m))
         matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
         matrix[:n, n:] = matrix[n:, :n].T
         matrix[range(n, n + m), range(n, n + m)] = -self._delta
-        factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
-        return lambda right: np.asarray(lu_solve(factors, right, check_finite=False))
+        return matrix
 
     def step(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x and y without refinement, for the directions of iterations."""
-        found = self._inverse(np.concatenate([f, g]))
+        found = self._factors.solve(np.concatenate([f, g]))
         return found[: self.n], found[self.n :]
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import block_array, csr_array
-from scipy.sparse.linalg import splu
 
 from ..algebra import Array
 from ..system import System
 from .driven_path import Instant, Path
+from .factored import Factored, SingularSystem
 from .onto import largest
-from .saddle import SingularSystem
 
 FINE = 1e-5  # length of the last step, relative to the first
 ROUND_OFF = 1e-14  # of a time: a step so short is none
@@ -40,11 +39,11 @@ def fold_time(path: Path, near: Instant) -> float | None:
         _, _, w0 = path.driven(near.t, near.q).weakest()
         t, q, w = near.t, near.q, w0
         for _ in range(FOLD_STEPS):
-            step = splu(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
+            step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
             q, w, t = q + step[: len(q)], w + step[len(q) : -1], t + step[-1]
             if largest(step) <= FOLD_SETTLED:
                 return float(t)
-    except (RuntimeError, SingularSystem):
+    except SingularSystem:
         return None
     return None
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_array, eye_array
-from scipy.sparse.linalg import splu
 
 from ..algebra import Array
+from .factored import DENSE_BELOW, Factored
 
-DENSE_BELOW = 400  # equations, where LAPACK is faster than SuperLU
 FLOOR = 4e-15  # of the damping, relative: keeps the matrix positive for dependent equations
 
 
@@ -42,16 +39,15 @@ class MinimumStep:
 
     def multipliers(self, residual: Array, damping: float = 0.0) -> Array:
         """y = (J W⁻¹ Jᵀ + μ I)⁻¹ Φ (m,)."""
-        return self._factored(damping + FLOOR * self.scale)(residual)
+        return self._factored(damping + FLOOR * self.scale).solve(residual)
 
-    def _factored(self, damping: float) -> Callable[[Array], Array]:
+    def _factored(self, damping: float) -> Factored:
         size = self._normal.shape[0]
         if not self._dense:
-            return splu((self._normal + damping * eye_array(size)).tocsc()).solve  # type: ignore[no-any-return]
+            return Factored(self._normal + damping * eye_array(size))
         matrix = self._normal.copy()
         matrix[np.diag_indices(size)] += damping
-        factors = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-        return lambda right: np.asarray(cho_solve(factors, right, check_finite=False))
+        return Factored(matrix)
 
 
 def _diagonal(values: Array) -> csr_array:

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
-from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csc_array
 
 from ..algebra import Array
 from ..system import System
+from .factored import DENSE_BELOW, Factored, SingularSystem
 from .linear import SingularMatrix, SparseLU
-
-DENSE_BELOW = 150  # unknowns, where LAPACK is faster than sparse factors
-
-
-class SingularSystem(ArithmeticError):
-    """The constraints are dependent here, or a body has no inertia along a free direction."""
 
 
 class Saddle:
@@ -62,7 +55,7 @@ class Saddle:
         numbers = np.concatenate([W, Phi_q[self._used], Phi_q[self._used]])
         if self._dense is not None:
             self._dense[self._rows, self._columns] = numbers
-            self._factors = _dense_factors(self._dense)
+            self._factors = Factored(self._dense)
             return
         self._factor_sparse(numbers[self._order])
 
@@ -79,25 +72,12 @@ class Saddle:
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g."""
         right = np.concatenate([f, g[self._kept]])
-        solution = (
-            lu_solve(self._factors, right, check_finite=False)
-            if self._dense is not None
-            else self._factors.solve(right)
-        )
+        solution = self._factors.solve(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
         y = np.zeros(self._all)
         y[self._kept] = solution[self.nq :]
         return solution[: self.nq], y
-
-
-def _dense_factors(matrix: Array) -> Any:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", LinAlgWarning)
-        try:
-            return lu_factor(matrix)
-        except (LinAlgWarning, ValueError) as trouble:
-            raise SingularSystem(str(trouble)) from None
 
 
 def _places(pattern: Any) -> tuple[Array, Array]:

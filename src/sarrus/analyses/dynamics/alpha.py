@@ -14,10 +14,10 @@ from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
+from ..factored import SingularSystem
 from ..linear import SingularMatrix
 from ..linear import compiled as factors
 from ..motion import Motion
-from ..saddle import SingularSystem
 from . import alpha_loop as loop
 from .keeping import Keeping
 from .march import CHUNK, March, Plan

@@ -17,10 +17,10 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
+from ..factored import SingularSystem
 from ..independence import Independence
 from ..motion import Motion
 from ..projection import Projection
-from ..saddle import SingularSystem
 from .nodes import Nodes
 from .ode import PARTS
 from .placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix

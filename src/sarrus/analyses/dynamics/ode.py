@@ -14,9 +14,9 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
+from ..factored import SingularSystem
 from ..motion import Motion
 from ..projection import Projection
-from ..saddle import SingularSystem
 from .nodes import Nodes
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble

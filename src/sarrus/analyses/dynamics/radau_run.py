@@ -13,9 +13,9 @@ from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
+from ..factored import SingularSystem
 from ..linear import SingularMatrix
 from ..motion import Motion
-from ..saddle import SingularSystem
 from . import placed
 from . import radau_loop as loop
 from .alpha_loop import Tolerance

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from .blueprint import Blueprint, blueprint
+from .coordinates import WIDTH
 from .drivers import Driver
 from .forces import Force
 from .joints import Joint
@@ -16,7 +17,6 @@ from .registry import kind_name
 from .rotation import matrix
 
 MOST = 12  # parts that are named one by one
-WIDTH = 7  # coordinates of a body
 
 
 def describe(model: Model, *findings: str) -> str:

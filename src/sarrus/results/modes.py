@@ -9,6 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import E
+from ..model.coordinates import coordinates_of
 
 
 class BodyShape(NamedTuple):
@@ -75,11 +76,9 @@ class Modes:
         KeyError
             If there is no such body.
         """
-        if body not in self.bodies:
-            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
-        at = 7 * self.bodies.index(body)
-        part = self.shapes[at : at + 7, mode]
-        return BodyShape(part[:3], 2 * E(self.q[at + 3 : at + 7]) @ part[3:])
+        at = coordinates_of(body, self.bodies, self.name)
+        part = self.shapes[at, mode]
+        return BodyShape(part[:3], 2 * E(self.q[at][3:]) @ part[3:])
 
     def __str__(self) -> str:
         from importlib import import_module

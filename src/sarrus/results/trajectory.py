@@ -11,6 +11,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import G
+from ..model.coordinates import coordinates_of
 from ..system import JointCoordinates
 from .happened import Happened
 from .joint_motion import JointMotion
@@ -101,13 +102,10 @@ class Trajectory:
         KeyError
             If there is no such body.
         """
-        if body not in self.bodies:
-            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
-        at = 7 * self.bodies.index(body)
-        r, p = self.q[:, at : at + 3], self.q[:, at + 3 : at + 7]
-        pd = self.v[:, at + 3 : at + 7]
+        at = coordinates_of(body, self.bodies, self.name)
+        (r, p), (rd, pd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v))
         spin = np.array([2 * (G(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
-        return BodyMotion(body, r, p, self.v[:, at : at + 3], spin)
+        return BodyMotion(body, r, p, rd, spin)
 
     def joint(self, name: str) -> JointMotion:
         """The angles and travels of a joint with their rates; turns are counted from one time kept to the next.

@@ -11,9 +11,10 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..model import Placed
+from ..model.coordinates import WIDTH
 from .constraints import ConstraintOperators
 from .pattern import Layout
-from .population import WIDTH, populate
+from .population import populate
 
 TURN = 2 * np.pi
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..algebra import Array
 from ..elements import recorder
-from .population import WIDTH, Population
+from ..model.coordinates import WIDTH
+from .population import Population
 
 GROUND = np.array(recorder.GROUND, dtype=float)
 

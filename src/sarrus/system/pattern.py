@@ -13,7 +13,8 @@ from ..algebra import Array
 from ..elements import BUILT_IN
 from ..elements.operators import Axis, Operator
 from ..elements.recorder import Variant, structure
-from .population import WIDTH, Population
+from ..model.coordinates import WIDTH
+from .population import Population
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from ..elements import BUILT_IN, Element, Normalization
 from ..elements.element import WIDTHS
 from ..elements.recorder import Variant, distinct, variants
 from ..model import Placed
-
-WIDTH = 7  # coordinates of a body
+from ..model.coordinates import WIDTH
 
 
 @dataclass

@@ -12,6 +12,7 @@ from ..algebra import Array
 from ..elements import Normalization
 from ..elements.operators import Axis
 from ..model import Model, blueprint
+from ..model.coordinates import WIDTH, coordinates_of
 from ..model.marker import Marker, marker
 from .check import Report, check_derivatives
 from .constraints import ConstraintOperators
@@ -20,7 +21,7 @@ from .group import Group
 from .inertia import InertiaOperators
 from .joints import JointCoordinates, SystemJoint
 from .pattern import Layout, Pattern
-from .population import WIDTH, populate
+from .population import populate
 from .reactions import Wrench, wrench
 from .told import Told, memory_places
 
@@ -103,10 +104,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         KeyError
             If there is no such body.
         """
-        if body not in self.bodies:
-            raise KeyError(f"no body {body!r} in {self.name}; its bodies are {', '.join(self.bodies)}")
-        at = WIDTH * self.bodies.index(body)
-        return slice(at, at + WIDTH)
+        return coordinates_of(body, self.bodies, self.name)
 
     def joint(self, name: str) -> SystemJoint:
         """A joint with its angles and travels as functions of q.

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import Model, Point, blueprint
+from ..model.coordinates import number_of
 from ..results import Trajectory
 from ..system import System
 from .arrows import arrows
@@ -152,9 +153,7 @@ def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
         poses = {body.name: body.pose() for body in run.system.model.bodies}
         local = trace.resolve(poses, "traces")
         return run.bodies.index(local.body) + 1, np.array(local.s)
-    if trace not in run.bodies:
-        raise KeyError(f"no body {trace!r} in {run.name}; its bodies are {', '.join(run.bodies)}")
-    number = run.bodies.index(trace)
+    number = number_of(trace, run.bodies, run.name)
     return number + 1, drawn.centers[number]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import blueprint
+from ..model.coordinates import WIDTH
 from ..model.rotation import matrix
 from ..results.input_singularities import InputSingularities
 from ..results.workspace import BoundaryCurve, CurveKind, Workspace
@@ -29,7 +30,6 @@ TOLD = {
     "crossable": "singular, but can be crossed",
 }
 ARROWS = 36  # of the size of the picture between two of them
-WIDTH = 7
 
 
 def plot_workspace(found: Workspace, ax: Any = None, *, ghosts: int = 3, arrows: bool = True) -> Any:

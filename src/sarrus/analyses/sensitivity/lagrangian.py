@@ -26,8 +26,9 @@ from ...elements import Force, Primitive
 from ...elements.derived import HELD
 from ...elements.evaluation import element_from, partition
 from ...elements.recorder import GROUND, Variant
+from ...model.coordinates import WIDTH
 from ...system import System
-from ...system.population import WIDTH, Population
+from ...system.population import Population
 from .reverse import gradient
 
 STATES = ("q", "v", "a", "eta")  # operands of bodies that directions are given for

@@ -13,12 +13,13 @@ from ...elements.evaluation import element_from, partition
 from ...elements.operators import OPERATORS
 from ...euler import A, B, E
 from ...model import SarrusError
+from ...model.coordinates import WIDTH
 from ...model.show import suggest
 from ...model.solid import GROUND
 from ...model.tape import Tape, Traced
 from ...system import System
 from ...system.local import GROUND as STILL
-from ...system.population import WIDTH, Population
+from ...system.population import Population
 
 AXES = {"x": 0, "y": 1, "z": 2}
 SPRINGS = (TSDA, NonlinearTSDA)

@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...model.coordinates import WIDTH
 from ...model.pose import GROUND_POSE
 from ...model.rotation import matrix
 from ...model.solid import GROUND
 from ...system import System
 
 PARALLEL = 1e-6  # how far the product of unit vectors may be from 1 or -1
-WIDTH = 7
 
 
 class _Axes(NamedTuple):

@@ -14,13 +14,13 @@ from ... import elements
 from ...algebra import Array
 from ...euler import G
 from ...model import Placed
+from ...model.coordinates import WIDTH
 from ...model.rotation import matrix
 from .measures import Measure
 from .problem import Problem
 
 FREE = 1e-8  # of a singular value that counts as zero
 STEADY = 1e-6  # of an axis that stays in the body
-WIDTH = 7
 
 
 def locks(problem: Problem, positions: Sequence[Array]) -> list[Measure]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...algebra import Array
+from ...model.coordinates import WIDTH
 from ...system import System
-from ...system.population import WIDTH
 from ..degrees_of_freedom import normalizations
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...algebra import Array
+from ...model.coordinates import WIDTH
 from .stratum import Stratum
 
-WIDTH = 7
 SAME = 1e-6  # free of units: nearer positions are one
 
 

@@ -1,0 +1,32 @@
+"""Where the coordinates of a body stand in q."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+WIDTH = 7  # coordinates of a body
+
+
+def number_of(body: str, bodies: Sequence[str], name: str) -> int:
+    """Place of a body among the bodies of the system that has this name.
+
+    Raises
+    ------
+    KeyError
+        If there is no such body.
+    """
+    if body not in bodies:
+        raise KeyError(f"no body {body!r} in {name}; its bodies are {', '.join(bodies)}")
+    return list(bodies).index(body)
+
+
+def coordinates_of(body: str, bodies: Sequence[str], name: str) -> slice:
+    """Place of a body's seven coordinates in q.
+
+    Raises
+    ------
+    KeyError
+        If there is no such body.
+    """
+    at = WIDTH * number_of(body, bodies, name)
+    return slice(at, at + WIDTH)

@@ -1,10 +1,20 @@
 """Sphinx configuration: Markdown by MyST, nothing fetched from the network while building."""
 
+import importlib.util
 import sys
 import tomllib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # for api_pages
+
+
+def _mathjax() -> Path:
+    """The folder of MathJax 3.2.2, which a Python package carries."""
+    found = importlib.util.find_spec("sphinx-mathjax-offline")
+    if found is None or found.origin is None:
+        raise RuntimeError('formulas need MathJax: pip install "sarrus[docs]"')
+    return Path(found.origin).parent / "static" / "mathjax"
+
 
 project = "Sarrus"
 author = "The Sarrus developers"
@@ -23,6 +33,7 @@ myst_dmath_double_inline = True
 
 html_theme = "furo"
 html_title = f"Sarrus {release}"
-html_static_path: list[str] = []
-# Formulas are typeset in the reader's browser. To read the pages without a network, set this to a local copy:
-# mathjax_path = "mathjax/tex-mml-chtml.js"  (and list its folder in html_static_path)
+# Formulas are typeset in the reader's browser, by one file that stands beside the pages: they work without a network.
+html_static_path = [str(_mathjax() / "tex-svg.js"), "site.css"]
+html_css_files = ["site.css"]
+mathjax_path = "tex-svg.js"

@@ -13,6 +13,7 @@ import pytest
 import sarrus as sr
 
 DOCS = Path(__file__).parent.parent / "docs"
+THEORY = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")}
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NEAR = 1e-4  # relative: other machines round differently
@@ -64,3 +65,23 @@ def test_the_reference_has_every_public_name(tmp_path: Path, monkeypatch: pytest
     for name in sr.__all__:
         assert name.startswith("__") or f"\n## {name}\n" in text
     assert "### Trajectory.reaction" in text
+
+
+def equations(text: str) -> set[int]:
+    """The paper's equations that a text cites: (Eq. 8), (Eqs. 9, 10), (Eqs. 64 to 67; ...)."""
+    found = set()
+    for cited in re.findall(r"\(Eqs?\. ([^;)\n]*(?:\n[^;)\n]*)?)", text):
+        for first, last in re.findall(r"(\d+)(?: to (\d+))?", cited):
+            found |= set(range(int(first), int(last or first) + 1))
+    return found
+
+
+def test_the_theory_derives_every_equation_of_the_paper() -> None:
+    assert set(range(1, 117)) - set().union(*map(equations, THEORY.values())) == set()
+
+
+def test_the_identities_of_the_theory() -> None:
+    (block,) = re.findall(r"^```python\n(.*?)^```", THEORY["euler-parameters"], re.DOTALL | re.MULTILINE)
+    names: dict[str, object] = {}
+    exec(compile(block, "euler-parameters.md", "exec"), names)
+    assert "step" in names

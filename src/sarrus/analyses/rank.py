@@ -45,7 +45,7 @@ def rank_of(J: csr_array, tolerance: float = TOLERANCE) -> Rank:
     nulls, smallest = [], np.inf
     for n in range(count):
         rows = np.flatnonzero(labels == n)
-        null, least = _null_of(unit[rows], tolerance)
+        null, least = _null_of(unit if count == 1 else unit[rows], tolerance)
         wide = np.zeros((J.shape[0], null.shape[1]))
         wide[rows] = null
         nulls.append(wide)
@@ -56,13 +56,18 @@ def rank_of(J: csr_array, tolerance: float = TOLERANCE) -> Rank:
 
 def unit_rows(J: csr_array) -> csr_array:
     """J with every row scaled to unit length; rows of zeros stay."""
-    return csr_array(J.multiply(1 / row_lengths(J)[:, None]))
+    return csr_array((J.data / row_lengths(J)[_rows(J)], J.indices, J.indptr), shape=J.shape)
 
 
 def row_lengths(J: csr_array) -> Array:
     """Length of every row (m,), 1 for rows of zeros."""
-    length = np.sqrt(np.asarray(J.multiply(J).sum(axis=1)).reshape(-1))
+    length = np.sqrt(np.bincount(_rows(J), weights=J.data * J.data, minlength=J.shape[0]))
     return np.where(length > 0, length, 1.0)
+
+
+def _rows(J: csr_array) -> Array:
+    """The row of every number."""
+    return np.repeat(np.arange(J.shape[0]), np.diff(J.indptr))
 
 
 def independent_rows(null: Array, last: Array) -> Array:
@@ -89,8 +94,8 @@ def independent_rows(null: Array, last: Array) -> Array:
 def _components(unit: csr_array) -> tuple[Array, int]:
     """The component of each row: rows that share a column belong together."""
     m, n = unit.shape
-    row = np.repeat(np.arange(m), np.diff(unit.indptr))
-    graph = csr_array((np.ones(len(row)), (row, m + unit.indices)), shape=(m + n, m + n))
+    pointers = np.concatenate([unit.indptr, np.full(n, unit.indptr[-1])])
+    graph = csr_array((np.ones(len(unit.indices)), m + unit.indices, pointers), shape=(m + n, m + n))
     labels = connected_components(graph, directed=False)[1][:m]
     names, labels = np.unique(labels, return_inverse=True)
     return labels, len(names)

@@ -11,6 +11,7 @@ from ..algebra import Array
 from ..system import System
 from .factored import DENSE_BELOW, Factored, SingularSystem
 from .linear import SingularMatrix, SparseLU
+from .once import once
 
 
 class Saddle:
@@ -23,15 +24,8 @@ class Saddle:
     def __init__(self, system: System, weight: str, kept: Array | None = None) -> None:
         self._kept = np.arange(system.m) if kept is None else kept
         self.nq, self.m, self._all = system.nq, len(self._kept), system.m
-        rows, columns = _places(system.pattern("Phi_q"))
-        self._used = np.isin(rows, self._kept)
-        rows, columns = np.searchsorted(self._kept, rows[self._used]), columns[self._used]
-        if weight == "M":
-            w_rows, w_columns = _places(system.pattern("M"))
-        else:
-            w_rows = w_columns = np.arange(system.nq)
-        self._rows = np.concatenate([w_rows, columns, rows + self.nq])
-        self._columns = np.concatenate([w_columns, rows + self.nq, columns])
+        found = _all_independent(system, weight) if kept is None else _places_in(system, weight, kept)
+        self._rows, self._columns, self._used = found
         size = self.nq + self.m
         if size < DENSE_BELOW:
             self._dense: Array | None = np.zeros((size, size))
@@ -78,6 +72,20 @@ class Saddle:
         y = np.zeros(self._all)
         y[self._kept] = solution[self.nq :]
         return solution[: self.nq], y
+
+
+def _places_in(system: System, weight: str, kept: Array) -> tuple[Array, Array, Array]:
+    """Row and column of each number in the matrix, and which numbers of Φ_q there are."""
+    rows, columns = _places(system.pattern("Phi_q"))
+    used = np.isin(rows, kept)
+    rows, columns = np.searchsorted(kept, rows[used]) + system.nq, columns[used]
+    both = _places(system.pattern("M")) if weight == "M" else (np.arange(system.nq),) * 2
+    return np.concatenate([both[0], columns, rows]), np.concatenate([both[1], rows, columns]), used
+
+
+@once
+def _all_independent(system: System, weight: str) -> tuple[Array, Array, Array]:
+    return _places_in(system, weight, np.arange(system.m))
 
 
 def _places(pattern: Any) -> tuple[Array, Array]:

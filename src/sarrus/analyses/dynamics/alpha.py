@@ -19,6 +19,7 @@ from ..linear import SingularMatrix
 from ..linear import compiled as factors
 from ..motion import Motion
 from . import alpha_loop as loop
+from .entries import entry_of
 from .keeping import Keeping
 from .march import CHUNK, March, Plan
 from .newton_matrix import NewtonMatrix
@@ -198,8 +199,8 @@ class AlphaStepper:
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix: Any = NewtonMatrix(system, self.independence.kept)
         self._advance = compiled_parts()["advance"]
-        entries = [system.group(*names).entry() for names in GROUPS.values()]
-        self._entries: Any = loop.Entries._make([*entries, system.remembered.entry()])
+        entries = [entry_of(system, *names) for names in GROUPS.values()]
+        self._entries: Any = loop.Entries._make([*entries, entry_of(system, "remembered")])
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)

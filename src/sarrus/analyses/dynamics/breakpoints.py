@@ -12,8 +12,10 @@ from ...elements.recorder import Variant, record
 from ...model import Curve
 from ...system import System
 from ...system.population import Population
+from ..once import once
 
 
+@once
 def breakpoints(system: System) -> tuple[Array, Array]:
     """Rising times of the points of all tables over time, and those among them where second derivatives jump.
 

@@ -6,13 +6,14 @@ assembling is one pass: data[place] += weight of its operator x number.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...system import System
 from ..linear import SparseLU
+from ..once import once
 
 BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q")  # of the upper left block, then Φ_q twice
 
@@ -31,25 +32,11 @@ class NewtonMatrix:
     """
 
     def __init__(self, system: System, kept: Array | None, blocks: tuple[str, ...] = BLOCKS) -> None:
-        self.n = system.nq + system.m
-        parts = [_entries(system, name) for name in blocks]
-        self.row_of, columns = _entries(system, "Phi_q")
-        below, above = (self.row_of + system.nq, columns), (columns, self.row_of + system.nq)
-        unit = np.arange(system.nq, self.n)
-        everywhere = [*parts, (unit, unit), below, above]
-        sizes = [len(r) for r, _ in everywhere]
-        starts = np.concatenate([[0], np.cumsum(sizes)])
-        self.values = np.zeros(starts[-2])
-        self.views = {
-            name: self.values[starts[k] : starts[k + 1]]
-            for k, name in enumerate((*blocks, "left_out", "Phi_q"))
-        }
-        self.segments = np.column_stack([starts[:-1], starts[1:]]).astype(np.int64)
-        keys = np.concatenate([c * self.n + r for r, c in everywhere])
-        unique, self._place = np.unique(keys, return_inverse=True)
-        self.indices = (unique % self.n).astype(np.int64)
-        self.indptr = np.searchsorted(unique // self.n, np.arange(self.n + 1)).astype(np.int64)
-        self.weights = np.ones(len(sizes))
+        self.segments, self.row_of, self._place, self.indptr, self.indices = _layout(system, blocks)
+        self.values = np.zeros(self.segments[-2, 1])
+        names = (*blocks, "left_out", "Phi_q")
+        self.views = {name: self.values[slice(*self.segments[k])] for k, name in enumerate(names)}
+        self.weights = np.ones(len(self.segments))
         self.left_out = self.views["left_out"]
         self.keep(kept)
         self.lu: Any = None
@@ -95,6 +82,31 @@ class NewtonMatrix:
         """Take over such a state."""
         self.lu = SparseLU.ordered(self.indptr, self.indices, row_place, column_order, factors)
         self._place_numbers()
+
+
+class Layout(NamedTuple):
+    """Where the numbers of the operators go; see `NewtonMatrix`."""
+
+    segments: Array
+    row_of: Array
+    place: Array
+    indptr: Array
+    indices: Array
+
+
+@once
+def _layout(system: System, blocks: tuple[str, ...]) -> Layout:
+    """Pattern and places, the same for all matrices of a system with these blocks."""
+    n = system.nq + system.m
+    row_of, columns = _entries(system, "Phi_q")
+    below, above = (row_of + system.nq, columns), (columns, row_of + system.nq)
+    unit = np.arange(system.nq, n)
+    everywhere = [*(_entries(system, name) for name in blocks), (unit, unit), below, above]
+    starts = np.concatenate([[0], np.cumsum([len(r) for r, _ in everywhere])])
+    unique, place = np.unique(np.concatenate([c * n + r for r, c in everywhere]), return_inverse=True)
+    indptr = np.searchsorted(unique // n, np.arange(n + 1)).astype(np.int64)
+    segments = np.column_stack([starts[:-1], starts[1:]]).astype(np.int64)
+    return Layout(segments, row_of, place, indptr, (unique % n).astype(np.int64))
 
 
 def _entries(system: System, name: str) -> tuple[Array, Array]:

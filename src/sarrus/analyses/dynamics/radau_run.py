@@ -19,6 +19,7 @@ from ..motion import Motion
 from . import placed
 from . import radau_loop as loop
 from .alpha_loop import Tolerance
+from .entries import entry_of
 from .nodes import Nodes
 from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 from .stabilized_matrix import FACTORS, MATRICES, compiled_solver, newton_parts, weigh
@@ -95,7 +96,7 @@ class RadauStepper:
         system.remember(start.q, self.b, 0.0)
         self.independence = independence_at(system, start)
         self._loop = _compiled()
-        entries = [*(system.group(*names).entry() for names in GROUPS.values()), system.remembered.entry()]
+        entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("remembered",))]
         self._index = loop.Indices._make(entries)
         self._make_matrices()
         nq, m, places = system.nq, system.m, len(system.memory_places)

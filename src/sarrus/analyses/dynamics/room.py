@@ -8,6 +8,7 @@ from ...system import System
 from .stepper import Trouble
 
 NUMBER = 8  # bytes
+ALWAYS = 1_000_000  # bytes that are not worth asking for
 STEPS = 2000  # kept steps that a run is taken to have at least
 
 
@@ -39,8 +40,7 @@ def refuse_too_large(system: System, rows: int, all_steps: bool) -> None:
         With the number of bytes.
     """
     wanted = bytes_of(system, rows + (STEPS if all_steps else 0))
-    free = available()
-    if wanted > 0.9 * free:
+    if wanted > ALWAYS and wanted > 0.9 * (free := available()):
         raise Trouble(
             "memory",
             f"{rows} states of {system.name} take {wanted / 1e9:.3g} GB ({wanted} bytes), but {free / 1e9:.3g} GB are "

@@ -17,6 +17,7 @@ from ..independence import Independence
 from ..linear import SingularMatrix
 from ..linear import compiled as factors
 from . import sample_loop as loop
+from .entries import entry_of
 from .newton_matrix import NewtonMatrix
 from .nodes import Nodes
 
@@ -85,8 +86,8 @@ class Sampler:
         self.system, self.independence, self.b = system, copy(independence), b.copy()
         self.matrix = NewtonMatrix(system, independence.kept, ("M",))
         self.unsettled: list[float] = []
-        entries = [system.group(*names).entry() for names in GROUPS.values()]
-        self._entries = loop.Entries._make([*entries, system.potentials.entry(), system.remembered.entry()])
+        entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("potentials",), ("remembered",))]
+        self._entries = loop.Entries._make(entries)
         nq, m = system.nq, system.m
         rows = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, len(system.memory_places))
         self._work = loop.Work(*(np.zeros(length) for length in rows))

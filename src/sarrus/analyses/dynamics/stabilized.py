@@ -11,6 +11,7 @@ from ..._jit.driver import compiled_function
 from . import alpha_loop, radau_loop
 from . import stabilized_loop as loop
 from .alpha import GROUPS, AlphaStepper, calls, compiled_parts
+from .entries import entry_of
 from .stabilized_matrix import MATRICES, START, StabilizedMatrix, compiled_solver, weigh
 
 TURNING = ("gamma_v",)
@@ -41,8 +42,8 @@ class StabilizedStepper(AlphaStepper):
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix = StabilizedMatrix(system, self.independence.kept)
         self._advance = compiled_advance()
-        entries = [system.group(*names).entry() for names in (*GROUPS.values(), TURNING)]
-        self._entries = loop.Entries._make([*entries, system.remembered.entry()])
+        entries = [entry_of(system, *names) for names in (*GROUPS.values(), TURNING, ("remembered",))]
+        self._entries = loop.Entries._make(entries)
         whole = 2 * (nq + m)
         rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, nq, whole)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))

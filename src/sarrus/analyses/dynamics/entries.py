@@ -1,0 +1,14 @@
+"""How do compiled loops call a system's operators: by addresses and tables, made once for each system."""
+
+from __future__ import annotations
+
+from ..._jit.pointer import Entry
+from ...system import System
+from ..once import once
+
+
+@once
+def entry_of(system: System, *names: str) -> Entry:
+    """The entry of operators that are computed together, or of "remembered" or "potentials"."""
+    told = {"remembered": system.remembered, "potentials": system.potentials}
+    return told[names[0]].entry() if names[0] in told else system.group(*names).entry()

@@ -70,13 +70,11 @@ def test_torque_history(tmp_path: Path) -> None:
 
 def test_hmmwv_ride(tmp_path: Path) -> None:
     script = of("hmmwv_ride")
-    free, limited = script["main"](tmp_path, iterations=6)
+    free, limited = script["main"](tmp_path, iterations=10)
     assert len(free.names) == 14
     assert free.value < 0.25 * free.value0
     assert limited.value < 0.25 * limited.value0
-    assert (
-        max(limited.constraints.values()) < script["MOST"] * 1.05
-    )  # met in full only where it has converged
+    assert max(limited.constraints.values()) < script["MOST"] * 1.01
     assert drawn(tmp_path) == {"hmmwv_ride.png"}
 
 

@@ -27,6 +27,7 @@ RESPONSES = [
     sr.Final("guide.torque.x"),
     sr.Final("pin.multiplier.2"),
     sr.Integral(lambda o: np.sqrt(1 + o("crank.angular_velocity.x") ** 2), name="turning"),
+    sr.Maximum("slider.velocity.x"),
 ]
 ROUGH = {
     "rod.acceleration.y",
@@ -104,6 +105,26 @@ def test_what_a_gradient_leaves_falls_with_the_square() -> None:
         rest.append(abs(there - gradient.values - size * gradient.matrix @ change))
     slopes = np.log2(np.array(rest[:-1]) / np.array(rest[1:]))
     assert np.all(abs(slopes - 2) < 0.1), slopes
+
+
+EXTREMES = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr.Maximum("pin.force.z")]
+
+
+def test_an_extreme_between_steps_has_the_derivatives_of_its_value() -> None:
+    """Those of the number that is told, with one weight for each of three nodes."""
+    run = sr.simulate(slider_crank(), until=1.5, rtol=1e-5, atol=1e-7, keep_steps=True)
+    found = sr.sensitivity(run, EXTREMES, ["spring.k"]).matrix[:, 0]
+    assert found == pytest.approx(differenced(run, EXTREMES, "spring.k", 1e-3, sr.HHT()), rel=2e-5)
+
+
+def test_the_derivative_of_an_extreme_converges_with_the_square_of_the_step() -> None:
+    """To those of the motion, found by DOP853 to twelve digits: the extreme's time must converge, too."""
+    wanted, errors = np.array([0.01429149, -0.00728181]), []
+    for h in (4e-3, 2e-3, 1e-3):
+        run = sr.simulate(slider_crank(), until=1.5, keep_steps=True, method=sr.HHT(step=h))
+        errors.append(abs(sr.sensitivity(run, EXTREMES[:2], ["spring.k"]).matrix[:, 0] - wanted).max())
+    assert errors[0] > 3.5 * errors[1] > 3.5**2 * errors[2], errors
+    assert errors[2] < 2e-6
 
 
 def test_state_derivatives_satisfy_the_differentiated_constraints() -> None:

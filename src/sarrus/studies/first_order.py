@@ -6,23 +6,19 @@ With independent parameters of mean μ_i and standard deviation σ_i a response 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..analyses import At, Final, Integral, assemble, sensitivity, simulate
-from ..analyses.sensitivity import Response as Differentiable
-from ..analyses.sensitivity.outputs import UnknownOutput
-from ..model import Expression, Model, SarrusError
-from ..model.expression import Call, Name, Number
-from ..model.expression.tree import call
-from ..results import Trajectory
+from ..analyses import assemble, sensitivity, simulate
+from ..analyses.optimization.combined import Outer
+from ..model import Model, SarrusError
 from ..system import System
 from .conduct import Asked, ask
+from .differentiable import differentiable
 from .parameters import Array, Distribution, Parameter, Range, Values
-from .responses import Response, reductions
 from .runs import Simulation
 from .samples import Listed
 
@@ -75,8 +71,7 @@ def uncertainty(
 
     Parameters
     ----------
-    model, parameters, responses : as for `study`; responses are formulas. A maximum or minimum is differentiated at the
-        time at which it is met.
+    model, parameters, responses : as for `study`; responses are formulas
     analysis : a `Simulation` by `HHT` or `GeneralizedAlpha`
 
     Returns
@@ -106,10 +101,10 @@ def uncertainty_of(asked: Asked) -> Uncertainty:
     motion = simulate(system, begin, until=run.until, keep_steps=True, **steps)
     if not motion.success:
         raise SarrusError(motion.message)
-    parts = [_parts(response, motion) for response in asked.task.responses]
-    values, matrix = _chained(parts, motion, names)
-    titles = tuple(response.name for response in asked.task.responses)
-    return Uncertainty(names, titles, values, matrix, moments[:, 1])
+    outer = Outer([differentiable(response, run.until) for response in asked.task.responses])
+    gradient = sensitivity(motion, outer.parts, list(names))
+    values, slopes = outer.linear(gradient.values)
+    return Uncertainty(names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1])
 
 
 def _moments(parameter: Parameter) -> tuple[float, float]:
@@ -123,104 +118,3 @@ def _moments(parameter: Parameter) -> tuple[float, float]:
         return (parameter.low + parameter.high) / 2, (parameter.high - parameter.low) / 12**0.5
     x = parameter.at((np.arange(4096) + 0.5) / 4096)
     return float(x.mean()), float(x.std())
-
-
-class _Parts(NamedTuple):
-    """A formula of responses that can be differentiated: each stands in it under a name."""
-
-    outer: Expression
-    inner: dict[str, Differentiable]
-
-
-def _parts(response: Response, run: Trajectory) -> _Parts:
-    if not isinstance(response.of, str):
-        raise SarrusError(
-            f"response {response.name!r} is a function, whose derivatives are unknown; give a formula"
-        )
-    inner: dict[str, Differentiable] = {}
-    made: dict[Expression, Expression] = {}
-    tree = response.tree(run.t)
-    reduced = reductions(run.t)
-    for node in tree.nodes():
-        if isinstance(node, Call) and node.function.name in reduced and node.function.partials is UNKNOWN:
-            made[node] = _reduced(node, run, inner)
-        elif isinstance(node, Call):
-            made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
-        elif isinstance(node, Name):
-            made[node] = _standing(Final(_function(node)), inner)
-        else:
-            made[node] = node
-    return _Parts(made[tree], {name: inner[name] for name in made[tree].names()})
-
-
-UNKNOWN = reductions(np.zeros(1))["final"].partials
-
-
-def _standing(response: Differentiable, inner: dict[str, Differentiable]) -> Name:
-    name = f"part{len(inner)}"
-    inner[name] = response
-    return Name(name)
-
-
-def _reduced(node: Call, run: Trajectory, inner: dict[str, Differentiable]) -> Expression:
-    """A reduction as a response that can be differentiated."""
-    word, of = node.function.name, node.args[0]
-    if any(isinstance(one, Call) and one.function.partials is UNKNOWN for one in of.nodes()):
-        raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here")
-    span = Number(float(run.t[-1] - run.t[0]))
-    if word in ("integral", "mean"):
-        whole = _standing(Integral(_function(of)), inner)
-        return whole if word == "integral" else whole / span
-    if word == "rms":
-        return call("sqrt", _standing(Integral(_function(of * of)), inner) / span)
-    if word == "final":
-        return _standing(Final(_function(of)), inner)
-    return _standing(At(_function(of), time=_time(node, run)), inner)
-
-
-def _time(node: Call, run: Trajectory) -> float:
-    """When a value is taken, or met."""
-    if node.function.name == "initial":
-        return float(run.t[0])
-    if node.function.name == "at":
-        return float(node.args[1].value())
-    g = _history(node.args[0], run)
-    return float(run.t[int(np.argmax(g) if node.function.name == "max" else np.argmin(g))])
-
-
-def _history(of: Expression, run: Trajectory) -> Array:
-    from .runs import lookup_of
-
-    lookup = lookup_of(run.system, run)
-    return np.broadcast_to(np.asarray(of.value({name: lookup(name) for name in of.names()})), run.t.shape)
-
-
-def _function(of: Expression) -> Callable[[Any], Any]:
-    """A formula as a function of `Outputs`."""
-
-    def evaluate(outputs: Any) -> Any:
-        return of.value({name: _output(outputs, name) for name in of.names()})
-
-    return evaluate
-
-
-def _output(outputs: Any, name: str) -> Any:
-    try:
-        return outputs(name)
-    except UnknownOutput:
-        return outputs.parameter(name)
-
-
-def _chained(parts: list[_Parts], run: Trajectory, names: tuple[str, ...]) -> tuple[Array, Array]:
-    """Values (r,) and derivatives (r, p), by one sweep for all parts of all formulas."""
-    every = [response for one in parts for response in one.inner.values()]
-    gradient = sensitivity(run, every, list(names))
-    values, rows, first = [], [], 0
-    for one in parts:
-        count = len(one.inner)
-        env = dict(zip(one.inner, gradient.values[first : first + count].tolist(), strict=True))
-        slopes = [float(one.outer.derivative(name).value(env)) for name in one.inner]
-        values.append(float(one.outer.value(env)))
-        rows.append(np.array(slopes) @ gradient.matrix[first : first + count])
-        first += count
-    return np.array(values), np.array(rows).reshape(len(parts), len(names))

@@ -12,13 +12,13 @@ from typing import Any
 
 from ..analyses import Combined, Misfit, Within, fit, optimize
 from ..analyses.optimization.solvers import SOLVERS
-from ..model import Model, ModelError, SarrusError
-from ..model.file.document import Document
+from ..model import Model, SarrusError
 from ..model.file.load import read
 from ..model.show import suggest
 from ..results import Optimum
 from ..system import System
 from .differentiable import differentiable
+from .entries import Entries
 from .parameters import number, whole
 from .responses import Response
 from .runs import Simulation, run_of
@@ -81,8 +81,8 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
         For anything that is wrong: file and line, what, and what to do.
     """
     place = Path(path)
-    file = _File(read(place), place.parent)
-    file.check()
+    file = Entries(read(place), "an optimization")
+    _check(file)
     data = file.document.data
     run = file.part(_simulation, "analysis")
     model = load(place.parent / str(data["model"]))
@@ -109,46 +109,19 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     return Sought(bounds=bounds, objective=objective, constraints=constraints, **sought)
 
 
-@dataclass(frozen=True)
-class _File:
-    """The file's entries."""
-
-    document: Document
-    folder: Path
-
-    def part(self, reader: Callable[[Any], Any], *path: str | int) -> Any:
-        """What the reader makes of an entry; errors name the file and the line."""
-        given: Any = self.document.data
-        for step in path:
-            given = given[step]
-        try:
-            return reader(given)
-        except (SarrusError, ValueError) as wrong:
-            where = self.document.origin.where(path)
-            raise ModelError(str(wrong), where=where, part=".".join(map(str, path))) from None
-
-    def check(self) -> None:
-        """Refuse unknown, missing and contradictory keys."""
-        data, origin = self.document.data, self.document.origin
-        if not isinstance(data, dict):
-            raise ModelError("the file is a mapping with the keys " + ", ".join(KEYS), where=origin.file)
-        for key in data:
-            if key not in KEYS:
-                told = f"an optimization has no key {key!r}; {suggest(str(key), KEYS)}"
-                raise ModelError(told, where=origin.where((key,)))
-        for key in ("model", "parameters", "analysis"):
-            if key not in data:
-                raise ModelError(f"the file lacks the key {key!r}; give it", where=origin.file)
-        if ("minimize" in data) == ("fit" in data):
-            raise ModelError("give minimize or fit, and not both", where=origin.file)
-        other = "fit" if "minimize" in data else "minimize"
-        for key in ONLY[other]:
-            if key in data:
-                raise ModelError(f"{key!r} belongs to {other!r}; leave it out", where=origin.where((key,)))
-        for key, kind in (("parameters", dict), ("constraints", dict), ("fit", list)):
-            if key in data and not isinstance(data[key], kind):
-                told = "a mapping of names" if kind is dict else "a list of measurements"
-                raise ModelError(f"{key} must be {told}", where=origin.where((key,)))
+def _check(file: Entries) -> None:
+    """Refuse unknown, missing and contradictory keys."""
+    file.check_keys(KEYS, ("model", "parameters", "analysis"))
+    data = file.document.data
+    if ("minimize" in data) == ("fit" in data):
+        raise file.refused("give minimize or fit, and not both")
+    other = "fit" if "minimize" in data else "minimize"
+    for key in ONLY[other]:
+        if key in data:
+            raise file.refused(f"{key!r} belongs to {other!r}; leave it out", key)
+    for key in ("parameters", "constraints"):
+        file.check_kind(key, dict, "a mapping of names")
+    file.check_kind("fit", list, "a list of measurements")
 
 
 def _simulation(given: Any) -> Simulation:

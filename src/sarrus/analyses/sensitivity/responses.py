@@ -123,32 +123,44 @@ class Peak(Response):
         return np.asarray(self.sharpness * w * (g_dot - w @ g_dot))
 
 
-@dataclass(frozen=True, eq=False)
-class Maximum(Response):
-    """The largest value of the output, at eight times in every step; it has kinks where two are equal, see `Peak`."""
+class _Extreme(Response):
+    """The value at the vertex of a parabola through the outermost node and its neighbours.
 
-    def times(self, t: Array) -> Array | None:
-        return refined(t)
+    The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
+    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time.
+    """
 
-    def value(self, g: Array, t: Array) -> float:
-        return float(g.max())
-
-    def weights(self, g: Array, t: Array) -> Array:
-        return np.asarray(np.arange(len(g)) == np.argmax(g), dtype=float)
-
-
-@dataclass(frozen=True, eq=False)
-class Minimum(Response):
-    """The least value of the output, at eight times in every step."""
-
-    def times(self, t: Array) -> Array | None:
-        return refined(t)
+    def outermost(self, g: Array) -> int:
+        """Which sample it is."""
+        raise NotImplementedError
 
     def value(self, g: Array, t: Array) -> float:
-        return float(g.min())
+        return float(self.weights(g, t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
-        return np.asarray(np.arange(len(g)) == np.argmin(g), dtype=float)
+        near, basis, _, _ = _vertex(g, t, self.outermost(g))
+        return _placed(basis, near, len(g))
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+        near, _, slopes, bend = _vertex(g, t, self.outermost(g))
+        moved = -(slopes @ g_dot[near]) / bend if bend else 0.0
+        return _placed(moved * slopes, near, len(g))
+
+
+@dataclass(frozen=True, eq=False)
+class Maximum(_Extreme):
+    """The largest value of the output, also between steps; it has kinks where two are equal, see `Peak`."""
+
+    def outermost(self, g: Array) -> int:
+        return int(np.argmax(g))
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum(_Extreme):
+    """The least value of the output, also between steps."""
+
+    def outermost(self, g: Array) -> int:
+        return int(np.argmin(g))
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,13 +188,32 @@ class Misfit(Response):
         return np.asarray(g_dot / self.sigma**2)
 
 
-def refined(t: Array) -> Array:
-    """Every step in eight parts (8 n + 1,)."""
-    parts = np.arange(8) / 8
-    return np.append((t[:-1, None] + np.diff(t)[:, None] * parts).ravel(), t[-1])
-
-
 def trapezoidal(t: Array) -> Array:
     """Weights of the trapezoidal rule (nt,)."""
     h = np.diff(t)
     return np.asarray(np.concatenate([[0.0], h / 2]) + np.concatenate([h / 2, [0.0]]))
+
+
+def _vertex(g: Array, t: Array, n: int) -> tuple[slice, Array, Array, float]:
+    """Samples about sample n, their Lagrange polynomials and slopes at the parabola's vertex, and its bend."""
+    near = slice(max(n - 1, 0), n + 2)
+    if 0 < n < len(g) - 1:
+        a, c = (float(x) for x in t[[n - 1, n + 1]] - t[n])
+        bend_of = 2 / np.array(
+            [a * (a - c), a * c, c * (c - a)]
+        )  # second derivatives of the three polynomials
+        slope_of = -0.5 * bend_of * np.array([c, a + c, a])  # slopes at sample n
+        bend, slope = float(bend_of @ g[near]), float(slope_of @ g[near])
+        if bend:
+            u = -slope / bend
+            basis = np.array([0.0, 1.0, 0.0]) + slope_of * u + bend_of * u**2 / 2
+            return near, basis, slope_of + bend_of * u, bend
+    own = np.asarray(np.arange(len(g))[near] == n, dtype=float)
+    return near, own, 0 * own, 0.0
+
+
+def _placed(values: Array, near: slice, count: int) -> Array:
+    """Zeros but for some neighbours (count,)."""
+    whole = np.zeros(count)
+    whole[near] = values
+    return whole

@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 import sarrus as sr
+from sarrus.cli import VERBS
 
 DOCS = Path(__file__).parent.parent / "docs"
 THEORY = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")}
@@ -65,6 +66,11 @@ def test_the_reference_has_every_public_name(tmp_path: Path, monkeypatch: pytest
     for name in sr.__all__:
         assert name.startswith("__") or f"\n## {name}\n" in text
     assert "### Trajectory.reaction" in text
+
+
+def test_the_command_line_page_has_every_verb() -> None:
+    page = (DOCS / "cli.md").read_text(encoding="utf-8")
+    assert {verb for verb in VERBS if not re.search(rf"^\| `{verb}\b", page, re.MULTILINE)} == set()
 
 
 def equations(text: str) -> set[int]:

@@ -94,7 +94,7 @@ MISUSE = [
     ("run {} --rtol -1", "--rtol: must be a positive finite number, but is -1"),
     ("run {} --steps 1000000000000", "--steps: must be a whole number from 1 to 1000000"),
     ("run {} --plot slider.x --figure a.xyz", "--figure: must end in .png, .svg or .pdf, but is a.xyz"),
-    ("run {} --plot slider.w", "no coordinate 'slider.w' in slider-crank; try crank.x"),
+    ("run {} --plot slider.w", "no coordinate 'slider.w' in slider-crank; did you mean"),
     ("run {} --csv none/a.csv", "there is no folder none; make it first"),
     ("run {} --csv .", "is a folder; name a file in it"),
     ("check {} --seed -1", "--seed: must be a whole number of at least 0, but is -1"),
@@ -197,35 +197,6 @@ def test_kinematics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "force up to" in told
     assert figure.exists()
     assert len(table.read_text().splitlines()) == 22
-
-
-def test_every_verb_answers_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    lines = {
-        "demo": ["--output", str(tmp_path)],
-        "run": [SLIDER_CRANK, "--until", "0.1", "--csv", str(tmp_path / "run.csv")],
-        "kinematics": [SLIDER_CRANK],
-        "statics": [SLIDER_CRANK],
-        "modes": [SLIDER_CRANK],
-        "view": [SLIDER_CRANK, "--output", str(tmp_path / "crank.glb")],
-        "sensitivity": [SLIDER_CRANK, "--until", "0.1", "--response", "slider.x", "--wrt", "spring.k"],
-        "check": [SLIDER_CRANK],
-        "schema": [],
-        "completion": ["bash"],
-    }
-    others = {
-        "optimize",
-        "paper",
-        "study",
-        "workspace",
-    }  # paper takes its time, and the others take other files
-    assert set(lines) | others == set(VERBS)
-    for verb, words in lines.items():
-        code = main([verb, *words, "--json", "-q"])
-        told = capsys.readouterr()
-        found = json.loads(told.out)
-        assert (found["verb"], found["exit_code"], found["success"]) == (verb, code, code == 0)
-        assert told.err == ""
-        assert verb in ("schema", "completion") or found["message"]
 
 
 def test_json_of_a_run_holds_what_people_read(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+DPI = 150  # of figures
+
 log = logging.getLogger("sarrus.cli")
 
 
@@ -37,11 +39,21 @@ class Answer:
         self._files.append(str(file))
         log.info("wrote %s", file)
 
+    def draw(self, figure: Any, file: Path) -> None:
+        """Write a figure, and tell it."""
+        figure.savefig(file, dpi=DPI)
+        self.wrote(file)
+
     def close(self, code: int) -> None:
         """Print the JSON object, with the exit code and the files written."""
         if self.as_json:
             ending = {"success": code == 0, "exit_code": code, "files": self._files}
             print(json.dumps(plain(self._facts | ending), ensure_ascii=False))
+
+
+def named(model: str, message: str) -> str:
+    """A message with the name of its model in front, which many have already."""
+    return message if message.startswith(model) else f"{model}: {message}"
 
 
 def plain(value: Any) -> Any:

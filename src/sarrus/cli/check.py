@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import model_file
+from . import model_file, shared
 from .answer import Answer
 from .progress import Bar
-from .values import figure_file, natural, refuse_unwritable
+from .values import figure_file, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..model import Model
@@ -24,9 +24,7 @@ EXAMPLES = (
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the seed of the random states, and a file for a drawing."""
     model_file.arguments(parser)
-    parser.add_argument(
-        "--seed", type=natural, default=0, help="of the random velocities, directions and multipliers"
-    )
+    shared.seed(parser, "velocities, directions and multipliers")
     parser.add_argument("--draw", type=figure_file, metavar="FILE", help="draw the model, .png, .svg or .pdf")
 
 

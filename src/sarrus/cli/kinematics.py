@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import model_file
-from .answer import Answer
+from . import model_file, shared
+from .answer import Answer, named
 from .progress import Bar
-from .values import figure_file, intervals, positive, refuse_unwritable
+from .values import refuse_unwritable
 
 if TYPE_CHECKING:
     from ..results import Trajectory
@@ -23,18 +22,12 @@ EXAMPLES = (
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the times, and what to write."""
     model_file.arguments(parser)
-    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
-    parser.add_argument("--steps", type=intervals, default=1000, help="output intervals (1000)")
-    parser.add_argument("--csv", type=Path, help="file for t, q and v as a table")
+    shared.times(parser)
+    shared.table(parser, "t, q and v")
     parser.add_argument(
         "--reaction", metavar="NAME", help="a joint or driver: its force and torque are drawn"
     )
-    parser.add_argument(
-        "--figure",
-        type=figure_file,
-        default="reaction.png",
-        help="file for that, .png, .svg or .pdf (reaction.png)",
-    )
+    shared.figure(parser, "that", "reaction.png")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -51,7 +44,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         raise SarrusError(f"no joint or driver {chosen.reaction!r}; there are {', '.join(system.rows)}")
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:
         motion = kinematics(system, np.linspace(0.0, chosen.until, chosen.steps + 1), progress=bar.reach)
-    answer.say(f"{system.name}: {motion.message}")
+    answer.say(named(system.name, motion.message))
     answer.put(model=system.name, status=motion.status, message=motion.message)
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))
     _write(chosen, motion, answer)
@@ -76,5 +69,4 @@ def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> No
         motion.to_csv(chosen.csv)
         answer.wrote(chosen.csv)
     if chosen.reaction and len(motion.t):
-        motion.reaction(chosen.reaction).plot().savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(motion.reaction(chosen.reaction).plot(), chosen.figure)

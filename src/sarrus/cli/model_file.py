@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,7 +14,10 @@ WISHES = ("base", "mimic", "inertia", "loops")
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The file, and the options of an import."""
-    parser.add_argument("model", help="a .yaml or .json model file, a .urdf, or an MJCF .xml")
+    parser.add_argument(
+        "model",
+        help="a .yaml or .json model file, a .urdf, an MJCF .xml, or slider_crank or hmmwv, which are shipped",
+    )
     parser.add_argument("--base", choices=("fixed", "floating"), help="of a URDF: its root link (fixed)")
     parser.add_argument(
         "--mimic", choices=("couple", "free", "lock"), help="joints that follow another (couple)"
@@ -24,7 +28,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def read(chosen: argparse.Namespace) -> Model:
     """Return the model; only what was asked for is handed to the reader."""
+    from .. import mechanisms
     from ..io import load_any
 
+    file = chosen.model
+    if file in mechanisms.names() and not Path(file).exists():
+        file = mechanisms.path(file)
     wishes = {name: getattr(chosen, name) for name in WISHES}
-    return load_any(chosen.model, **{name: value for name, value in wishes.items() if value is not None})
+    return load_any(file, **{name: value for name, value in wishes.items() if value is not None})

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from . import model_file
+from . import model_file, shared
 from .answer import Answer
-from .statics import rest
-from .values import figure_file, refuse_unwritable
+from .values import refuse_unwritable
 
 EXAMPLES = ("sarrus modes crank.yaml", "sarrus modes crank.yaml --figure modes.svg")
 
@@ -15,12 +14,8 @@ EXAMPLES = ("sarrus modes crank.yaml", "sarrus modes crank.yaml --figure modes.s
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, which equilibrium is wanted, and what to write."""
     model_file.arguments(parser)
-    rest(parser)
-    parser.add_argument(
-        "--figure",
-        type=figure_file,
-        help="file for the eigenvalues in the complex plane, .png, .svg or .pdf",
-    )
+    shared.rest(parser)
+    shared.figure(parser, "the eigenvalues in the complex plane")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -40,6 +35,5 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(message=found.message, stability=found.stability, eigenvalues=found.eigenvalues)
     answer.put(frequencies=found.frequencies, damping_ratios=found.damping_ratios)
     if chosen.figure:
-        found.plot().figure.savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(found.plot().figure, chosen.figure)
     return 0 if found.success else 1

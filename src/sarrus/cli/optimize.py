@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from . import shared
 from .answer import Answer
 from .progress import Bar
-from .values import figure_file, refuse_unwritable
+from .values import refuse_unwritable
 
 EXAMPLES = (
     "sarrus optimize softest.yaml",
@@ -20,8 +21,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "study", type=Path, help="a .yaml or .json file: model, parameters, minimize or fit, analysis"
     )
-    parser.add_argument("--figure", type=figure_file, help="file for the convergence, .png, .svg or .pdf")
-    parser.add_argument("--csv", type=Path, help="file for all designs that were tried, as a table")
+    shared.figure(parser, "the convergence")
+    shared.table(parser, "all designs that were tried")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -44,8 +45,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         )
         answer.put(hardly_determined=found.poor)
     if chosen.figure:
-        found.plot().figure.savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(found.plot().figure, chosen.figure)
     if chosen.csv:
         found.to_csv(chosen.csv)
         answer.wrote(chosen.csv)

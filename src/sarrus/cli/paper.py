@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from . import shared
 from .answer import Answer
 from .progress import Bar
-from .values import natural
 
 MECHANISMS = ("slider_crank", "hmmwv")
 EXAMPLES = ("sarrus paper", "sarrus paper --json --seed 7")
@@ -14,9 +14,7 @@ EXAMPLES = ("sarrus paper", "sarrus paper --json --seed 7")
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The seed of the random state."""
-    parser.add_argument(
-        "--seed", type=natural, default=1, help="of the random velocity, multipliers and accelerations"
-    )
+    shared.seed(parser, "velocity, multipliers and accelerations", 1)
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:

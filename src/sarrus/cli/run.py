@@ -5,18 +5,18 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import model_file
-from .answer import Answer
+from . import model_file, shared
+from .answer import Answer, named
 from .progress import Bar
-from .values import figure_file, intervals, positive, refuse_unwritable
+from .values import refuse_unwritable
 
 if TYPE_CHECKING:
     from ..results import Trajectory
     from ..system import System
 
+STILL = 1e-12  # [m, 1] less is round-off
 EXAMPLES = (
     "sarrus run crank.yaml --until 5",
     "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
@@ -27,20 +27,13 @@ EXAMPLES = (
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the end time, and what to write."""
     model_file.arguments(parser)
-    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
-    parser.add_argument("--steps", type=intervals, default=1000, help="output intervals (1000)")
-    parser.add_argument("--rtol", type=positive, default=1e-8, help="relative tolerance (1e-8)")
-    parser.add_argument("--atol", type=positive, default=1e-10, help="absolute tolerance (1e-10)")
-    parser.add_argument("--csv", type=Path, help="file for t, q and v as a table")
+    shared.times(parser)
+    shared.tolerances(parser, 1e-8, 1e-10)
+    shared.table(parser, "t, q and v")
     parser.add_argument(
         "--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x pin.angle"
     )
-    parser.add_argument(
-        "--figure",
-        type=figure_file,
-        default="run.png",
-        help="file for the plot, .png, .svg or .pdf (run.png)",
-    )
+    shared.figure(parser, "the plot", "run.png")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -64,7 +57,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         tolerances = {"rtol": chosen.rtol, "atol": chosen.atol}
         motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **tolerances)
     seconds = time.perf_counter() - began
-    answer.say(f"{system.name}: {motion.message}; {motion.nsteps} steps in {seconds:.2f} s")
+    answer.say(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
     _tell_end(motion, answer)
     _write(chosen, motion, answer)
@@ -73,9 +66,13 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
 def _tell_end(motion: Trajectory, answer: Answer) -> None:
     """Where the bodies are at the last time that was reached; nowhere, if it failed at the start."""
+    import numpy as np
+
     for body in motion.bodies if len(motion.t) else ():
         x, y, z = motion[body].position[-1]
         answer.say(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+    if len(motion.t) > 1 and np.ptp(np.asarray(motion.q), axis=0).max() < STILL:
+        answer.say("  nothing moved: it rests, or has no freedom; sarrus check says which")
     names = ("position", "euler", "velocity", "angular_velocity")
     end = {
         body: {name: getattr(motion[body], name)[-1] for name in names}
@@ -93,9 +90,10 @@ def _refuse_unknown(names: Sequence[str], system: System) -> None:
 
     if names:
         figure_of(1, 1)  # Matplotlib is there
-    for name in (name for name in names if name not in system.joint_coordinates.names):
+    others = system.joint_coordinates.names
+    for name in (name for name in names if name not in others):
         try:
-            place_of(name, system.coordinate_names, system.name)
+            place_of(name, system.coordinate_names, system.name, others)
         except KeyError as unknown:
             raise SarrusError(unknown.args[0]) from None
 
@@ -110,5 +108,4 @@ def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> No
     if chosen.plot:
         figure = figure_of(7, 3.2)
         plot(motion, *chosen.plot, ax=figure.subplots())
-        figure.savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(figure, chosen.figure)

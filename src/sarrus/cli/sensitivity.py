@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from . import model_file
+from . import model_file, shared
 from .answer import Answer
-from .values import figure_file, natural, positive, refuse_unwritable
+from .values import natural, refuse_unwritable
 
 EXAMPLES = (
     "sarrus sensitivity crank.yaml --until 2 --response slider.x",
@@ -18,7 +18,7 @@ EXAMPLES = (
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model, the motion, what is asked, and what to write."""
     model_file.arguments(parser)
-    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
+    shared.until(parser)
     parser.add_argument(
         "--response",
         nargs="+",
@@ -32,10 +32,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="numbers or parts of the model, e.g. spring.k rod pin.point, or parameters of its file (all numbers)",
     )
-    parser.add_argument("--rtol", type=positive, default=1e-6, help="relative tolerance of the run (1e-6)")
-    parser.add_argument("--atol", type=positive, default=1e-8, help="absolute tolerance of the run (1e-8)")
+    shared.tolerances(parser, 1e-6, 1e-8)
     parser.add_argument("--most", type=natural, default=20, help="how many numbers are listed (20)")
-    parser.add_argument("--figure", type=figure_file, help="file for a tornado plot, .png, .svg or .pdf")
+    shared.figure(parser, "a tornado plot")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -68,6 +67,5 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         }
     )
     if chosen.figure:
-        tornado_figure(found, min(chosen.most, 15)).savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(tornado_figure(found, min(chosen.most, 15)), chosen.figure)
     return 0

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from . import model_file
+from . import model_file, shared
 from .answer import Answer
-from .values import finite
 
 if TYPE_CHECKING:
     from ..results import Equilibrium
@@ -19,13 +18,7 @@ EXAMPLES = ("sarrus statics crank.yaml", "sarrus statics crank.yaml --nearest --
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, and which equilibrium is wanted."""
     model_file.arguments(parser)
-    rest(parser)
-
-
-def rest(parser: argparse.ArgumentParser) -> None:
-    """Which equilibrium is wanted."""
-    parser.add_argument("--time", type=finite, default=0.0, help="time at which drivers are held [s] (0)")
-    parser.add_argument("--nearest", action="store_true", help="the nearest equilibrium, be it stable or not")
+    shared.rest(parser)
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:

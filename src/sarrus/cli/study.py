@@ -7,9 +7,10 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import shared
 from .answer import Answer, log
 from .progress import Bar
-from .values import figure_file, natural, refuse_unwritable
+from .values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..studies import StudyTable
@@ -38,10 +39,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also the spread of the responses to first order, by derivatives",
     )
-    parser.add_argument("--csv", type=Path, help="file for the table")
-    parser.add_argument(
-        "--figure", type=figure_file, help="file for plots of the responses, .png, .svg or .pdf"
-    )
+    shared.table(parser, "all cases")
+    shared.figure(parser, "plots of the responses")
     parser.add_argument("--plot", metavar="RESPONSE", help="the response to draw (the first)")
 
 
@@ -103,6 +102,4 @@ def _write(chosen: argparse.Namespace, table: StudyTable, answer: Answer) -> Non
         table.to_csv(chosen.csv)
         answer.wrote(chosen.csv)
     if chosen.figure:
-        axes = table.plot(chosen.plot)
-        axes[0].figure.savefig(chosen.figure, dpi=150)
-        answer.wrote(chosen.figure)
+        answer.draw(table.plot(chosen.plot)[0].figure, chosen.figure)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import model_file
-from .answer import Answer
+from .answer import Answer, named
 from .progress import Bar
 from .values import positive, refuse_unwritable, scene_file
 
@@ -84,7 +84,7 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
         return 1
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
         motion = simulate(system, start, until=chosen.until, progress=bar.reach)
-    answer.say(f"{system.name}: {motion.message}")
+    answer.say(named(system.name, motion.message))
     answer.put(message=motion.message)
     _tell(animate(motion, chosen.output, traces=chosen.trace, names=chosen.names), answer)
     return 0 if motion.success else 1

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import model_file
+from . import model_file, shared
 from .answer import Answer
 from .progress import Bar
-from .values import figure_file, natural, refuse_unwritable
+from .values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..analyses.workspace.formulate import Limits
@@ -43,9 +43,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--fix", nargs="+", default=[], type=_fixed, metavar="NAME=VALUE", help="functions that keep a value"
     )
     parser.add_argument("--samples", type=natural, default=1000, help="random positions that test it (1000)")
-    parser.add_argument("--seed", type=natural, default=0, help="of the random numbers (0)")
-    parser.add_argument("--figure", type=figure_file, default="workspace.png", help="picture (workspace.png)")
-    parser.add_argument("--csv", type=Path, help="file for all curves as a table")
+    shared.seed(parser, "numbers")
+    shared.figure(parser, "the picture", "workspace.png")
+    shared.table(parser, "all curves")
     parser.add_argument("--report", type=Path, help="file for the report, which is also printed")
 
 
@@ -72,8 +72,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
 
 def _write(chosen: argparse.Namespace, found: Workspace, answer: Answer) -> None:
-    found.plot().figure.savefig(chosen.figure, dpi=150)
-    answer.wrote(chosen.figure)
+    answer.draw(found.plot().figure, chosen.figure)
     if chosen.csv:
         found.to_csv(chosen.csv)
         answer.wrote(chosen.csv)

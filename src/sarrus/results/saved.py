@@ -194,7 +194,7 @@ def recipe_of(path: Path) -> Any:
 
 def arrays_of(path: Path) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Attributes, arrays that are read where they are asked for, and the last checkpoint."""
-    group, state = _zarr().open_group(path, mode="r"), checkpoint(path)
+    state, group = checkpoint(path), _zarr().open_group(path, mode="r")
     names = ("t", *COLUMNS)
     arrays = {name: Lazy(group[name], int(state["rows"]), state[f"pending_{name}"]) for name in names}
     arrays["history"] = Lazy(group["history"], int(state["steps"]), state["pending_history"])

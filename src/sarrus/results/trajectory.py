@@ -12,6 +12,7 @@ import numpy as np
 from ..algebra import Array
 from ..euler import G
 from ..model.coordinates import coordinates_of
+from ..model.show import suggest
 from ..system import JointCoordinates
 from .happened import Happened
 from .joint_motion import JointMotion
@@ -93,6 +94,13 @@ class Trajectory:
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
     steps: Steps | None = field(default=None, repr=False, compare=False)
+
+    def __str__(self) -> str:
+        """What became of it, in one line."""
+        reached = f"t = {self.t[-1]:g} s" if len(self.t) else "no time"
+        told = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"
+        kept = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
+        return f"{told}; {reached} in {self.nsteps} steps{kept}; bodies {', '.join(self.bodies)}"
 
     def __getitem__(self, body: str) -> BodyMotion:
         """The motion of a body.
@@ -224,11 +232,14 @@ def _views() -> Any:
     return import_module("sarrus.views")
 
 
-def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
-    """Place in q of a coordinate given by its short or full name; a KeyError naming the owner if there is none."""
-    places = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
-    places |= {full: n for n, full in enumerate(coordinate_names)}
+def place_of(name: str, coordinate_names: Sequence[str], owner: str, others: Sequence[str] = ()) -> int:
+    """Place in q of a coordinate given by its short or full name.
+
+    A KeyError names the owner and the nearest name if there is none; ``others`` would be right there as well.
+    """
+    short = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
+    places = short | {full: n for n, full in enumerate(coordinate_names)}
     if name not in places:
-        body = coordinate_names[0].split(".")[0]
-        raise KeyError(f"no coordinate {name!r} in {owner}; try {body}.x or {body}.e0")
+        hint = suggest(name, [*short, *others]).replace('"', "'")
+        raise KeyError(f"no coordinate {name!r} in {owner}; {hint}")
     return places[name]

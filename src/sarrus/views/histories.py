@@ -38,7 +38,8 @@ def history(run: Trajectory, name: str) -> History:
         return History(found.values[own], found.rates[own], "m" if own.startswith("travel") else "rad")
     from ..results.trajectory import place_of
 
-    place = place_of(name, run.coordinate_names, run.name)
+    others = () if run.joints is None else run.joints.names
+    place = place_of(name, run.coordinate_names, run.name, others)
     return History(run.q[:, place], run.v[:, place], "m" if place % 7 < 3 else PARAMETER)
 
 

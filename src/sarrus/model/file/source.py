@@ -18,7 +18,9 @@ def read_text(path: Path) -> str:
     ModelError
         If it is no file, too large, or not UTF-8 text.
     """
-    if path.suffix.lower() not in SUFFIXES:
+    if (path / "zarr.json").exists():
+        raise _refusal(path, "is the folder of a saved run, not a model; open it with sarrus.load_run")
+    if path.suffix.lower() not in SUFFIXES and not (path.suffix == "" and not path.exists()):
         raise _refusal(path, f"must end in {', '.join(SUFFIXES)}; rename it")
     text = _decoded(path, read_bytes(path))
     if not text.strip():

@@ -1,0 +1,53 @@
+"""Arguments that several verbs take: each spelt, checked and explained once."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .values import figure_file, finite, intervals, natural, positive
+
+
+def times(parser: argparse.ArgumentParser) -> None:
+    """``--until`` and ``--steps``: the times at which a motion is wanted."""
+    until(parser)
+    parser.add_argument("--steps", type=intervals, default=1000, help="output intervals (1000)")
+
+
+def until(parser: argparse.ArgumentParser) -> None:
+    """``--until``: the end of a motion."""
+    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
+
+
+def tolerances(parser: argparse.ArgumentParser, rtol: float, atol: float) -> None:
+    """``--rtol`` and ``--atol`` of a simulation."""
+    parser.add_argument("--rtol", type=positive, default=rtol, help=f"relative tolerance ({rtol:g})")
+    parser.add_argument("--atol", type=positive, default=atol, help=f"absolute tolerance ({atol:g})")
+
+
+def rest(parser: argparse.ArgumentParser) -> None:
+    """``--time`` and ``--nearest``: which equilibrium is wanted."""
+    parser.add_argument("--time", type=finite, default=0.0, help="time at which drivers are held [s] (0)")
+    parser.add_argument("--nearest", action="store_true", help="the nearest equilibrium, be it stable or not")
+
+
+def seed(parser: argparse.ArgumentParser, told: str, default: int = 0) -> None:
+    """``--seed``: of what is random."""
+    parser.add_argument("--seed", type=natural, default=default, help=f"of the random {told} ({default})")
+
+
+def table(parser: argparse.ArgumentParser, told: str) -> None:
+    """``--csv``: a file for what can be put in a table."""
+    parser.add_argument("--csv", type=Path, metavar="FILE", help=f"file for {told} as a table")
+
+
+def figure(parser: argparse.ArgumentParser, told: str, default: str | None = None) -> None:
+    """``--figure``: a file for a picture."""
+    ending = f" ({default})" if default else ""
+    parser.add_argument(
+        "--figure",
+        type=figure_file,
+        default=default,
+        metavar="FILE",
+        help=f"file for {told}, .png, .svg or .pdf{ending}",
+    )

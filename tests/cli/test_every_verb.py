@@ -1,0 +1,144 @@
+"""What all verbs have in common: one JSON object, exit codes, one sentence for misuse, one spelling of options."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sarrus.cli import VERBS, main
+from sarrus.cli.parser import build
+
+ARM = """
+name: arm
+bodies:
+  upper: {mass: 1, inertia: [0.01, 0.1, 0.1], position: [0.5, 0, 0]}
+  lower: {mass: 1, inertia: [0.01, 0.1, 0.1], position: [1.4, 0, 0]}
+joints:
+  q1: {type: revolute, bodies: [ground, upper], point: [0, 0, 0], axis: [0, 0, 1]}
+  q2: {type: revolute, bodies: [upper, lower], point: [1, 0, 0], axis: [0, 0, 1]}
+"""
+DRIVERS = """
+drivers:
+  one: {type: angle, joint: q1, motion: t}
+  two: {type: angle, joint: q2, motion: 2*t}
+"""
+SPRINGS = """
+forces:
+  s1: {type: rsda, bodies: [ground, upper], point: [0, 0, 0], axis: [0, 0, 1], k: 10, c: 1}
+  s2: {type: rsda, bodies: [upper, lower], point: [1, 0, 0], axis: [0, 0, 1], k: 10, c: 1}
+"""
+STUDY = """
+model: sprung.yaml
+parameters: {s1.k: [9, 11]}
+responses: {end: lower.x}
+analysis: {type: simulate, until: 0.05}
+"""
+OPTIMIZE = """
+model: sprung.yaml
+parameters: {s1.k: {from: 8, to: 12}}
+minimize: integral(lower.y**2)
+analysis: {type: simulate, until: 0.05}
+"""
+LINES = {  # a line for each verb, and the code that it ends with
+    "demo": ("demo --output plots", 0),
+    "run": ("run arm.yaml --until 0.05 --steps 5", 0),
+    "kinematics": ("kinematics driven.yaml --until 0.1 --steps 5", 0),
+    "statics": ("statics sprung.yaml", 0),
+    "modes": ("modes sprung.yaml", 0),
+    "workspace": ("workspace arm.yaml --output lower.x lower.y --limit q1=-1,1 q2=0.2,1 --samples 20", 0),
+    "view": ("view arm.yaml --output arm.html", 0),
+    "study": ("study study.yaml --workers 1", 0),
+    "sensitivity": ("sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k", 0),
+    "optimize": ("optimize best.yaml", 0),
+    "check": ("check arm.yaml", 0),
+    "paper": ("paper", 0),
+    "schema": ("schema", 0),
+    "completion": ("completion bash", 0),
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    files = {"arm": ARM, "driven": ARM + DRIVERS, "sprung": ARM + SPRINGS, "study": STUDY, "best": OPTIMIZE}
+    for name, text in files.items():
+        (tmp_path / f"{name}.yaml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_every_verb_has_a_line() -> None:
+    assert set(LINES) == set(VERBS)
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_json_is_one_object(verb: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    line, code = LINES[verb]
+    found = main([*line.split(), "--json", "--quiet"])
+    told = capfd.readouterr()
+    answer = json.loads(told.out)
+    assert told.err == ""
+    assert answer["verb"] == verb
+    assert answer["exit_code"] == found
+    assert answer["success"] == (found == 0)
+    assert found == code
+    assert verb in ("paper", "schema", "completion") or answer["message"]
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_misuse_of_every_verb_is_one_sentence_and_code_2(
+    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([verb, "--no-such-option"]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.startswith("sarrus: ")
+    assert told.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("verb", sorted(set(VERBS) - {"demo", "paper", "schema", "completion"}))
+def test_a_missing_file_is_code_2_in_words_and_in_json(
+    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [word.replace(".yaml", "_none.yaml") for word in LINES[verb][0].split()]
+    assert main([*words, "--json"]) == 2
+    told = capsys.readouterr()
+    assert "does not exist" in told.err
+    assert json.loads(told.out)["error"] == told.err.removeprefix("sarrus: ").strip()
+
+
+def test_one_spelling_for_one_thing() -> None:
+    """Options of the same name say the same in every verb, but for their defaults and what they are of."""
+    (verbs,) = (a for a in build(VERBS)._actions if isinstance(a, argparse._SubParsersAction))
+    spelled: dict[str, set[tuple[object, object]]] = {}
+    for child in verbs.choices.values():
+        for action in child._actions:
+            for name in action.option_strings:
+                if name in ("--csv", "--figure", "--seed", "--rtol", "--atol", "--steps", "--time"):
+                    spelled.setdefault(name, set()).add((action.type, action.metavar))
+    assert {name: len(kinds) for name, kinds in spelled.items()} == dict.fromkeys(spelled, 1)
+
+
+def test_a_shipped_mechanism_by_its_name(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["view", "slider_crank", "--output", "crank.html"]) == 0
+    assert (folder / "crank.html").is_file()
+
+
+def test_what_does_not_move_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "arm.yaml", "--until", "0.05", "--steps", "5"]) == 0
+    assert "nothing moved" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_a_script_of_its_shell(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", shell]) == 0
+    script = capsys.readouterr().out
+    for verb in VERBS:
+        assert verb in script
+    program = shutil.which(shell)
+    if program is not None:
+        subprocess.run([program, "-n"], input=script, text=True, check=True)

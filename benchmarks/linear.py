@@ -25,7 +25,7 @@ from scipy.sparse.linalg import splu
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.newton_matrix import NewtonMatrix
+from sarrus.analyses.dynamics.newton_matrix import newton_matrix, weigh
 from sarrus.analyses.linear import SparseLU
 from sarrus.analyses.motion import Motion
 
@@ -35,17 +35,18 @@ from chain import chain
 Actions = dict[str, Callable[[], Any]]
 
 
-def newton_matrix(system: sr.System) -> csc_array:
+def newton_matrix_of(system: sr.System) -> csc_array:
     """That of HHT at the start, for a step of 1 ms."""
     q, v = system.q0.copy(), np.zeros(system.nq)
     a, lam = Motion(system).acceleration(0.0, q, v)
-    matrix = NewtonMatrix(system, None)
+    matrix = newton_matrix(system)
     operands = {"t": 0.0, "q": q, "v": v, "a": a, "lam": lam}
     for names in (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v")):
-        group = system.group(*names)
-        group.run(system.b, *(operands[k] for k in group.operands), *(matrix.views[name] for name in names))
-    matrix.weigh(0.3e-6, 0.6e-3)
-    return csc_array((matrix.assembled(), matrix.indices, matrix.indptr), shape=(matrix.n, matrix.n))
+        matrix.numbers.evaluate(names, system.b, operands)
+    weigh(matrix.weights, 0.3e-6, 0.6e-3)
+    found = matrix.pattern()
+    found.data = matrix.assembled()
+    return found
 
 
 def ours(A: csc_array, right: np.ndarray) -> Actions:
@@ -116,7 +117,7 @@ def main() -> None:
     subjects |= {} if given.quick else {f"chain_{n}": chain(n) for n in (100, 1000)}
     found: dict[str, float] = {}
     for name, model in subjects.items():
-        A = newton_matrix(sr.System(model))
+        A = newton_matrix_of(sr.System(model))
         right, rounds = A @ np.ones(A.shape[0]), 3 if given.quick else 9
         found[f"{name}.unknowns"], found[f"{name}.numbers"] = A.shape[0], A.nnz
         solvers = {}

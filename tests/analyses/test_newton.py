@@ -9,17 +9,10 @@ import pytest
 from scipy.sparse.linalg import splu
 
 import sarrus as sr
+from sarrus.analyses.dynamics import newton_matrix
 from sarrus.analyses.dynamics.alpha_loop import Scheme
-from sarrus.analyses.dynamics.newton_matrix import NewtonMatrix
 from sarrus.analyses.dynamics.placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
-from sarrus.analyses.dynamics.stabilized_matrix import (
-    MATRICES,
-    START,
-    StabilizedMatrix,
-    compiled_solver,
-    newton_parts,
-    weigh,
-)
+from sarrus.analyses.dynamics.stabilized_matrix import MATRICES, START, newton_parts, stabilized_matrix, weigh
 from sarrus.analyses.linear import SingularMatrix
 from sarrus.analyses.motion import Motion
 
@@ -85,14 +78,15 @@ def unbalanced(q: np.ndarray, v: np.ndarray, a: np.ndarray, lam: np.ndarray) -> 
 def alpha_steps(without: str = "") -> list[float]:
     """Sizes of the Newton steps of one step of HHT, from a disturbed start."""
     system, (_, _, a0, lam), sizes = top(), moving(), list[float]()
-    matrix, scheme, a = NewtonMatrix(system, None), sr.HHT().scheme(), a0 + 20 * np.cos(np.arange(7))
+    matrix, scheme = newton_matrix.newton_matrix(system), sr.HHT().scheme()
+    a, views = a0 + 20 * np.cos(np.arange(7)), matrix.numbers.views
     beta, gamma = weights_of(scheme)
     for _ in range(7):
         q, v = end_of(scheme, a)
-        evaluate(matrix.views, without, q=q, v=v, a=a, lam=lam)
-        matrix.weigh(beta, gamma)
+        evaluate(views, without, q=q, v=v, a=a, lam=lam)
+        newton_matrix.weigh(matrix.weights, beta, gamma)
         matrix.choose_pivots()
-        step = matrix.lu.solve(np.concatenate([unbalanced(q, v, a, lam), system.Phi(q) / beta]))
+        step = matrix.solve(np.concatenate([unbalanced(q, v, a, lam), system.Phi(q) / beta]))
         a, lam = a - step[: system.nq], lam - step[system.nq :]
         sizes.append(float(np.linalg.norm(beta * step[: system.nq])))
     return sizes
@@ -103,30 +97,23 @@ def stabilized_steps(without: str = "") -> list[float]:
     system, (q0, v0, a0, lam), sizes = top(), moving(), list[float]()
     scheme, a = sr.HHT().scheme(), a0 + 20 * np.cos(np.arange(7))
     nq, m, (beta, gamma) = system.nq, system.m, weights_of(scheme)
-    matrix, shift, eta = StabilizedMatrix(system, None), np.zeros(system.nq), np.zeros(system.m)
+    matrix, shift, eta = stabilized_matrix(system), np.zeros(system.nq), np.zeros(system.m)
+    views = matrix.numbers.views
     for _ in range(8):
         q, v = end_of(scheme, a)
         q = q + shift
-        evaluate(matrix.views, "", q=q0, v=v0, a=a0, lam=lam)
-        matrix.views[START][:] = matrix.views["Phi_q"] * (without != START)
-        evaluate(matrix.views, "" if without == START else without, q=q, v=v, a=a, lam=lam)
-        matrix.weigh(beta, gamma)
+        evaluate(views, "", q=q0, v=v0, a=a0, lam=lam)
+        views[START][:] = views["Phi_q"] * (without != START)
+        evaluate(views, "" if without == START else without, q=q, v=v, a=a, lam=lam)
+        weigh(matrix.weights, beta, gamma)
         matrix.choose_pivots()
         rates = beta / gamma * system.Phi_q_xi(q, v)
         upper = [shift + system.Phi_qT_lam(q0, eta), beta * unbalanced(q, v, a, lam)]
-        step = solved(matrix, np.concatenate([*upper, system.Phi(q), rates]))
+        step = matrix.solve(np.concatenate([*upper, system.Phi(q), rates]))
         dq, da, dlam, deta = np.split(step, [nq, 2 * nq, 2 * nq + m])
         a, lam, eta, shift = a - da / beta, lam - dlam / beta, eta - deta, shift - (dq - da)
         sizes.append(float(np.linalg.norm(step[: 2 * nq])))
     return sizes
-
-
-def solved(matrix: StabilizedMatrix, right: np.ndarray) -> np.ndarray:
-    """The solution for the numbers of the matrix, its pivots chosen for them."""
-    placed, solution = matrix.placed, np.zeros(len(right))
-    assert compiled_solver()["refactor"](matrix.values, placed) > 0
-    compiled_solver()["backsolve"](placed, right, solution)
-    return solution
 
 
 def radau_steps(without: str = "") -> list[float]:

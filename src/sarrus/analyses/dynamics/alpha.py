@@ -9,39 +9,27 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit import pointer
 from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
-from ..linear import compiled as factors
-from ..motion import Motion
 from . import alpha_loop as loop
-from .entries import entry_of
+from .implicit import GROUPS, Implicit, calls, entries
 from .keeping import Keeping
 from .march import CHUNK, March, Plan
-from .newton_matrix import NewtonMatrix
+from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
 from .outcome import nothing
+from .placed import compiled_solver
 from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .tolerance import Tolerances
-from .trouble import singular, trouble_of
 
 ROOM = 1_000_000  # numbers of the record of one chunk of steps, at most
-PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
-GROUPS = {
-    "RESIDUAL": ("Phi", "Phi_qT_lam"),
-    "MOMENTUM": ("M_a", "S"),
-    "FORCE": ("Q",),
-    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
-    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
-    "STIFFNESS": ("Q_q", "Q_v"),
-    "VELOCITY": ("Phi_q_xi", "Phi_t"),
-}
+KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
 REASONS = {
     loop.NEWTON: "Newton's method did not converge: a law with a corner or a very stiff contact may be the cause; "
     "smooth it, or give a larger atol",
@@ -152,25 +140,17 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
     return loop.Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
 
 
-def calls() -> dict[str, Any]:
-    """What calls kernels by address, and the solvers."""
-    run = pointer.run
-    found = {"RESIDUAL": run(1, 4), "MOMENTUM": run(0, 5), "FORCE": run(1, 3), "JACOBIAN": run(1, 4)}
-    found |= {"INERTIA": run(0, 7), "STIFFNESS": run(1, 4), "VELOCITY": run(1, 4), "TURNING": run(1, 3)}
-    return found | {"REMEMBER": run(1, 2), "REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-
-
 @cache
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
-    order = "residual factor backsolve size update correct newton polish predict accept keep stretch rescale"
-    made, known = dict[str, Any](), calls()
-    for name in (*order.split(), "remember", "advance"):
-        made[name] = compiled_function(getattr(loop, name), **known, **made)
+    made = calls() | compiled_solver() | {"weigh": compiled_function(weigh)}
+    order = "residual evaluate factor size update correct weights_of renew newton polish predict accept keep stretch"
+    for name in (*order.split(), "rescale", "remember", "advance"):
+        made[name] = compiled_function(getattr(loop, name), **made)
     return made
 
 
-class AlphaStepper:
+class AlphaStepper(Implicit):
     """HHT or generalized-α at work on one system: its memory, and the calls of the compiled loop.
 
     Attributes
@@ -197,10 +177,10 @@ class AlphaStepper:
     def _make(self) -> None:
         """The matrix, the compiled loop, and the arrays that it works on."""
         system, nq, m = self.system, self.system.nq, self.system.m
-        self.matrix: Any = NewtonMatrix(system, self.independence.kept)
-        self._advance = compiled_parts()["advance"]
-        entries = [entry_of(system, *names) for names in GROUPS.values()]
-        self._entries: Any = loop.Entries._make([*entries, entry_of(system, "remembered")])
+        self.matrix = newton_matrix(system)
+        self.matrix.numbers.keep(self.independence.kept)
+        self._advance, self._weigh = compiled_parts()["advance"], weigh
+        self._entries: Any = loop.Entries(**entries(system, KINDS))
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)
@@ -222,7 +202,7 @@ class AlphaStepper:
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0
         numbers[1] = numbers[4] = given[0] if len(given) else self._first_step()
-        self.keeping.begin(t, self._state, self.matrix.left_out)
+        self.keeping.begin(t, self._state, self.matrix.numbers.left_out)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -248,25 +228,8 @@ class AlphaStepper:
             np.concatenate(x) for x in zip(first, self.keeping.collect(taken, memory), strict=True)
         )
 
-    def _look(self, status: int, taken: int) -> None:
-        """What comes of a call of the loop."""
-        self._vain = 0 if taken else self._vain + 1
-        state = self._state
-        if status == loop.REPIVOT:
-            self._arrays = None
-            if self._vain > 1:  # new pivots did not help: a shorter step may
-                self._control.numbers[1] *= 0.25
-            if self._vain > PATIENCE:
-                raise self._explained(state.q0, state.v0)
-        if status == loop.TOO_SMALL and not taken:
-            reason = REASONS[float(self._control.numbers[8])]
-            told = Trouble("step too small", f"steps become too small near t = {self.t:.6g} s: {reason}")
-            raise self._explained(state.q0, state.v0, told)
-
-    def _motion(self) -> Motion:
-        motion = Motion(self.system, self.independence.kept)
-        motion.b[:] = self.b
-        return motion
+    def _why_small(self) -> str:
+        return REASONS[float(self._control.numbers[8])]
 
     def _count(self, before: Array) -> None:
         steps, rejected, residuals, matrices, _ = (int(x) for x in self._control.counts - before)
@@ -278,26 +241,20 @@ class AlphaStepper:
             tally.nlu + matrices,
         )
 
-    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
-        """Why there are no further steps."""
-        told = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
-
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
         state = self._state
         if self.independence.renew(self.t, state.q0):
-            self.matrix.keep(self.independence.kept)
+            self.matrix.numbers.keep(self.independence.kept)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             state.lam_change[:] = 0.0
             self._arrays = None
 
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
-        state, h, scheme = self._state, self._control.numbers[1], self.scheme
-        kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
+        state, h = self._state, self._control.numbers[1]
         self._evaluate({"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0})
-        self.matrix.weigh(scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
+        self._weigh(self.matrix.weights, *loop.weights_of(self.scheme, h))
         try:
             self.matrix.choose_pivots()
         except SingularMatrix:
@@ -307,21 +264,12 @@ class AlphaStepper:
 
     def _evaluate(self, operands: dict[str, Any]) -> None:
         """The numbers of all operators of the matrix."""
-        views = self.matrix.views
         for kind in ("JACOBIAN", "INERTIA", "STIFFNESS"):
-            group = self.system.group(*GROUPS[kind])
-            group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
+            self.matrix.numbers.evaluate(GROUPS[kind], self.b, operands)
 
     def _show_matrix(self) -> None:
         """The matrix as the loop takes it."""
-        lu, matrix, views = self.matrix.lu, self.matrix, self.matrix.views
-        self._arrays = loop.Matrix._make([
-            matrix.values, matrix.segments, matrix.places, matrix.weights, matrix.data,
-            *(views[name] for name in ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v")),
-            matrix.row_of, matrix.left_out,
-            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
-            lu.column_order,
-        ])  # fmt: skip
+        self._arrays = loop.matrix_of(self.matrix)
 
     def _finest(self) -> float:
         """The step at which round-off in Φ, over h, is as large in v as what Newton's method may leave there."""
@@ -354,28 +302,13 @@ class AlphaStepper:
             raise ValueError(
                 "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
             )
-        found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
         ready = self._arrays is not None
-        found |= {f"matrix_{name}": array for name, array in self.matrix.state().items() if ready}
-        numbers = np.array([self.t, self._span, self._vain])
-        found |= {
-            "b": self.b,
-            "numbers": self._control.numbers,
-            "counts": self._control.counts,
-            "own": numbers,
-        }
-        return found | {"tally": self.tally.counts(), "null": self.independence.state()}
+        return self._saved() | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self.independence.resume(state["null"])
-        self.matrix.keep(self.independence.kept)
-        for name, array in zip(self._state._fields, self._state, strict=True):
-            array[:] = state[f"state_{name}"]
-        self.b[:], self._control.numbers[:] = state["b"], state["numbers"]
-        self._control.counts[:] = state["counts"]
-        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
-        self.tally, self._arrays = Tally.of(state["tally"]), None
+        self._take_over(state)
+        self.matrix.numbers.keep(self.independence.kept)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}
         if found:
             self.matrix.resume(**found)

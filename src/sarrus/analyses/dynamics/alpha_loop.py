@@ -24,8 +24,10 @@ INERTIA: Any = None
 STIFFNESS: Any = None
 VELOCITY: Any = None
 REMEMBER: Any = None
-REFACTOR: Any = None
-SOLVE: Any = None
+weigh: Any = None  # of `newton_matrix`
+refactor: Any = None  # of `placed`
+backsolve: Any = None
+leave_out: Any = None
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
 NEWTON_LIMIT = 12  # iterations
@@ -84,13 +86,9 @@ class Memory(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """The Newton matrix: operators' numbers, their places, and the factors."""
+    """The numbers of all operators; the Newton matrix and its factors."""
 
     values: Any
-    segments: Any
-    places: Any
-    weights: Any
-    data: Any
     Phi_q: Any
     Phi_qT_lam_q: Any
     M: Any
@@ -101,15 +99,14 @@ class Matrix(NamedTuple):
     Q_v: Any
     row_of: Any
     left_out: Any
-    indptr: Any
-    indices: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    factors: Any
-    work: Any
-    row_place: Any
-    column_order: Any
+    placed: Any
+
+
+def matrix_of(matrix: Any) -> Matrix:
+    """A `PlacedMatrix` with `newton_matrix.NUMBERS` among its numbers, as the loop takes it."""
+    numbers = matrix.numbers
+    rest = (numbers.row_of, numbers.left_out, matrix.placed)
+    return Matrix._make([numbers.values, *numbers.of(Matrix._fields[1:-3]), *rest])
 
 
 class Entries(NamedTuple):
@@ -193,6 +190,14 @@ def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: An
         memory.right[n + k] = memory.Phi[k] / beta if left_out[k] == 0.0 else state.lam1[k]
 
 
+def evaluate(entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any) -> None:
+    """The numbers of all operators at one state."""
+    JACOBIAN(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
+    INERTIA(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
+    STIFFNESS(entries.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
+    leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
+
+
 def factor(
     entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
 ) -> Any:
@@ -200,35 +205,9 @@ def factor(
 
     With β' = γ' = 0 it is [M, Φ_qᵀ; Φ_q, 0].
     """
-    JACOBIAN(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
-    INERTIA(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
-    STIFFNESS(entries.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
-    for k in range(len(matrix.Phi_q)):
-        matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
-    weights = matrix.weights
-    weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
-    weights[3], weights[5] = -gamma, -gamma
-    matrix.data[:] = 0.0
-    last = len(weights) - 1
-    for s in range(last):
-        for k in range(matrix.segments[s, 0], matrix.segments[s, 1]):
-            matrix.data[matrix.places[k]] += weights[s] * matrix.values[k]
-    for k in range(len(matrix.Phi_q)):
-        matrix.data[matrix.places[matrix.segments[last, 0] + k]] += matrix.Phi_q[k]
-    return REFACTOR(
-        matrix.pointers, matrix.rows, matrix.diagonal, matrix.indptr, matrix.indices, matrix.data, matrix.factors,
-        matrix.work,
-    )  # fmt: skip
-
-
-def backsolve(matrix: Any, right: Any, solution: Any) -> Any:
-    """solution = matrix⁻¹ right."""
-    work = matrix.work
-    for k in range(len(right)):
-        work[matrix.row_place[k]] = right[k]
-    SOLVE(matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors, work)
-    for k in range(len(right)):
-        solution[matrix.column_order[k]] = work[k]
+    evaluate(entries, b, t, q, v, a, lam, matrix)
+    weigh(matrix.placed.weights, beta, gamma)
+    return refactor(matrix.values, matrix.placed)
 
 
 def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> Any:
@@ -252,7 +231,7 @@ def correct(
 ) -> Any:
     """One correction of a₁ and λ₁ by the residual and the factors at hand; returns its size."""
     n = len(state.q0)
-    backsolve(matrix, memory.right, memory.solution)
+    backsolve(matrix.placed, memory.right, memory.solution)
     for k in range(n):
         state.a1[k] -= memory.solution[k]
     for k in range(len(state.lam0)):
@@ -262,26 +241,29 @@ def correct(
     return max(change, size(memory.solution, gamma, state.v0, state.v1, tol.rtol_v, tol.atol_v))
 
 
-def polish(
-    scheme: Any,
-    entries: Any,
-    b: Any,
-    t: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrix: Any,
-    control: Any,
-    tol: Any,
-) -> Any:
-    """Newton's method with the exact matrix to the end, for steps whose derivatives are wanted; false if it fails."""
+def weights_of(scheme: Any, h: Any) -> Any:
+    """β' and γ' of a step."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+    return scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+
+
+def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, beta: Any, gamma: Any) -> Any:
+    """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
     control.counts[3] += 1
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
     if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
         return False
     control.numbers[2] = beta
+    return True
+
+
+def polish(
+    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
+) -> Any:  # fmt: skip
+    """Newton's method with the exact matrix to the end, for steps whose derivatives are wanted; false if it fails."""
+    beta, gamma = weights_of(scheme, h)
+    if not renew(entries, b, t, state, matrix, control, beta, gamma):
+        return False
     before = 1e30
     for _ in range(POLISHES):
         residual(entries, b, t, state, memory, matrix.left_out, beta)
@@ -294,31 +276,17 @@ def polish(
 
 
 def newton(
-    scheme: Any,
-    entries: Any,
-    b: Any,
-    t: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrix: Any,
-    control: Any,
-    tol: Any,
-) -> Any:
+    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
+) -> Any:  # fmt: skip
     """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
-    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
+    beta, gamma = weights_of(scheme, h)
     rate, before, renewals = 0.0, 0.0, 0
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
         residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
-        if control.numbers[2] != beta:
-            control.counts[3] += 1
-            q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
-            if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
-                return -1, 0.0
-            control.numbers[2] = beta
+        if control.numbers[2] != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
+            return -1, 0.0
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
             return 0, 2.0
@@ -383,7 +351,7 @@ def rescale(
         memory.right[k] = 0.0
     for k in range(len(memory.rate)):
         memory.right[n + k] = (memory.rate[k] + memory.Phi_t[k]) * (1.0 - matrix.left_out[k])
-    backsolve(matrix, memory.right, memory.solution)
+    backsolve(matrix.placed, memory.right, memory.solution)
     for k in range(n):
         state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
     control.numbers[7] *= ratio * ratio

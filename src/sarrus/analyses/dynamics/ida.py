@@ -145,7 +145,7 @@ class Equations:
         if self.independence.kept is not None:
             self._left_out[:] = 1.0
             self._left_out[self.independence.kept] = 0.0
-        self._row_of = self._numbers.entries("Phi_q")[0]
+        self._row_of = self._numbers.row_of
         self._cut = np.cumsum([nq, nq, m])
 
     def residual(self, t: float, y: Array, rate: Array, out: Array) -> None:

@@ -8,14 +8,18 @@ data[place] += weight of the part x number.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
 
+from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...system import System
 from ..linear import SparseLU
+from ..linear import compiled as factors
+from ..once import once
 
 ASSEMBLE: Any = None  # `assemble` and solvers, put in place when this is compiled
 REFACTOR: Any = None
@@ -24,6 +28,7 @@ UNIT, LEFT_OUT = (
     "unit",
     "left_out",
 )  # diagonal blocks (nq, nq) of ones, and (m, m) with 1 for equations left out
+FACTORS = ("row_place", "column_order", "factors", "weights")
 
 
 class Part(NamedTuple):
@@ -56,56 +61,61 @@ class Placed(NamedTuple):
 class Numbers:
     """The numbers of operators, one array: `views[name]` is an operator's part of `values`.
 
-    `like` names, for numbers of an operator at another state, the operator.
+    Φ_q is among them, and `LEFT_OUT`. `like` names, for numbers of an operator at another state, the operator.
+
+    Attributes
+    ----------
+    values, views : the numbers, which others write
+    row_of : the equation that each number of Φ_q belongs to
+    left_out : (m,) 1 for equations that are left out because others imply them, else 0: their multipliers become 0
     """
 
     def __init__(self, system: System, names: Sequence[str], like: Mapping[str, str] | None = None) -> None:
-        self.system, self._like = system, like or {}
-        sizes = [len(self.entries(name)[0]) for name in names]
-        ends = np.cumsum(sizes)
-        self.values, self.start = np.zeros(ends[-1]), dict(zip(names, ends - sizes, strict=True))
-        self.views = {
-            n: self.values[end - size : end] for n, end, size in zip(names, ends, sizes, strict=True)
-        }
-        self.views[UNIT][:] = 1.0
+        self.system, self.names, self.like = system, tuple(names), tuple((like or {}).items())
+        starts, self.row_of = numbering(system, self.names, self.like)
+        self.values = np.zeros(starts[-1])
+        self.views = {n: self.values[starts[k] : starts[k + 1]] for k, n in enumerate(names)}
+        self.left_out = self.views[LEFT_OUT]
+        if UNIT in self.views:
+            self.views[UNIT][:] = 1.0
 
-    def entries(self, name: str) -> tuple[Array, Array]:
-        """Rows and columns of an operator's numbers."""
-        if name in (UNIT, LEFT_OUT):
-            along = np.arange(self.system.nq if name == UNIT else self.system.m)
-            return along, along
-        pattern = self.system.pattern(self._like.get(name, name))
-        rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
-        return rows, pattern.indices.astype(np.int64)
+    def keep(self, kept: Array | None) -> None:
+        """Solve only the equations in these places of Φ (None: all)."""
+        self.left_out[:] = 0.0 if kept is None else 1.0
+        self.left_out[[] if kept is None else kept] = 0.0
+
+    def of(self, names: Sequence[str]) -> list[Array]:
+        """The parts of some operators."""
+        return [self.views[name] for name in names]
+
+    def evaluate(self, group: Sequence[str], b: Array, operands: Mapping[str, Any]) -> None:
+        """Write the numbers of operators that are computed together; equations left out have no gradient."""
+        found = self.system.group(*group)
+        found.run(b, *(operands[name] for name in found.operands), *self.of(group))
+        if "Phi_q" in group:
+            leave_out(self.views["Phi_q"], self.row_of, self.left_out)
 
 
 class PlacedMatrix:
-    """The pattern of a matrix (n, n), and its factors; `kind` is the type of its weights, real or complex."""
+    """The pattern of a matrix (n, n), and its factors; `kind` is the type of its weights, real or complex.
+
+    Attributes
+    ----------
+    numbers, weights : what it is assembled of
+    placed : the matrix as compiled code takes it, or None before pivots are chosen
+    """
 
     def __init__(self, numbers: Numbers, n: int, parts: Sequence[Part], kind: type = float) -> None:
-        self._numbers, self.n = numbers, n
-        entries = [self._entries(part) for part in parts]
-        counts = [len(rows) for rows, _ in entries]
-        keys = np.concatenate([columns * n + rows for rows, columns in entries])
-        unique, self._place = np.unique(keys, return_inverse=True)
-        self._indices = (unique % n).astype(np.int64)
-        self._indptr = np.searchsorted(unique // n, np.arange(n + 1)).astype(np.int64)
-        starts = [numbers.start[part.name] for part in parts]
-        self.parts = np.column_stack([starts, counts, np.cumsum(counts) - counts]).astype(np.int64)
+        self.numbers, self.n = numbers, n
+        layout = layout_of(numbers.system, numbers.names, numbers.like, n, tuple(parts))
+        self.parts, self._place, self._indptr, self._indices = layout
         self.weights: Array = np.ones(len(parts), dtype=kind)
-
-    def _entries(self, part: Part) -> tuple[Array, Array]:
-        rows, columns = self._numbers.entries(part.name)
-        return (
-            (columns + part.row, rows + part.column)
-            if part.transposed
-            else (rows + part.row, columns + part.column)
-        )
+        self.placed: Placed | None = None
 
     def assembled(self) -> Array:
-        """The numbers of the matrix, by columns."""
+        """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
         data = np.zeros(len(self._indices), dtype=self.weights.dtype)
-        assemble(self.parts, self._place, self.weights, self._numbers.values, data)
+        compiled_solver()["ASSEMBLE"](self.parts, self._place, self.weights, self.numbers.values, data)
         return data
 
     def pattern(self) -> csc_array:
@@ -113,29 +123,101 @@ class PlacedMatrix:
         places = self._indices.astype(np.int32), self._indptr.astype(np.int32)
         return csc_array((np.ones(len(self._indices)), *places), shape=(self.n, self.n))
 
-    def placed(self) -> Placed:
-        """Choose the pivot order for the numbers and weights that are there now.
+    def choose_pivots(self) -> Placed:
+        """Choose the pivot order for the numbers and weights that are there now, and factor.
 
         Raises
         ------
         SingularMatrix
             If the matrix is singular.
         """
-        return self._shown(SparseLU(self._indptr, self._indices, self.assembled()))
+        self.placed = None
+        return self._show(SparseLU(self._indptr, self._indices, self.assembled()))
 
-    def resumed(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> Placed:
-        """With a pivot order and factors that were found before."""
+    def solve(self, right: Array) -> Array:
+        """x of A x = right, with the factors at hand."""
+        solution = np.zeros(self.n)
+        compiled_solver()["backsolve"](self.placed, right, solution)
+        return solution
+
+    def state(self) -> dict[str, Array]:
+        """Pivot order, factors and weights; nothing before pivots are chosen."""
+        return {} if self.placed is None else {name: getattr(self.placed, name) for name in FACTORS}
+
+    def resume(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> None:
+        """Take over such a state."""
         self.weights[:] = weights
-        return self._shown(SparseLU.ordered(self._indptr, self._indices, row_place, column_order, factors))
+        self._show(SparseLU.ordered(self._indptr, self._indices, row_place, column_order, factors))
 
-    def _shown(self, lu: SparseLU) -> Placed:
+    def _show(self, lu: SparseLU) -> Placed:
         arranged = np.empty(len(self._indices), dtype=np.int64)
         arranged[lu.source] = np.arange(len(self._indices))
-        return Placed(
+        self.placed = Placed(
             self.parts, arranged[self._place], self.weights, np.zeros_like(lu.factors, shape=len(self._indices)),
             lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
             lu.column_order,
         )  # fmt: skip
+        return self.placed
+
+
+class Layout(NamedTuple):
+    """Where the numbers of all parts go; `parts` tells of each the first number, how many, and the first place."""
+
+    parts: Array
+    place: Array
+    indptr: Array
+    indices: Array
+
+
+@once
+def layout_of(
+    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...], n: int, parts: tuple[Part, ...]
+) -> Layout:
+    """The pattern of all matrices (n, n) of a system with these numbers and parts."""
+    starts = dict(zip(names, numbering(system, names, like)[0], strict=False))
+    entries = [_entries(system, part, dict(like)) for part in parts]
+    counts = [len(rows) for rows, _ in entries]
+    unique, place = np.unique(np.concatenate([c * n + r for r, c in entries]), return_inverse=True)
+    indptr = np.searchsorted(unique // n, np.arange(n + 1)).astype(np.int64)
+    told = np.column_stack([[starts[p.name] for p in parts], counts, np.cumsum(counts) - counts])
+    return Layout(told.astype(np.int64), place, indptr, (unique % n).astype(np.int64))
+
+
+@once
+def numbering(
+    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...]
+) -> tuple[list[int], Array]:
+    """Where each operator's numbers begin, and the end of all; and the row of each number of Φ_q."""
+    sizes = [len(entries_of(system, dict(like).get(name, name))[0]) for name in names]
+    return [0, *np.cumsum(sizes).tolist()], entries_of(system, "Phi_q")[0]
+
+
+def _entries(system: System, part: Part, like: dict[str, str]) -> tuple[Array, Array]:
+    """Rows and columns of the numbers of a part."""
+    rows, columns = entries_of(system, like.get(part.name, part.name))
+    if part.transposed:
+        rows, columns = columns, rows
+    return rows + part.row, columns + part.column
+
+
+def entries_of(system: System, name: str) -> tuple[Array, Array]:
+    """Rows and columns of an operator's numbers."""
+    if name in (UNIT, LEFT_OUT):
+        along = np.arange(system.nq if name == UNIT else system.m)
+        return along, along
+    pattern = system.pattern(name)
+    rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
+    return rows, pattern.indices.astype(np.int64)
+
+
+@cache
+def compiled_solver() -> dict[str, Any]:
+    """What is compiled here, by the names that loops give it."""
+    known = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
+    known["ASSEMBLE"] = compiled_function(assemble)
+    for function in (refactor, backsolve, leave_out):
+        known[function.__name__] = compiled_function(function, **known)
+    return known
 
 
 def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
@@ -163,3 +245,9 @@ def backsolve(placed: Any, right: Any, solution: Any) -> None:
     SOLVE(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
     for k in range(len(right)):
         solution[placed.column_order[k]] = work[k]
+
+
+def leave_out(Phi_q: Any, row_of: Any, left_out: Any) -> None:
+    """Equations that are left out have no gradient."""
+    for k in range(len(Phi_q)):
+        Phi_q[k] *= 1.0 - left_out[row_of[k]]

@@ -15,21 +15,21 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED
+
 RESIDUAL: Any = None  # drivers and solvers, put in place when this is compiled
 MOMENTUM: Any = None
 FORCE: Any = None
 VELOCITY: Any = None
-JACOBIAN: Any = None
 INERTIA: Any = None
-STIFFNESS: Any = None
 TURNING: Any = None
 BENDING: Any = None
-REMEMBER: Any = None
-weigh: Any = None
-refactor: Any = None
+remember: Any = None  # of `alpha_loop`
+plain_evaluate: Any = None
+weigh: Any = None  # of `stabilized_matrix`
+refactor: Any = None  # of `placed`
 backsolve: Any = None
-RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
-TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
+leave_out: Any = None
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
 STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
@@ -196,12 +196,8 @@ def residual(
 
 def evaluate(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrices: Any) -> None:
     """All derivatives at one state."""
-    JACOBIAN(index.jacobian, b, t, q, lam, matrices.Phi_q, matrices.Phi_qT_lam_q)
-    INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
-    STIFFNESS(index.stiffness, b, t, q, v, matrices.Q_q, matrices.Q_v)
+    plain_evaluate(index, b, t, q, v, a, lam, matrices)
     TURNING(index.turning, b, t, q, v, matrices.gamma_v)
-    for k in range(len(matrices.Phi_q)):
-        matrices.Phi_q[k] *= 1.0 - matrices.left_out[matrices.row_of[k]]
 
 
 def factor(scheme: Any, h: Any, matrices: Any) -> Any:
@@ -390,8 +386,7 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
     """a and λ of the equations of motion at a state; returns how far the pivots can be trusted."""
     n = len(q)
     BENDING(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
-    for k in range(len(matrices.Phi_q)):
-        matrices.Phi_q[k] *= 1.0 - matrices.left_out[matrices.row_of[k]]
+    leave_out(matrices.Phi_q, matrices.row_of, matrices.left_out)
     INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
     memory.solution[:n] = 0.0
     MOMENTUM(index.momentum, b, q, v, memory.solution[:n], memory.M_a, memory.S)
@@ -408,14 +403,6 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: A
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
     record.q[row], record.v[row], record.a[row] = state.q[2], state.v[2], end
-
-
-def remember(index: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> None:
-    """Let the elements remember an accepted state."""
-    if len(places):
-        REMEMBER(index.remember, b, t, q, memory)
-        for k in range(len(places)):
-            b[places[k]] = memory[k]
 
 
 def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:

@@ -9,83 +9,41 @@ from typing import Any
 import numpy as np
 
 from ..._jit.driver import compiled_function
-from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
-from ..motion import Motion
-from . import placed
 from . import radau_loop as loop
+from .alpha import compiled_parts
 from .alpha_loop import Tolerance
-from .entries import entry_of
+from .implicit import GROUPS, Implicit, calls, entries
+from .newton_matrix import constraint_parts
 from .nodes import Nodes
-from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
-from .stabilized_matrix import FACTORS, MATRICES, compiled_solver, newton_parts, weigh
+from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix, compiled_solver
+from .stabilized_matrix import MATRICES, newton_parts, weigh
 from .started import independence_at
-from .stepper import Settings, Tally, Trouble
+from .stepper import Settings, Tally
 from .tolerance import Tolerances
-from .trouble import singular, trouble_of
 
 CHUNK = 200  # steps for one call of the compiled loop
 DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
 ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
-PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
-GROUPS = {
-    "RESIDUAL": ("Phi", "Phi_qT_lam"),
-    "MOMENTUM": ("M_a", "S"),
-    "FORCE": ("Q",),
-    "VELOCITY": ("Phi_q_xi", "Phi_t"),
-    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
-    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
-    "STIFFNESS": ("Q_q", "Q_v"),
-    "TURNING": ("gamma_v",),
-    "BENDING": ("Phi_q", "gamma"),
-}
-CALLS = {  # scalars and arrays that each takes
-    "RESIDUAL": (1, 4),
-    "MOMENTUM": (0, 5),
-    "FORCE": (1, 3),
-    "VELOCITY": (1, 4),
-    "JACOBIAN": (1, 4),
-    "INERTIA": (0, 7),
-    "STIFFNESS": (1, 4),
-    "TURNING": (1, 3),
-    "BENDING": (1, 4),
-    "REMEMBER": (1, 2),
-}
-KINDS = ("real", "pair", "motion")
-
-
-def motion_parts(nq: int, m: int) -> list[Part]:
-    """[M Φ_qᵀ; Φ_q 0], with a 1 for every equation left out."""
-    below, above = Part("Phi_q", nq, 0), Part("Phi_q", 0, nq, transposed=True)
-    return [Part("M", 0, 0), below, above, Part(LEFT_OUT, nq, nq)]
 
 
 @cache
 def _compiled() -> Any:
     """The time loop: the same code for every system; drivers are called by their address."""
-    known: dict[str, Any] = {name: run(*counts) for name, counts in CALLS.items()}
-    known |= compiled_solver()
+    plain, known = compiled_parts(), calls() | compiled_solver()
+    known |= {"plain_evaluate": plain["evaluate"], "remember": plain["remember"]}
     known["weigh"] = compiled_function(weigh)
-    inner = (
-        "stages",
-        "residual",
-        "evaluate",
-        "factor",
-        "scaled",
-        "unscaled",
-        "size",
-    )
-    outer = ("improve", "newton", "estimate", "lagrange", "predict", "first_guess", "accept", "smooth")
-    for name in (*inner, *outer, "motion", "keep", "remember", "advance"):
+    inner = "stages residual evaluate factor scaled unscaled size improve newton estimate lagrange predict first_guess"
+    for name in (*inner.split(), "accept", "smooth", "motion", "keep", "advance"):
         known[name] = compiled_function(getattr(loop, name), **known)
     return known["advance"]
 
 
-class RadauStepper:
+class RadauStepper(Implicit):
     """Radau IIA at work, see `Stepper`."""
 
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
@@ -96,8 +54,7 @@ class RadauStepper:
         system.remember(start.q, self.b, 0.0)
         self.independence = independence_at(system, start)
         self._loop = _compiled()
-        entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("remembered",))]
-        self._index = loop.Indices._make(entries)
+        self._index = loop.Indices(**entries(system, GROUPS))
         self._make_matrices()
         nq, m, places = system.nq, system.m, len(system.memory_places)
         widths = [nq] * 3 + [m] * 2 + [nq] * 4 + [m]
@@ -149,68 +106,37 @@ class RadauStepper:
         self._last = nodes.a[-1], nodes.lam[-1]
         return nodes
 
-    def _look(self, status: int, taken: int) -> None:
-        """What comes of a call of the loop."""
-        self._vain = 0 if taken else self._vain + 1
-        state = self._state
-        if status == loop.REPIVOT:
-            self._arrays = None
-            if self._vain > 1:  # new pivots did not help: a shorter step may
-                self._control.numbers[1] *= 0.25
-            if self._vain > PATIENCE:
-                raise self._explained(state.q0, state.v0)
-        if status == loop.TOO_SMALL and not taken:
-            told = (
-                f"steps become too small near t = {self.t:.6g} s: Newton's method or the error control asks for ever "
-                "smaller steps; a force is not smooth there: name the times of its jumps in breakpoints, or smooth it"
-            )
-            raise self._explained(state.q0, state.v0, Trouble("step too small", told))
-
-    def _motion(self) -> Motion:
-        motion = Motion(self.system, self.independence.kept)
-        motion.b[:] = self.b
-        return motion
+    def _why_small(self) -> str:
+        return (
+            "Newton's method or the error control asks for ever smaller steps; a force is not smooth there: name the "
+            "times of its jumps in breakpoints, or smooth it"
+        )
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        found = {f"state_{name}": array for name, array in zip(loop.State._fields, self._state, strict=True)}
-        if self._arrays is not None:
-            for kind in KINDS:
-                shown = getattr(self._arrays, kind)
-                found |= {f"{kind}_{name}": getattr(shown, name) for name in FACTORS}
-        numbers = np.array([self.t, self._span, self._vain])
-        found |= {
-            "b": self.b,
-            "numbers": self._control.numbers,
-            "counts": self._control.counts,
-            "own": numbers,
-        }
-        found |= {"last_a": self._last[0], "last_lam": self._last[1]}
-        return found | {"tally": self.tally.counts(), "null": self.independence.state()}
+        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]}
+        for kind, matrix in self._matrices().items() if self._arrays is not None else ():
+            found |= {f"{kind}_{name}": array for name, array in matrix.state().items()}
+        return found
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self.independence.resume(state["null"])
-        self._keep()
-        for name, array in zip(loop.State._fields, self._state, strict=True):
-            array[:] = state[f"state_{name}"]
-        self.b[:], self._control.numbers[:] = state["b"], state["numbers"]
-        self._control.counts[:] = state["counts"]
-        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
-        self.tally, self._arrays, self._last = (
-            Tally.of(state["tally"]),
-            None,
-            (state["last_a"], state["last_lam"]),
-        )
+        self._take_over(state)
+        self.numbers.keep(self.independence.kept)
+        self._last = state["last_a"], state["last_lam"]
         if "real_factors" in state:
-            kinds = zip(KINDS, (self.real, self.pair, self.motion), strict=True)
-            self._show([matrix.resumed(*(state[f"{kind}_{n}"] for n in FACTORS)) for kind, matrix in kinds])
+            for kind, matrix in self._matrices().items():
+                matrix.resume(*(state[f"{kind}_{name}"] for name in FACTORS))
+            self._show()
 
-    def _show(self, placed_anew: list[placed.Placed]) -> None:
+    def _matrices(self) -> dict[str, PlacedMatrix]:
+        return {"real": self.real, "pair": self.pair, "motion": self.motion}
+
+    def _show(self) -> None:
         """The matrices as the loop takes them."""
-        views = self.numbers.views
-        shown = (self.numbers.values, *(views[name] for name in MATRICES), self._row_of, views[LEFT_OUT])
-        self._arrays = loop.Matrices._make([*shown, *placed_anew])
+        numbers, placed = self.numbers, (matrix.placed for matrix in self._matrices().values())
+        shown = (numbers.values, *numbers.of(MATRICES), numbers.row_of, numbers.left_out)
+        self._arrays = loop.Matrices(*shown, *placed)
 
     def steps(self) -> None:
         """No steps are kept."""
@@ -220,45 +146,32 @@ class RadauStepper:
         self.numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         self.real = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m))
         self.pair = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m), complex)
-        self.motion = PlacedMatrix(self.numbers, nq + m, motion_parts(nq, m))
-        self._row_of = self.numbers.entries("Phi_q")[0]
-        self._keep()
-
-    def _keep(self) -> None:
-        left_out = self.numbers.views[LEFT_OUT]
-        left_out[:] = 0.0 if self.independence.kept is None else 1.0
-        left_out[[] if self.independence.kept is None else self.independence.kept] = 0.0
-
-    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
-        """Why there are no further steps."""
-        told = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
+        self.motion = PlacedMatrix(self.numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
+        self.numbers.keep(self.independence.kept)
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
         state, t = self._state, float(self._control.numbers[0])
         if self.independence.renew(t, state.q0):
-            self._keep()
+            self.numbers.keep(self.independence.kept)
             a, lam = self._motion().acceleration(t, state.q0, state.v0)
             self._last, state.lam_before[:] = (a, lam), lam
             self._control.numbers[6], self._arrays = 0.0, None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices at the present state."""
-        system, state, views = self.system, self._state, self.numbers.views
-        t, h = float(self._control.numbers[0]), float(self._control.numbers[1])
+        state, (t, h) = self._state, (float(x) for x in self._control.numbers[:2])
         operands = {"t": t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam_before[2]}
         for kind in ("JACOBIAN", "INERTIA", "STIFFNESS", "TURNING"):
-            group = system.group(*GROUPS[kind])
-            group.run(self.b, *(operands[k] for k in group.operands), *(views[name] for name in group.names))
-        views["Phi_q"][views[LEFT_OUT][self._row_of] > 0] = 0.0
+            self.numbers.evaluate(GROUPS[kind], self.b, operands)
         for matrix, s in ((self.real, self.scheme.gamma / h), (self.pair, self.scheme.pair / h)):
             weigh(matrix.weights, 1.0 / (s * s), 1.0 / s)
         try:
-            placed_anew = [matrix.placed() for matrix in (self.real, self.pair, self.motion)]
+            for matrix in self._matrices().values():
+                matrix.choose_pivots()
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
-        self._show(placed_anew)
+        self._show()
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
     def _first_step(self) -> float:

@@ -18,8 +18,9 @@ FORCE: Any = None
 GAMMA: Any = None
 POTENTIAL: Any = None
 REMEMBER: Any = None
-REFACTOR: Any = None
-SOLVE: Any = None
+refactor: Any = None  # of `placed`
+backsolve: Any = None
+leave_out: Any = None
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
@@ -54,6 +55,17 @@ class Work(NamedTuple):
     solution: Any
     potential: Any
     memory: Any
+
+
+class Matrix(NamedTuple):
+    """The numbers of the operators; the matrix [M Φ_qᵀ; Φ_q 0] and its factors."""
+
+    values: Any
+    M: Any
+    Phi_q: Any
+    row_of: Any
+    left_out: Any
+    placed: Any
 
 
 class Samples(NamedTuple):
@@ -97,27 +109,8 @@ def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
     """Evaluate and factor [M Φ_qᵀ; Φ_q 0]; returns how far the pivots can be trusted."""
     INERTIA(entries.inertia, b, q, matrix.M)
     JACOBIAN(entries.jacobian, b, t, q, matrix.Phi_q)
-    for k in range(len(matrix.Phi_q)):
-        matrix.Phi_q[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
-    matrix.data[:] = 0.0
-    for k in range(len(matrix.values)):
-        matrix.data[matrix.places[k]] += matrix.values[k]
-    for k in range(len(matrix.Phi_q)):
-        matrix.data[matrix.places[len(matrix.values) + k]] += matrix.Phi_q[k]
-    return REFACTOR(
-        matrix.pointers, matrix.rows, matrix.diagonal, matrix.indptr, matrix.indices, matrix.data, matrix.factors,
-        matrix.work,
-    )  # fmt: skip
-
-
-def backsolve(matrix: Any, right: Any, solution: Any) -> None:
-    """solution = matrix⁻¹ right."""
-    work = matrix.work
-    for k in range(len(right)):
-        work[matrix.row_place[k]] = right[k]
-    SOLVE(matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors, work)
-    for k in range(len(right)):
-        solution[matrix.column_order[k]] = work[k]
+    leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
+    return refactor(matrix.values, matrix.placed)
 
 
 def position_defect(entries: Any, b: Any, t: Any, q: Any, lam: Any, work: Any) -> None:
@@ -147,7 +140,7 @@ def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
         every, worst = max(every, abs(work.rate[k])), max(worst, abs(work.right[n + k]))
     if worst < PROJECTED or not worst < 0.5 * before:
         return every, True
-    backsolve(matrix, work.right, work.solution)
+    backsolve(matrix.placed, work.right, work.solution)
     for k in range(n):
         x[k] -= work.solution[k]
     return every, False
@@ -189,7 +182,7 @@ def solve_motion(
         for k in range(len(lam)):
             defect = work.rate[k] - work.gamma[k]
             work.right[n + k] = defect if matrix.left_out[k] == 0.0 else lam[k]
-        backsolve(matrix, work.right, work.solution)
+        backsolve(matrix.placed, work.right, work.solution)
         moved, length = 0.0, 1e-30
         for k in range(n):
             a[k] -= work.solution[k]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from copy import copy
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from ...algebra import Array
 from ...system import System
 from ..independence import Independence
 from ..linear import SingularMatrix
-from ..linear import compiled as factors
 from . import sample_loop as loop
 from .entries import entry_of
-from .newton_matrix import NewtonMatrix
+from .newton_matrix import motion_matrix
 from .nodes import Nodes
+from .placed import FACTORS, compiled_solver
 
 GROUPS = {
     "inertia": ("M",),
@@ -32,38 +32,16 @@ GROUPS = {
 }
 
 
-class Matrix(NamedTuple):
-    """The matrix [M Φ_qᵀ; Φ_q 0]: operators' numbers, their places, and the factors."""
-
-    values: Any
-    places: Any
-    data: Any
-    M: Any
-    Phi_q: Any
-    row_of: Any
-    left_out: Any
-    indptr: Any
-    indices: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    factors: Any
-    work: Any
-    row_place: Any
-    column_order: Any
-
-
 @cache
 def _compiled() -> tuple[Any, Any]:
     """`sample` and `settle`, for all systems."""
     run = pointer.run
     calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
     calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
-    solver = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-    made = {"backsolve": compiled_function(loop.backsolve, **solver)}
+    made = calls | compiled_solver()
     order = "interpolate factor position_defect velocity_defect correct project solve_motion energies"
     for name in order.split():
-        made[name] = compiled_function(getattr(loop, name), **calls, **solver, **made)
+        made[name] = compiled_function(getattr(loop, name), **made)
     settle = compiled_function(loop.settle, **made)
     return compiled_function(loop.sample, settle=settle, **made), settle
 
@@ -84,7 +62,8 @@ class Sampler:
 
     def __init__(self, system: System, independence: Independence, b: Array) -> None:
         self.system, self.independence, self.b = system, copy(independence), b.copy()
-        self.matrix = NewtonMatrix(system, independence.kept, ("M",))
+        self.matrix = motion_matrix(system)
+        self.matrix.numbers.keep(independence.kept)
         self.unsettled: list[float] = []
         entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("potentials",), ("remembered",))]
         self._entries = loop.Entries._make(entries)
@@ -92,7 +71,7 @@ class Sampler:
         rows = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, len(system.memory_places))
         self._work = loop.Work(*(np.zeros(length) for length in rows))
         self._sample, self._settle = _compiled()
-        self._arrays: Matrix | None = None
+        self._arrays: Any = None
 
     def room(self, times: Array) -> loop.Samples:
         """Room for states at these times."""
@@ -157,7 +136,7 @@ class Sampler:
     def _choose(self, t: float, q: Array) -> None:
         """Where equations are dependent, another choice of those to solve, if the present one is poor."""
         if self.independence.renew(t, q):
-            self.matrix.keep(self.independence.kept)
+            self.matrix.numbers.keep(self.independence.kept)
             self._arrays = None
 
     def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
@@ -166,9 +145,8 @@ class Sampler:
         q = nodes.near(t)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
         self._choose(t, q)
         self.b[self.system.memory_places] = nodes.memory[row]
-        views = self.matrix.views
-        self.system.group("M").run(self.b, q, views["M"])
-        self.system.group("Phi_q").run(self.b, t, q, views["Phi_q"])
+        for name in ("M", "Phi_q"):
+            self.matrix.numbers.evaluate((name,), self.b, {"t": t, "q": q})
         try:
             self.matrix.choose_pivots()
         except (SingularMatrix, ValueError):
@@ -178,12 +156,9 @@ class Sampler:
 
     def _show_matrix(self) -> None:
         """The matrix as the loop takes it."""
-        lu, matrix, views = self.matrix.lu, self.matrix, self.matrix.views
-        self._arrays = Matrix(
-            matrix.values, matrix.places, matrix.data, views["M"], views["Phi_q"], matrix.row_of, matrix.left_out,
-            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
-            lu.column_order,
-        )  # fmt: skip
+        numbers = self.matrix.numbers
+        of_numbers = (numbers.values, *numbers.of(("M", "Phi_q")), numbers.row_of, numbers.left_out)
+        self._arrays = loop.Matrix._make([*of_numbers, self.matrix.placed])
 
     def choices(self) -> dict[str, Array]:
         """The choices made so far, which decide on the last digits; for `resume`."""
@@ -194,11 +169,9 @@ class Sampler:
     def resume(self, state: Mapping[str, Array]) -> None:
         """Take over choices made before."""
         self.independence.resume(state["sampler_null"])
-        self.matrix.keep(self.independence.kept)
+        self.matrix.numbers.keep(self.independence.kept)
         if "sampler_factors" in state:
-            self.matrix.resume(
-                *(state[f"sampler_{name}"] for name in ("row_place", "column_order", "factors"))
-            )
+            self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
             self._show_matrix()
 
     def _shorten(self, out: loop.Samples) -> None:
@@ -210,4 +183,4 @@ class Sampler:
     def pushed(self, f: Array) -> Array:
         """w of M w + Φ_qᵀσ = f, Φ_q w = 0 at the state made consistent last: what an impulse f does to v."""
         right = np.concatenate([f, np.zeros(self.system.m)])
-        return np.asarray(self.matrix.lu.solve(right)[: self.system.nq])
+        return self.matrix.solve(right)[: self.system.nq]

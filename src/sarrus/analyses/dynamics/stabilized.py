@@ -10,12 +10,18 @@ import numpy as np
 from ..._jit.driver import compiled_function
 from . import alpha_loop, radau_loop
 from . import stabilized_loop as loop
-from .alpha import GROUPS, AlphaStepper, calls, compiled_parts
-from .entries import entry_of
-from .stabilized_matrix import MATRICES, START, StabilizedMatrix, compiled_solver, weigh
+from .alpha import KINDS, AlphaStepper, compiled_parts
+from .implicit import GROUPS, calls, entries
+from .placed import compiled_solver
+from .stabilized_matrix import START, stabilized_matrix, weigh
 
-TURNING = ("gamma_v",)
-PLAIN = ("update", "residual", "predict", "accept")  # of the index-3 equations, called by those here
+PLAIN = (
+    "update",
+    "residual",
+    "predict",
+    "accept",
+    "evaluate",
+)  # of the index-3 equations, called by those here
 
 
 @cache
@@ -23,10 +29,10 @@ def compiled_advance() -> Any:
     """The time loop, compiled once for all systems."""
     plain, made = compiled_parts(), calls() | compiled_solver()
     made |= {f"plain_{name}": plain[name] for name in PLAIN}
-    made |= {name: plain[name] for name in ("size", "stretch", "keep", "remember")}
+    made |= {name: plain[name] for name in ("size", "weights_of", "stretch", "keep", "remember")}
     made["weigh"] = compiled_function(weigh)
     made["evaluate"] = compiled_function(radau_loop.evaluate, **made)
-    order = "update residual factor scaled correct newton polish predict accept rescale advance"
+    order = "update residual factor scaled correct renew newton polish predict accept rescale advance"
     for name in order.split():
         source = loop if hasattr(loop, name) else alpha_loop
         made[name] = compiled_function(getattr(source, name), **made)
@@ -36,14 +42,12 @@ def compiled_advance() -> Any:
 class StabilizedStepper(AlphaStepper):
     """HHT or generalized-α at work on the stabilized equations of one system, see `AlphaStepper`."""
 
-    matrix: StabilizedMatrix
-
     def _make(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
-        self.matrix = StabilizedMatrix(system, self.independence.kept)
-        self._advance = compiled_advance()
-        entries = [entry_of(system, *names) for names in (*GROUPS.values(), TURNING, ("remembered",))]
-        self._entries = loop.Entries._make(entries)
+        self.matrix = stabilized_matrix(system)
+        self.matrix.numbers.keep(self.independence.kept)
+        self._advance, self._weigh = compiled_advance(), weigh
+        self._entries = loop.Entries(**entries(system, (*KINDS, "TURNING")))
         whole = 2 * (nq + m)
         rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, nq, whole)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
@@ -52,12 +56,11 @@ class StabilizedStepper(AlphaStepper):
 
     def _evaluate(self, operands: dict[str, Any]) -> None:
         super()._evaluate(operands)
-        views, group = self.matrix.views, self.system.group(*TURNING)
-        group.run(self.b, *(operands[k] for k in group.operands), views["gamma_v"])
-        views[START][:] = views["Phi_q"]
+        numbers = self.matrix.numbers
+        numbers.evaluate(GROUPS["TURNING"], self.b, operands)
+        numbers.views[START][:] = numbers.views["Phi_q"]
 
     def _show_matrix(self) -> None:
-        matrix, views = self.matrix, self.matrix.views
-        numbers = [views[name] for name in (*MATRICES, START)]
-        rest = (self._state.q0, matrix.row_of, matrix.left_out, matrix.placed)
-        self._arrays = loop.Matrix._make([matrix.values, *numbers, *rest])
+        numbers, names = self.matrix.numbers, loop.Matrix._fields[1:-4]
+        rest = (self._state.q0, numbers.row_of, numbers.left_out, self.matrix.placed)
+        self._arrays = loop.Matrix._make([numbers.values, *numbers.of(names), *rest])

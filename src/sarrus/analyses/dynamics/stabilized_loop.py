@@ -27,6 +27,7 @@ evaluate: Any = None  # of `radau_loop`
 weigh: Any = None  # of `stabilized_matrix`
 refactor: Any = None  # of `placed`
 backsolve: Any = None
+leave_out: Any = None
 
 
 class State(NamedTuple):
@@ -121,8 +122,7 @@ def factor(
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
     JACOBIAN(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
     evaluate(entries, b, t, q, v, a, lam, matrix)
-    for k in range(len(matrix.Phi_q_start)):
-        matrix.Phi_q_start[k] *= 1.0 - matrix.left_out[matrix.row_of[k]]
+    leave_out(matrix.Phi_q_start, matrix.row_of, matrix.left_out)
     weigh(matrix.placed.weights, beta, gamma)
     return refactor(matrix.values, matrix.placed)
 

@@ -12,9 +12,9 @@ from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Steps
 from ...system import System
-from ..dynamics import placed
-from ..dynamics.placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
-from ..linear import compiled as factors
+from ..dynamics import alpha_loop
+from ..dynamics.newton_matrix import NUMBERS, newton_matrix, weigh
+from ..dynamics.placed import compiled_solver, entries_of
 from . import sweep_loop as loop
 
 GROUPS: dict[
@@ -34,10 +34,9 @@ GROUPS: dict[
     "Q_b": (("Q_b",), 1, 3),
 }
 BY_NUMBERS = list(GROUPS)[5:]
-BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q", LEFT_OUT, "Phi_q")
 FUNCTIONS = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed", "add_gradients",
-             "remember", "leave_out", "weigh", "factor", "defect_change", "forward_step", "backward_step",
-             "forward_rescale", "backward_rescale", "forward", "backward")  # fmt: skip
+             "remember", "linearize", "defect_change", "forward_step", "backward_step", "forward_rescale",
+             "backward_rescale", "forward", "backward")  # fmt: skip
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
 NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 
@@ -46,11 +45,11 @@ NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
     known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
-    known |= {"ASSEMBLE": compiled_function(placed.assemble), "REFACTOR": factors()["refactor"]}
+    known |= compiled_solver() | {"weigh": compiled_function(weigh)}
+    for name in ("evaluate", "factor", "weights_of"):
+        known[name] = compiled_function(getattr(alpha_loop, name), **known)
     for name in FUNCTIONS:
-        function = getattr(loop, name)
-        used = {part: value for part, value in known.items() if part in function.__code__.co_names}
-        known[name] = compiled_function(function, **used)
+        known[name] = compiled_function(getattr(loop, name), **known)
     return known
 
 
@@ -68,8 +67,8 @@ class Sweep:
     def __init__(self, system: System, steps: Steps, columns: int, b_dot: Array | None = None) -> None:
         self.system, self.steps, self.columns = system, steps, columns
         self.b = steps.b.copy()
-        self._numbers = Numbers(system, (*BLOCKS, UNIT))
-        self._pattern = PlacedMatrix(self._numbers, system.nq + system.m, _parts(system.nq))
+        self._matrix = newton_matrix(system)
+        self._numbers = self._matrix.numbers
         self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
         self._record = _record(steps)
@@ -77,17 +76,17 @@ class Sweep:
         self._work = self._make_work()
 
     def _make_blocks(self, b_dot: Array | None) -> tuple[loop.Blocks, loop.Views]:
-        rows, columns, segments = _flat([self._numbers.entries(name) for name in BLOCKS])
-        b_rows, b_columns, cuts = _flat([_entries(self.system, name) for name in BY_NUMBERS])
+        rows, columns, segments = _flat([entries_of(self.system, name) for name in NUMBERS])
+        b_rows, b_columns, cuts = _flat([entries_of(self.system, name) for name in BY_NUMBERS])
         values = np.zeros(len(b_rows))
         used = np.ones(len(self.system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
         chosen = np.flatnonzero(used[b_columns])
-        turned = _entries(self.system, "gamma_v")
+        turned = entries_of(self.system, "gamma_v")
         blocks = loop.Blocks(
             self._numbers.values, rows, columns, segments, values, b_rows, b_columns,
             np.searchsorted(chosen, cuts), chosen, np.zeros(len(turned[0])), *turned,
         )  # fmt: skip
-        own = [self._numbers.views[name] for name in BLOCKS]
+        own = [self._numbers.views[name] for name in NUMBERS]
         return blocks, loop.Views._make([*own, *(values[start:end] for start, end in cuts)])
 
     def _make_work(self) -> loop.Work:
@@ -141,7 +140,7 @@ class Sweep:
 
     def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         found = _compiled()[name](
-            self.steps.scheme, self._entries, self.b, self._record, n, to, stage, self._matrix, self._blocks,
+            self.steps.scheme, self._entries, self.b, self._record, n, to, stage, self._shown, self._blocks,
             self._views, self._work, *arrays,
         )  # fmt: skip
         return int(found[0]), int(found[1])
@@ -155,28 +154,11 @@ class Sweep:
         loop.remember(self._record, n, views, self.b)
         operands = {"t": float(steps.t[at])} | {k: getattr(steps, k)[at] for k in ("q", "v", "a", "lam")}
         for kind in ("jacobian", "inertia", "stiffness"):
-            group = self._groups[kind]
-            group.run(
-                self.b, *(operands[k] for k in group.operands), *(getattr(views, k) for k in group.names)
-            )
-        loop.leave_out(self._blocks, views)
-        scheme, h = steps.scheme, 0.0 if stage == loop.RESCALE else float(steps.h[n])
-        kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-        loop.weigh(self._pattern.weights, scheme.beta * h * h * kappa, scheme.gamma * h * kappa)
-        self._matrix = self._pattern.placed()
-
-
-def _parts(nq: int) -> list[Part]:
-    """[c M + β' (...)_q - γ' (...)_v, Φ_qᵀ; Φ_q, 0], with a 1 for every equation left out."""
-    upper = [Part(name, 0, 0) for name in BLOCKS[:-2]]
-    return [*upper, Part(LEFT_OUT, nq, nq), Part("Phi_q", nq, 0), Part("Phi_q", 0, nq, transposed=True)]
-
-
-def _entries(system: System, name: str) -> tuple[Array, Array]:
-    """Rows and columns of an operator's numbers."""
-    pattern = system.pattern(name)
-    rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
-    return rows, pattern.indices.astype(np.int64)
+            self._numbers.evaluate(GROUPS[kind][0], self.b, operands)
+        h = 0.0 if stage == loop.RESCALE else float(steps.h[n])
+        weigh(self._matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
+        self._matrix.choose_pivots()
+        self._shown = alpha_loop.matrix_of(self._matrix)
 
 
 def _flat(parts: list[tuple[Array, Array]]) -> tuple[Array, Array, Array]:

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 VELOCITY: Any = None  # drivers and solvers, put in place when this is compiled
 JACOBIAN: Any = None
 INERTIA: Any = None
-STIFFNESS: Any = None
 GAMMA_V: Any = None
 PHI_B: Any = None
 PHI_QT_LAM_B: Any = None
@@ -25,8 +24,9 @@ PHI_T_B: Any = None
 M_A_B: Any = None
 S_B: Any = None
 Q_B: Any = None
-ASSEMBLE: Any = None
-REFACTOR: Any = None
+weights_of: Any = None  # of `dynamics.alpha_loop`
+factor: Any = None
+leave_out: Any = None  # of `dynamics.placed`
 TRUSTED = 1e-6  # pivot over column, below which the order of the pivots is chosen anew
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 
@@ -246,34 +246,18 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, x: Any) -> 
             solution[k, c] = x[matrix.row_place[k], c]
 
 
-def factor(
-    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, blocks: Any, views: Any, matrix: Any,
-    beta: Any, gamma: Any,
-) -> Any:  # fmt: skip
-    """Evaluate and factor the Newton matrix, [M, Φ_qᵀ; Φ_q, 0] with β' = γ' = 0; how far the pivots can be trusted."""
-    JACOBIAN(entries.jacobian, b, t, q, lam, views.Phi_q, views.Phi_qT_lam_q)
-    INERTIA(entries.inertia, b, q, v, a, views.M, views.M_a_q, views.S_q, views.S_v)
-    STIFFNESS(entries.stiffness, b, t, q, v, views.Q_q, views.Q_v)
-    leave_out(blocks, views)
-    weigh(matrix.weights, beta, gamma)
-    ASSEMBLE(matrix.parts, matrix.places, matrix.weights, blocks.values, matrix.data)
-    return REFACTOR(
-        matrix.pointers, matrix.rows, matrix.diagonal, matrix.indptr, matrix.indices, matrix.data, matrix.factors,
-        matrix.work,
-    )  # fmt: skip
-
-
-def leave_out(blocks: Any, views: Any) -> None:
-    """Equations that others imply have no gradient."""
-    first = blocks.segments[8, 0]
-    for k in range(len(views.Phi_q)):
-        views.Phi_q[k] *= 1.0 - views.left_out[blocks.rows[first + k]]
-
-
-def weigh(weights: Any, beta: Any, gamma: Any) -> None:
-    """Weights of the parts of the Newton matrix."""
-    weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
-    weights[3], weights[5] = -gamma, -gamma
+def linearize(scheme: Any, entries: Any, b: Any, record: Any, n: Any, matrix: Any, views: Any) -> Any:
+    """Factor the Newton matrix at the end of step n, and evaluate the operators by b; false for new pivots."""
+    t, q, v, a, lam = record.t[n + 1], record.q[n + 1], record.v[n + 1], record.a[n + 1], record.lam[n + 1]
+    beta, gamma = weights_of(scheme, record.h[n])
+    if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
+        return False
+    PHI_B(entries.Phi_b, b, t, q, views.Phi_b)
+    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, views.Phi_qT_lam_b)
+    M_A_B(entries.M_a_b, b, q, a, views.M_a_b)
+    S_B(entries.S_b, b, q, v, views.S_b)
+    Q_B(entries.Q_b, b, t, q, v, views.Q_b)
+    return True
 
 
 def forward_step(
@@ -281,18 +265,11 @@ def forward_step(
     bars: Any,
 ) -> Any:  # fmt: skip
     """The change of the state over step n; false if pivots must be renewed."""
-    h, t = record.h[n], record.t[n + 1]
-    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-    q, v, a, lam = record.q[n + 1], record.v[n + 1], record.a[n + 1], record.lam[n + 1]
-    if not factor(entries, b, t, q, v, a, lam, blocks, views, matrix, beta, gamma) > TRUSTED:
+    if not linearize(scheme, entries, b, record, n, matrix, views):
         return False
-    PHI_B(entries.Phi_b, b, t, q, views.Phi_b)
-    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, views.Phi_qT_lam_b)
-    M_A_B(entries.M_a_b, b, q, a, views.M_a_b)
-    S_B(entries.S_b, b, q, v, views.S_b)
-    Q_B(entries.Q_b, b, t, q, v, views.Q_b)
-    nq, m, width = len(q), len(lam), bars.q.shape[1]
+    h, kappa = record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    beta, gamma = weights_of(scheme, h)
+    nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
     share_m, share_f = scheme.alpha_m / (1.0 - scheme.alpha_m), scheme.alpha_f / (1.0 - scheme.alpha_m)
     for k in range(nq):
         for c in range(width):
@@ -322,7 +299,7 @@ def forward_step(
         if views.left_out[k] > 0.0:
             for c in range(width):
                 right[nq + k, c] = 0.0
-    solve_columns(matrix, right, work.solution, work.arranged)
+    solve_columns(matrix.placed, right, work.solution, work.arranged)
     for k in range(nq):
         for c in range(width):
             change = work.solution[k, c]
@@ -341,18 +318,11 @@ def backward_step(
     bars: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
-    h, t = record.h[n], record.t[n + 1]
-    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-    q, v, a, lam = record.q[n + 1], record.v[n + 1], record.a[n + 1], record.lam[n + 1]
-    if not factor(entries, b, t, q, v, a, lam, blocks, views, matrix, beta, gamma) > TRUSTED:
+    if not linearize(scheme, entries, b, record, n, matrix, views):
         return False
-    PHI_B(entries.Phi_b, b, t, q, views.Phi_b)
-    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, views.Phi_qT_lam_b)
-    M_A_B(entries.M_a_b, b, q, a, views.M_a_b)
-    S_B(entries.S_b, b, q, v, views.S_b)
-    Q_B(entries.Q_b, b, t, q, v, views.Q_b)
-    nq, m, width = len(q), len(lam), bars.q.shape[1]
+    h, kappa = record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    beta, gamma = weights_of(scheme, h)
+    nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
     right, mu = work.right, work.solution
     for k in range(nq):
         for c in range(width):
@@ -367,7 +337,7 @@ def backward_step(
         for k in range(nq):
             bars.q[k, 0] -= sources.step_q[n, k]
             bars.v[k, 0] -= sources.step_v[n, k]
-    solve_columns_transposed(matrix, right, mu, work.arranged)
+    solve_columns_transposed(matrix.placed, right, mu, work.arranged)
     for k in range(m):
         if views.left_out[k] > 0.0:
             for c in range(width):
@@ -408,7 +378,7 @@ def defect_change(
     less d: -G with G = (Φ_q (v - s))_q + Φ_tq = -½ γ_v(q, v - s).
     """
     t, q, v, a, lam = record.t[n], record.q[n], record.v[n], record.a[n], record.lam[n]
-    if not factor(entries, b, t, q, v, a, lam, blocks, views, matrix, 0.0, 0.0) > TRUSTED:
+    if not factor(entries, b, t, q, v, a, lam, matrix, 0.0, 0.0) > TRUSTED:
         return False
     nq, m = len(q), len(lam)
     rate, Phi_t, single = work.defect, work.Phi_t, work.single
@@ -418,7 +388,7 @@ def defect_change(
         right[k, 0] = 0.0
     for k in range(m):
         right[nq + k, 0] = (rate[k] + Phi_t[k]) * (1.0 - views.left_out[k])
-    solve_columns(matrix, right, found, arranged)
+    solve_columns(matrix.placed, right, found, arranged)
     s, sigma = work.s, work.sigma
     for k in range(nq):
         s[k] = found[k, 0]
@@ -426,7 +396,7 @@ def defect_change(
         sigma[k] = found[nq + k, 0]
     JACOBIAN(entries.jacobian, b, t, q, sigma, views.Phi_q, views.Phi_qT_lam_q)
     INERTIA(entries.inertia, b, q, v, s, views.M, views.M_a_q, views.S_q, views.S_v)
-    leave_out(blocks, views)
+    leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
     PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, sigma, views.Phi_qT_lam_b)
     M_A_B(entries.M_a_b, b, q, s, views.M_a_b)
     for k in range(nq):
@@ -464,7 +434,7 @@ def forward_rescale(
             if views.left_out[k] > 0.0:
                 for c in range(width):
                     right[nq + k, c] = 0.0
-        solve_columns(matrix, right, work.solution, work.arranged)
+        solve_columns(matrix.placed, right, work.solution, work.arranged)
         if len(kept.rescale) > 0:
             kept.rescale[n] = work.solution
         for k in range(nq):
@@ -500,7 +470,7 @@ def backward_rescale(
             for k in range(nq):
                 bars.q[k, 0] -= sources.rescale_q[n, k]
                 bars.v[k, 0] -= sources.rescale_v[n, k]
-        solve_columns_transposed(matrix, right, z, work.arranged)
+        solve_columns_transposed(matrix.placed, right, z, work.arranged)
         for k in range(m):
             if views.left_out[k] > 0.0:
                 for c in range(width):

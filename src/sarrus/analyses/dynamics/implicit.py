@@ -1,0 +1,113 @@
+"""What the implicit methods with a compiled time loop share: their groups of operators, troubles, and saved states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..._jit.pointer import run
+from ...algebra import Array
+from ...system import System
+from ..independence import Independence
+from ..motion import Motion
+from . import alpha_loop as loop
+from .entries import entry_of
+from .stepper import Tally, Trouble
+from .trouble import singular, trouble_of
+
+PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
+GROUPS = {  # operators that are computed together, by the name under which loops call them
+    "RESIDUAL": ("Phi", "Phi_qT_lam"),
+    "MOMENTUM": ("M_a", "S"),
+    "FORCE": ("Q",),
+    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
+    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
+    "STIFFNESS": ("Q_q", "Q_v"),
+    "VELOCITY": ("Phi_q_xi", "Phi_t"),
+    "TURNING": ("gamma_v",),
+    "BENDING": ("Phi_q", "gamma"),
+}
+CALLS = {  # scalars and arrays that each takes
+    "RESIDUAL": (1, 4),
+    "MOMENTUM": (0, 5),
+    "FORCE": (1, 3),
+    "JACOBIAN": (1, 4),
+    "INERTIA": (0, 7),
+    "STIFFNESS": (1, 4),
+    "VELOCITY": (1, 4),
+    "TURNING": (1, 3),
+    "BENDING": (1, 4),
+    "REMEMBER": (1, 2),
+}
+
+
+def calls() -> dict[str, Any]:
+    """What calls the kernels of groups by address."""
+    return {name: run(*counts) for name, counts in CALLS.items()}
+
+
+def entries(system: System, kinds: Iterable[str]) -> dict[str, Any]:
+    """The kernels of some groups of a system, and what elements remember."""
+    found = {kind.lower(): entry_of(system, *GROUPS[kind]) for kind in kinds}
+    return found | {"remember": entry_of(system, "remembered")}
+
+
+class Implicit:
+    """An implicit method at work, see `Stepper`: the part that does not depend on the method."""
+
+    system: System
+    b: Array
+    t: float
+    independence: Independence
+    tally: Tally
+    _control: Any
+    _state: Any
+    _arrays: Any
+    _span: float
+    _vain: int
+
+    def _why_small(self) -> str:
+        """Why steps became too small."""
+        raise NotImplementedError
+
+    def _look(self, status: int, taken: int) -> None:
+        """What comes of a call of the loop."""
+        self._vain = 0 if taken else self._vain + 1
+        state = self._state
+        if status == loop.REPIVOT:
+            self._arrays = None
+            if self._vain > 1:  # new pivots did not help: a shorter step may
+                self._control.numbers[1] *= 0.25
+            if self._vain > PATIENCE:
+                raise self._explained(state.q0, state.v0)
+        if status == loop.TOO_SMALL and not taken:
+            sentence = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
+            raise self._explained(state.q0, state.v0, Trouble("step too small", sentence))
+
+    def _motion(self) -> Motion:
+        motion = Motion(self.system, self.independence.kept)
+        motion.b[:] = self.b
+        return motion
+
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        told = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
+
+    def _saved(self) -> dict[str, Array]:
+        """What is needed to go on, but for the matrices."""
+        found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
+        found |= {"numbers": self._control.numbers, "counts": self._control.counts, "b": self.b}
+        found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}
+        return found | {"null": self.independence.state()}
+
+    def _take_over(self, state: Mapping[str, Array]) -> None:
+        """Take over such a state."""
+        self.independence.resume(state["null"])
+        for name, array in zip(self._state._fields, self._state, strict=True):
+            array[:] = state[f"state_{name}"]
+        self._control.numbers[:], self._control.counts[:] = state["numbers"], state["counts"]
+        self.b[:], self.tally, self._arrays = state["b"], Tally.of(state["tally"]), None
+        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])

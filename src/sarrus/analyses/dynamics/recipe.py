@@ -14,6 +14,7 @@ from ...model import Model
 from ...results import Assembly, Trajectory, load_run
 from ...results.saved import Store, recipe_of
 from ...system import System
+from .crossing import Crossing
 from .march import March, Plan
 from .report import reporter
 from .stepper import Settings
@@ -36,6 +37,8 @@ class Recipe:
     def march(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> March:
         """The run, at its start."""
         stepper = self.method.stepper(system, self.start, self.settings)
+        if not self.settings.keep_steps:
+            stepper = Crossing(stepper, system, self.settings)
         return March(system, stepper, replace(self.plan, store=store, progress=progress))
 
     def store(self, path: str | os.PathLike[str], system: System) -> Store:

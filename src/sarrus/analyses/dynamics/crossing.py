@@ -4,8 +4,8 @@ At such a position the matrix of the accelerations is singular, and the mechanis
 it the steps of methods that solve or evaluate the equations there become ever shorter, although the motion is smooth.
 So one step is taken from a state before the position to a time as far behind it, as an Adams method takes it:
 accelerations are one polynomial in time through those of earlier states and of the state behind, which is found by
-iteration. Nothing is evaluated close to the position. The error is what the projection onto the constraints changes, and
-what one state less in the polynomial does: another way than the smooth one is not taken.
+iteration. Nothing is evaluated close to the position. The error is what the projection onto the constraints changes,
+and what one state less in the polynomial does: another way than the smooth one is not taken.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...system import System
+from ..factored import SingularSystem
 from ..independence import Independence
 from ..motion import Motion
 from ..projection import Projection
 from ..rank import rank_of
-from ..saddle import SingularSystem
 from .nodes import Nodes
 from .stepper import Settings, Stepper, Tally, Trouble
 
@@ -186,20 +186,17 @@ class Crossing:
         project = Projection(self._system, motion.b, kept)
         known = [motion.acceleration(t, *project(t, q, v))[0] for t, q, v in zip(times, qs, vs, strict=True)]
         begin = Begin(float(times[-1]), qs[-1], vs[-1])
-        way = Way(begin, times, np.array(known))
-        for iteration in range(ROUNDS):
+        way, moved, iterations = Way(begin, times, np.array(known)), np.inf, 0
+        while moved >= SETTLED and iterations < ROUNDS:
             q, v, _ = way.at(end)
-            there = project(end, q, v)
-            a, lam = motion.acceleration(end, *there)
-            before, way = way, Way(begin, np.append(times, end), np.array([*known, a]))
-            moved = self._size(way.at(end), before.at(end))
-            if moved < SETTLED:
-                break
+            a, lam = motion.acceleration(end, *project(end, q, v))
+            way, before = Way(begin, np.append(times, end), np.array([*known, a])), way
+            moved, iterations = self._size(way.at(end), before.at(end)), iterations + 1
         poorer = Way(begin, np.append(times[1:], end), np.array([*known[1:], a]))
         q, v, _ = way.at(end)
         there = project(end, q, v)
         error = max(moved, self._size((q, v), there), self._size((q, v), poorer.at(end)))
-        return Landing(self._nodes(way, end, there, a, lam), error, iteration + 1)
+        return Landing(self._nodes(way, end, there, a, lam), error, iterations)
 
     def _nodes(self, way: Way, end: float, there: tuple[Array, Array], a: Array, lam: Array) -> Nodes:
         """From where the method has come on; multipliers on the way, which may be without bounds, are not guessed."""

@@ -93,7 +93,7 @@ class Numbers:
         found = self.system.group(*group)
         found.run(b, *(operands[name] for name in found.operands), *self.of(group))
         if "Phi_q" in group:
-            leave_out(self.views["Phi_q"], self.row_of, self.left_out)
+            compiled_solver()["leave_out"](self.views["Phi_q"], self.row_of, self.left_out)
 
 
 class PlacedMatrix:

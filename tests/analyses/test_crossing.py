@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from examples.four_bars import four_bars
 from scipy.integrate import solve_ivp
+from tests.analyses import linkages
 from tests.examples.problems import system
 
 import sarrus as sr
@@ -79,3 +80,24 @@ def test_ida() -> None:
     flat = system("four_bars")
     run = sr.simulate(flat, until=1.5, t_eval=TIMES, rtol=1e-8, atol=1e-8, method=sr.IDA())
     assert error(2, run) < 1e-4
+
+
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(step=0.5)])
+def test_states_that_are_wanted_at_such_a_position(method: object) -> None:
+    """A parallelogram without forces, flat at t = 5 s: its constraints tell nothing of the way, nor of multipliers."""
+    flat = linkages.chain(
+        "flat", linkages.parallelogram_points(0.05), np.tile(linkages.Z, (4, 1)), np.zeros(3)
+    )
+    q, v = flat.q0, np.zeros(flat.nq)
+    for place, share, turn in ((0, 0.5, -0.005), (7, 1.0, 0.0), (14, 0.5, -0.005)):
+        v[place : place + 2] = share * 0.01 * np.array([np.sin(0.05), -np.cos(0.05)])
+        v[place + 6] = turn
+    run = sr.simulate(flat, sr.assemble(flat, q, v), until=20.0, rtol=1e-6, atol=1e-6, method=method)
+    assert run.success, run.message
+    assert run.t[250] == 5.0
+    assert np.allclose(run.q[250, [0, 1, 7, 8]], (0.5, 0, 2.0, 0), atol=1e-6)
+    assert np.allclose(run.v[250, [0, 1, 7, 8]], (0, -0.005, 0, -0.01), atol=1e-6)
+    assert np.ptp(run.kinetic_energy) < 1e-4 * run.kinetic_energy[0]
+    assert np.all(np.isfinite(run.lam[:249]))
+    if isinstance(method, sr.Radau):  # HHT comes there a little later
+        assert np.all(np.isnan(run.lam[250]))

@@ -22,6 +22,9 @@ refactor: Any = None  # of `placed`
 backsolve: Any = None
 leave_out: Any = None
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
+DONE, CHANGED, UNDONE = 0, 1, 2
+ROUND = 1e-11  # of the largest coordinate, or of 1: defects below it may be round-off
+MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
 REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
 
@@ -128,41 +131,66 @@ def velocity_defect(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any) -> 
 
 
 def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
-    """Take the least change that removes the defect from x. Returns the largest defect, and whether it was left so.
+    """Take the least change that removes the defect from x. Returns the largest defect, and what was done.
 
-    It is left if it is small, or not half of what it was `before`.
+    Nothing is DONE if the defect is small, or not half of what it was `before`. If it is no round-off either, the
+    change before has not helped and is UNDONE.
     """
-    n, every, worst = len(x), 0.0, 0.0
+    n, every, worst, length = len(x), 0.0, 0.0, 1.0
+    for k in range(len(work.rate)):
+        kept = work.rate[k] * (1.0 - matrix.left_out[k])
+        every, worst = max(every, abs(work.rate[k])), max(worst, abs(kept))
+    for k in range(n):
+        length = max(length, abs(x[k]))
+    if worst < PROJECTED or (not worst < 0.5 * before and worst < ROUND * length):
+        return every, DONE
+    if not worst < 0.5 * before:
+        for k in range(n):
+            x[k] += work.solution[k]
+        return every, UNDONE
     for k in range(n):
         work.right[k] = 0.0
     for k in range(len(work.rate)):
         work.right[n + k] = work.rate[k] * (1.0 - matrix.left_out[k])
-        every, worst = max(every, abs(work.rate[k])), max(worst, abs(work.right[n + k]))
-    if worst < PROJECTED or not worst < 0.5 * before:
-        return every, True
     backsolve(matrix.placed, work.right, work.solution)
     for k in range(n):
         x[k] -= work.solution[k]
-    return every, False
+    return every, CHANGED
+
+
+def sensible(v: Any, defect: Any, work: Any) -> Any:
+    """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
+    moved, length = 0.0, 0.0
+    for k in range(len(v)):
+        moved, length = max(moved, abs(work.solution[k])), max(length, abs(v[k] + work.solution[k]))
+    return moved < MAGNIFIED * defect or moved < SLIGHT * length
 
 
 def project(
     entries: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, work: Any, matrix: Any, defect: Any
-) -> None:
-    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left."""
+) -> Any:
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left.
+
+    Returns false where constraints are so nearly dependent that they tell less of the state than it was known before.
+    """
     before = 1e30
     for _ in range(PROJECTIONS):
         position_defect(entries, b, t, q, lam, work)
         before, done = correct(q, before, work, matrix)
-        if done:
+        if done == UNDONE:
+            return False
+        if done == DONE:
             break
     defect[0], before = before, 1e30
     for _ in range(PROJECTIONS):
         velocity_defect(entries, b, t, q, v, work)
         before, done = correct(v, before, work, matrix)
-        if done:
+        if done == UNDONE or (done == CHANGED and not sensible(v, before, work)):
+            return False
+        if done == DONE:
             break
     defect[1] = before
+    return True
 
 
 def solve_motion(
@@ -228,7 +256,8 @@ def settle(
     trust = factor(entries, b, t, q, matrix)
     if not trust > TRUSTED:
         return trust
-    project(entries, b, t, q, v, lam, work, matrix, violation)
+    if not project(entries, b, t, q, v, lam, work, matrix, violation):
+        return 0.0
     solve_motion(entries, b, t, q, v, a, lam, work, matrix)
     energies(entries, b, t, q, v, work, energy)
     return trust

@@ -39,7 +39,9 @@ def _compiled() -> tuple[Any, Any]:
     calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
     calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
     made = calls | compiled_solver()
-    order = "interpolate factor position_defect velocity_defect correct project solve_motion energies"
+    order = (
+        "interpolate factor position_defect velocity_defect correct sensible project solve_motion energies"
+    )
     for name in order.split():
         made[name] = compiled_function(getattr(loop, name), **made)
     settle = compiled_function(loop.settle, **made)
@@ -125,9 +127,12 @@ class Sampler:
         """A state where the equations of motion cannot be solved: as interpolated."""
         t = float(out.t[n])
         self.unsettled.append(t)
-        out.q[n], out.v[n] = nodes.near(t) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
-        for array in (out.a, out.lam, out.violation, out.energy):
-            array[n] = np.nan
+        q, v = out.q[n], out.v[n] = nodes.near(t) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        out.a[n], out.lam[n] = np.nan, np.nan
+        system, b = self.system, self.b
+        rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
+        out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
+        out.energy[n] = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
 
     def singular_at(self, t: float) -> bool:
         """Whether the state at a time could not be settled."""

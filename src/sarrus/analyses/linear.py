@@ -15,8 +15,10 @@ from scipy.sparse.linalg import splu
 from .._jit import sparse_lu
 from .._jit.driver import compiled_function
 from ..algebra import Array
+from . import pivot_order
 
 LEAST = (0.2, 0.05, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
+SMALL = 400  # unknowns, up to which pivots are chosen while the matrix is held dense
 SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
 PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
 TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
@@ -30,7 +32,8 @@ class SingularMatrix(ArithmeticError):
 def compiled() -> dict[str, Any]:
     """The compiled functions of `sparse_lu`."""
     names = ("symbolic", "refactor", "solve", "solve_transposed")
-    return {name: compiled_function(getattr(sparse_lu, name)) for name in names}
+    made = {name: compiled_function(getattr(sparse_lu, name)) for name in names}
+    return {**made, "order": compiled_function(pivot_order.order)}
 
 
 class SparseLU:
@@ -77,9 +80,17 @@ class SparseLU:
         return made
 
     def _order(self, data: Array) -> tuple[Array, Array]:
-        """Row places and column order of the sparsest of some factorizations."""
+        """Row places and column order: of small matrices by Markowitz's rule, else of the sparsest of some."""
+        if self.n <= SMALL:
+            return self._by_markowitz(data)
         found = list(self._candidates(data))
         places, columns, _ = min(found, key=lambda candidate: candidate[2])
+        return places, columns
+
+    def _by_markowitz(self, data: Array) -> tuple[Array, Array]:
+        places, columns = np.empty(self.n, np.int64), np.empty(self.n, np.int64)
+        if not compiled()["order"](self._indptr, self._indices, data, places, columns):
+            raise SingularMatrix("the matrix is singular to working precision")
         return places, columns
 
     def _candidates(self, data: Array) -> Iterator[tuple[Array, Array, int]]:

@@ -106,9 +106,11 @@ def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
     if m > DENSE_UP_TO:
         return _null_by_iteration(unit, tolerance)
     used = np.unique(unit.indices)
-    left, values, _ = np.linalg.svd(unit[:, used].toarray(), full_matrices=True)
+    dense = unit[:, used].toarray()
+    values = np.linalg.svd(dense, compute_uv=False)
     values = np.concatenate([values, np.zeros(m - len(values))])
     zero = values <= tolerance * values.max(initial=0.0)
+    left = np.linalg.svd(dense)[0] if np.any(zero) else np.zeros((m, m))  # vectors cost the most
     return left[:, zero], float(values[~zero].min(initial=np.inf))
 
 

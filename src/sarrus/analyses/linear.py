@@ -33,7 +33,9 @@ def compiled() -> dict[str, Any]:
     """The compiled functions of `sparse_lu`."""
     names = ("symbolic", "refactor", "solve", "solve_transposed")
     made = {name: compiled_function(getattr(sparse_lu, name)) for name in names}
-    return {**made, "order": compiled_function(pivot_order.order)}
+    parts = ("fill", "fewest", "pivot_of", "eliminate")
+    steps = {name.upper(): compiled_function(getattr(pivot_order, name)) for name in parts}
+    return {**made, "order": compiled_function(pivot_order.order, **steps)}
 
 
 class SparseLU:

@@ -1,80 +1,116 @@
-"""In which order are rows and columns of a small sparse matrix eliminated: few new entries, pivots that are large enough.
+"""In which order are rows and columns of a small sparse matrix eliminated: few new entries, large enough pivots.
 
 Markowitz (1957) with Zlatev's limited search (1980): of the columns with the fewest entries some are looked at; of
 their entries that are not small in their column, that one is the pivot whose row and column have the fewest others.
-The matrix is held dense while this goes on. A plain function, to be compiled by `compiled_function`.
+The matrix is held dense while this goes on, a column in one line. Plain functions, for `compiled_function`.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+FILL: Any = None  # the functions below, put in place when `order` is compiled
+FEWEST: Any = None
+PIVOT_OF: Any = None
+ELIMINATE: Any = None
 LOOKED_AT = 4  # columns at each step
 LARGE = 0.01  # of the largest in its column: an entry that may be a pivot
+
+
+class Work(NamedTuple):
+    """The matrix on its way, [column, row]: numbers, and where there are entries, zero or not; how many of them."""
+
+    a: Any
+    full: Any
+    in_row: Any
+    in_column: Any
+    left: Any  # columns: those that are done, then the others
+    looked: Any  # places in `left`
+    rows: Any
+    columns: Any
+
+
+def fill(indptr: Any, indices: Any, data: Any, work: Any) -> None:
+    """Spread the matrix."""
+    for j in range(len(indptr) - 1):
+        for place in range(indptr[j], indptr[j + 1]):
+            i = indices[place]
+            work.a[j, i], work.full[j, i] = data[place], True
+            work.in_row[i] += 1
+            work.in_column[j] += 1
+
+
+def fewest(k: Any, work: Any) -> Any:
+    """Put the columns with the fewest entries into `looked`, the k-th step; returns how many."""
+    found, left, looked, count = 0, work.left, work.looked, work.in_column
+    for slot in range(k, len(left)):
+        at = min(found, LOOKED_AT - 1)
+        if found < LOOKED_AT or count[left[slot]] < count[left[looked[at]]]:
+            while at > 0 and count[left[slot]] < count[left[looked[at - 1]]]:
+                looked[at] = looked[at - 1]
+                at -= 1
+            looked[at] = slot
+            found = min(found + 1, LOOKED_AT)
+    return found
+
+
+def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
+    """Row of the pivot, -1 if there is none, and its column's place in `left`."""
+    n, best, size, row, taken = len(row_place), np.inf, 0.0, -1, -1
+    for c in range(found):
+        j, largest = work.left[work.looked[c]], 0.0
+        for i in range(n):
+            if work.full[j, i] and row_place[i] < 0:
+                largest = max(largest, abs(work.a[j, i]))
+        for i in range(n):
+            here = abs(work.a[j, i])
+            if work.full[j, i] and row_place[i] < 0 and largest > 0.0 and here >= LARGE * largest:
+                cost = float((work.in_row[i] - 1) * (work.in_column[j] - 1))
+                if cost < best or (cost == best and here > size * largest):
+                    best, size, row, taken = cost, here / largest, i, work.looked[c]
+    return row, taken
+
+
+def eliminate(k: Any, row: Any, column: Any, work: Any, row_place: Any) -> None:
+    """The k-th step, with the pivot in this row and column."""
+    a, full, below, beside = work.a, work.full, 0, 0
+    for i in range(len(row_place)):
+        if full[column, i] and row_place[i] < 0:
+            work.rows[below] = i
+            below += 1
+            work.in_row[i] -= 1
+    for slot in range(k + 1, len(row_place)):
+        if full[work.left[slot], row]:
+            work.columns[beside] = work.left[slot]
+            beside += 1
+            work.in_column[work.left[slot]] -= 1
+    for other in work.columns[:beside]:
+        factor = a[other, row] / a[column, row]
+        for i in work.rows[:below]:
+            a[other, i] -= a[column, i] * factor
+            if not full[other, i]:
+                full[other, i] = True
+                work.in_row[i] += 1
+                work.in_column[other] += 1
 
 
 def order(indptr: Any, indices: Any, data: Any, row_place: Any, column_order: Any) -> Any:
     """Write the place of each row and the column at each place; false if the matrix is singular."""
     n = len(row_place)
-    a, full = np.zeros((n, n), data.dtype), np.zeros((n, n), np.bool_)  # [column, row]
-    in_row, in_column = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    counts, places = np.zeros((2, n), np.int64), np.zeros((2, n), np.int64)
+    looked = np.zeros(LOOKED_AT, np.int64)
+    a, full = np.zeros((n, n), data.dtype), np.zeros((n, n), np.bool_)
+    work = Work(a, full, counts[0], counts[1], np.arange(n), looked, places[0], places[1])
+    FILL(indptr, indices, data, work)
     row_place[:] = -1
-    for j in range(n):
-        for place in range(indptr[j], indptr[j + 1]):
-            i = indices[place]
-            a[j, i], full[j, i] = data[place], True
-            in_row[i] += 1
-            in_column[j] += 1
-    left, looked = np.arange(n), np.zeros(LOOKED_AT, np.int64)
-    rows, columns = np.zeros(n, np.int64), np.zeros(n, np.int64)
     for k in range(n):
-        found = 0
-        for slot in range(k, n):  # the columns with the fewest entries, by insertion
-            at = found if found < LOOKED_AT else LOOKED_AT - 1
-            if found < LOOKED_AT or in_column[left[slot]] < in_column[left[looked[at]]]:
-                while at > 0 and in_column[left[slot]] < in_column[left[looked[at - 1]]]:
-                    looked[at] = looked[at - 1]
-                    at -= 1
-                looked[at] = slot
-                found = min(found + 1, LOOKED_AT)
-        best, size, pivot, taken = np.int64(n * n + 1), 0.0, -1, -1
-        for c in range(found):
-            j, largest = left[looked[c]], 0.0
-            for i in range(n):
-                if full[j, i] and row_place[i] < 0:
-                    largest = max(largest, abs(a[j, i]))
-            for i in range(n):
-                if full[j, i] and row_place[i] < 0 and abs(a[j, i]) >= LARGE * largest and largest > 0.0:
-                    cost = (in_row[i] - 1) * (in_column[j] - 1)
-                    if cost < best or (cost == best and abs(a[j, i]) > size * largest):
-                        best, size, pivot, taken = cost, abs(a[j, i]) / largest, i, looked[c]
-        if pivot < 0:
+        row, taken = PIVOT_OF(FEWEST(k, work), work, row_place)
+        if row < 0:
             return False
-        j = left[taken]
-        left[taken], left[k] = left[k], j
-        row_place[pivot], column_order[k] = k, j
-        below = 0
-        for i in range(n):
-            if full[j, i] and row_place[i] < 0:
-                rows[below] = i
-                below += 1
-                in_row[i] -= 1
-        beside = 0
-        for slot in range(k + 1, n):
-            if full[left[slot], pivot]:
-                columns[beside] = left[slot]
-                beside += 1
-                in_column[left[slot]] -= 1
-        for c in range(beside):
-            other = columns[c]
-            factor = a[other, pivot] / a[j, pivot]
-            for r in range(below):
-                i = rows[r]
-                a[other, i] -= a[j, i] * factor
-                if not full[other, i]:
-                    full[other, i] = True
-                    in_row[i] += 1
-                    in_column[other] += 1
+        column = work.left[taken]
+        work.left[taken], work.left[k] = work.left[k], column
+        row_place[row], column_order[k] = k, column
+        ELIMINATE(k, row, column, work, row_place)
     return True

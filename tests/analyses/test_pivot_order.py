@@ -1,0 +1,56 @@
+"""Are the pivots of small matrices large enough, and their factors sparse?"""
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array, random_array
+
+from sarrus.analyses.linear import PIVOT_THRESHOLD, SingularMatrix, SparseLU
+
+
+def lu_of(matrix: csc_array) -> SparseLU:
+    matrix.sort_indices()
+    return SparseLU(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64), matrix.data)
+
+
+def mixed(n: int, kind: type) -> csc_array:
+    """Sparse, not symmetric, with zeros on the diagonal and rows of very different size."""
+    draw = np.random.default_rng(n)
+    rings = csc_array((np.ones(n), (np.arange(n), (np.arange(n) + 1) % n)), shape=(n, n))
+    matrix = (random_array((n, n), density=3 / n, rng=draw) + rings).tocsc()
+    sizes = 10.0 ** draw.uniform(-3, 3, n)
+    return csc_array(matrix.multiply(sizes[:, None]), dtype=kind) * kind(1 + 1j if kind is complex else 1)
+
+
+@pytest.mark.parametrize("n", [3, 40, 200])
+@pytest.mark.parametrize("kind", [float, complex])
+def test_it_solves(n: int, kind: type) -> None:
+    matrix = mixed(n, kind)
+    x = np.random.default_rng(1).normal(size=n).astype(kind)
+    found = lu_of(matrix)
+    np.testing.assert_allclose(found.solve(matrix @ x), x, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(found.solve_transposed(matrix.T @ x), x, rtol=1e-8, atol=1e-8)
+
+
+def test_pivots_are_not_small_in_their_columns() -> None:
+    found = lu_of(mixed(150, float))
+    lower = np.array(
+        [
+            abs(found.factors[d + 1 : e]).max(initial=0)
+            for d, e in zip(found.diagonal, found.pointers[1:], strict=True)
+        ]
+    )
+    assert lower.max() <= 1 / PIVOT_THRESHOLD * (1 + 1e-12)
+
+
+def test_an_arrow_does_not_fill() -> None:
+    """Its first row and column are full: eliminated first, they would fill the whole matrix."""
+    n = 60
+    dense = np.diag(np.full(n, 2.0))
+    dense[0], dense[:, 0] = 1.0, 1.0
+    assert len(lu_of(csc_array(dense)).rows) == 3 * n - 2
+
+
+def test_a_column_that_the_others_imply_is_refused() -> None:
+    dense = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 9.0], [0.0, 1.0, 1.0]])
+    with pytest.raises(SingularMatrix, match="singular"):
+        lu_of(csc_array(dense))

@@ -14,7 +14,7 @@ from .reading import load_run
 from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import Solution, State
-from .steps import Steps
+from .steps import RadauSteps, Steps, StepsTaken
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
 from .workspace_range import CriticalValue, WorkspaceRange
@@ -37,6 +37,7 @@ __all__ = [
     "Mobility",
     "Modes",
     "Optimum",
+    "RadauSteps",
     "Reaction",
     "Repetition",
     "ShapeDerivative",
@@ -47,6 +48,7 @@ __all__ = [
     "State",
     "StateDerivatives",
     "Steps",
+    "StepsTaken",
     "Trajectory",
     "Verification",
     "Workspace",

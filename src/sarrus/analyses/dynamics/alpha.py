@@ -11,21 +11,20 @@ import numpy as np
 
 from ..._jit.driver import compiled_function
 from ...algebra import Array
-from ...results import Assembly, Trajectory
+from ...results import Assembly, Steps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
 from . import alpha_loop as loop
 from .implicit import GROUPS, Implicit, calls, entries
 from .keeping import Keeping
-from .march import CHUNK, March, Plan
+from .march import CHUNK
 from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
-from .outcome import nothing
 from .placed import compiled_solver
+from .prescribed import Prescribed
 from .started import independence_at
-from .stepper import Settings, Tally, Trouble
-from .tolerance import Tolerances
+from .stepper import Settings, Tally
 
 ROOM = 1_000_000  # numbers of the record of one chunk of steps, at most
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
@@ -38,7 +37,7 @@ REASONS = {
 }
 
 
-class _Alpha:
+class _Alpha(Prescribed):
     """What HHT and generalized-α share: everything but the coefficients."""
 
     step: float | None
@@ -66,30 +65,6 @@ class _Alpha:
         from .stabilized import StabilizedStepper
 
         return StabilizedStepper(system, scheme, start, settings)
-
-    def run(
-        self,
-        system: System,
-        start: Assembly,
-        t_eval: Array,
-        *,
-        rtol: float,
-        atol: float,
-        keep_steps: bool = False,
-        given: Array | None = None,
-        b: Array | None = None,
-    ) -> Trajectory:
-        """Integrate over the times `t_eval` without events, as it is differentiated.
-
-        `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
-        """
-        settings = Settings(Tolerances.of(system, rtol, atol), keep_steps=keep_steps, given=given, b=b)
-        none = np.zeros(0)
-        try:
-            stepper = self.stepper(system, start, settings)
-        except Trouble as trouble:
-            return nothing(system, trouble.status, trouble.sentence)
-        return March(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
 
 
 @dataclass(frozen=True)
@@ -133,6 +108,13 @@ class GeneralizedAlpha(_Alpha):
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 
 
+def _record(system: System, room: int) -> loop.Record:
+    """Room for the steps of one call of the loop."""
+    nq, m, places = system.nq, system.m, len(system.memory_places)
+    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (room, places), (room, 3), (0,)]
+    return loop.Record._make(np.zeros(shape) for shape in shapes)
+
+
 def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
     """Second-order accurate coefficients (Chung and Hulbert 1993), and the error h³ ȧ of a step in q."""
     shift = alpha_m - alpha_f
@@ -169,7 +151,7 @@ class AlphaStepper(Implicit):
         nq, m = system.nq, system.m
         self._control = loop.Control(np.zeros(9), np.zeros(5, dtype=np.int64))
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        self.keeping = Keeping(system, self._chunk, settings)
+        self.keeping = Keeping(system, _record(system, self._chunk), Steps, settings)
         self._tolerance = settings.tolerances.for_loop()
         self._arrays: Any = None
         self._vain = 0
@@ -202,7 +184,7 @@ class AlphaStepper(Implicit):
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0
         numbers[1] = numbers[4] = given[0] if len(given) else self._first_step()
-        self.keeping.begin(t, self._state, self.matrix.numbers.left_out)
+        self.keeping.begin(self.matrix.numbers.left_out, t=t, q=q, v=v, a=a, x=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -298,10 +280,7 @@ class AlphaStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        if self.keeping.wanted:
-            raise ValueError(
-                "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
-            )
+        self.keeping.refuse_saving()
         ready = self._arrays is not None
         return self._saved() | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
@@ -314,10 +293,7 @@ class AlphaStepper(Implicit):
             self.matrix.resume(**found)
             self._show_matrix()
 
-    def steps(self) -> Any:
+    def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
-        tolerances = self.settings.tolerances
-        told = {"scheme": self.scheme, "start": self.begin, "b": self._numbers}
-        return self.keeping.steps(
-            rtol=float(tolerances.rtol_q.max()), atol=float(tolerances.atol_q.max()), **told
-        )
+        told = self.settings.tolerances.greatest()
+        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **told)

@@ -46,7 +46,7 @@ class IDA:
             If scikit-sundae is not installed.
         """
         if settings.keep_steps:
-            raise ValueError("IDA() keeps no steps; choose HHT() or GeneralizedAlpha()")
+            raise ValueError("IDA() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
         return IDAStepper(system, start, settings)
 
 

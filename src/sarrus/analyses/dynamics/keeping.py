@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import StepsTaken
 from ...system import System
-from . import alpha_loop as loop
 from .stepper import HISTORY, Settings
 
-FIELDS = ("t", "h", "removed", "q", "v", "a", "x", "lam")
 NODE = ("t", "q", "v", "a", "lam", "memory")
 
 
@@ -22,32 +21,34 @@ class Keeping:
     Parameters
     ----------
     system : System
-    room : steps for one call
+    record : of the method's loop, with room for the steps of one call; `given` is put in place here
+    kind : of the steps that are kept; what the record has of its fields is collected
     settings : whether steps are kept, and lengths of the steps where they are prescribed
     """
 
-    def __init__(self, system: System, room: int, settings: Settings) -> None:
-        nq, m, places = system.nq, system.m, system.memory_places
-        shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (room, len(places)), (room, 3)]
-        given = np.zeros(0) if settings.given is None else np.ascontiguousarray(settings.given, dtype=float)
-        self._record = loop.Record._make([*(np.zeros(shape) for shape in shapes), given])
-        self._given, self._places, self.wanted = given, places, settings.keep_steps
+    def __init__(self, system: System, record: Any, kind: type[StepsTaken], settings: Settings) -> None:
+        self._given = (
+            np.zeros(0) if settings.given is None else np.ascontiguousarray(settings.given, dtype=float)
+        )
+        self._record, self._kind, self._places = record, kind, system.memory_places
+        own = {field.name for field in fields(kind)} - {"memory"}
+        self._names = [name for name in record._fields if name in own]
+        self.wanted = settings.keep_steps
         self._chunks: list[list[Array]] = []
         self._left_out: list[Array] = []
         self._memory: list[Array] = []
         self.count = 0
 
-    def begin(self, t: float, state: loop.State, left_out: Array) -> None:
-        """The state before the first step."""
-        self._first = {"t": np.array(t), "left_out": left_out.copy()}
-        self._first |= {n: getattr(state, f"{n}0").copy() for n in ("q", "v", "a", "x", "lam")}
-        self._out = left_out
+    def begin(self, left_out: Array, **first: Any) -> None:
+        """The state before the first step; `left_out` is looked at later too."""
+        self._first = {name: np.array(value, dtype=float) for name, value in first.items()}
+        self._first_out, self._out = left_out > 0, left_out
 
     def given(self) -> Array:
         """The lengths that are still to be taken."""
         return self._given[self.count :]
 
-    def record(self) -> loop.Record:
+    def record(self) -> Any:
         """What the loop writes into, and the lengths that are still to be taken."""
         return self._record._replace(given=self.given())
 
@@ -63,23 +64,36 @@ class Keeping:
         self.count += taken
         record = self._record
         if self.wanted and taken:
-            self._chunks.append([getattr(record, name)[:taken].copy() for name in FIELDS])
+            self._chunks.append([getattr(record, name)[:taken].copy() for name in self._names])
             self._left_out.append(np.tile(self._out > 0, (taken, 1)))
             self._memory.append(np.concatenate([memory[None], record.memory[: taken - 1]]))
         return [getattr(record, name)[:taken] for name in NODE]
 
-    def steps(self, **told: Any) -> Steps | None:
+    def refuse_saving(self) -> None:
+        """A run whose steps are kept is not saved.
+
+        Raises
+        ------
+        ValueError
+            If steps are kept.
+        """
+        if self.wanted:
+            raise ValueError(
+                "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
+            )
+
+    def steps(self, **told: Any) -> StepsTaken | None:
         """All steps, with the state of the start before them."""
         if not self.wanted:
             return None
-        empty = [getattr(self._record, name)[:0] for name in FIELDS]
+        empty = [getattr(self._record, name)[:0] for name in self._names]
         columns = (np.concatenate(x) for x in zip(empty, *self._chunks, strict=True))
-        whole = dict(zip(FIELDS, columns, strict=True))
-        for name in ("t", "q", "v", "a", "x", "lam"):
-            whole[name] = np.concatenate([self._first[name][None], whole[name]])
-        left_out = np.concatenate([self._first["left_out"][None] > 0, *self._left_out])
+        whole = dict(zip(self._names, columns, strict=True))
+        for name, value in self._first.items():
+            whole[name] = np.concatenate([value[None], whole[name]])
+        left_out = np.concatenate([self._first_out[None], *self._left_out])
         if not np.any(left_out):
             left_out = left_out[:0]
         memory = np.concatenate([np.zeros((0, len(self._places))), *self._memory])
         told |= {**whole, "left_out": left_out, "places": self._places, "memory": memory}
-        return Steps(**told)
+        return self._kind(**told)

@@ -13,13 +13,14 @@ import numpy as np
 
 from ...results import Assembly
 from ...system import System
+from .prescribed import Prescribed
 from .radau_loop import Scheme
 from .radau_run import RadauStepper
 from .stepper import Settings
 
 
 @dataclass(frozen=True)
-class Radau:
+class Radau(Prescribed):
     """The implicit Runge-Kutta method of order 5 by Radau, stiffly accurate and L-stable, with variable steps.
 
     All stages are solved together by Newton's method; one real and one complex matrix are factored for them.
@@ -27,8 +28,6 @@ class Radau:
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> RadauStepper:
         """The method at work, see `Stepper`."""
-        if settings.keep_steps:
-            raise ValueError("Radau() keeps no steps; choose HHT() or GeneralizedAlpha()")
         return RadauStepper(system, SCHEME, start, settings)
 
 

@@ -145,6 +145,8 @@ class Record(NamedTuple):
     q, v, a, lam : the state at its end, with the accelerations of the equations of motion
     memory : what elements remember there
     told : error (1 is the tolerance), Newton iterations, and how many steps were rejected before it
+    stage_q, stage_v, stage_lam, stage_mu : the stages, if there is room for them
+    given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
 
     t: Any
@@ -155,6 +157,11 @@ class Record(NamedTuple):
     lam: Any
     memory: Any
     told: Any
+    stage_q: Any
+    stage_v: Any
+    stage_lam: Any
+    stage_mu: Any
+    given: Any
 
 
 def stages(scheme: Any, h: Any, state: Any) -> None:
@@ -403,6 +410,9 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: A
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
     record.q[row], record.v[row], record.a[row] = state.q[2], state.v[2], end
+    if len(record.stage_q) > 0:
+        record.stage_q[row], record.stage_v[row] = state.q, state.v
+        record.stage_lam[row], record.stage_mu[row] = state.lam, state.mu
 
 
 def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
@@ -429,17 +439,18 @@ def advance(
     matrices: Any,
     control: Any,
     record: Any,
+    kept: Any,
     tol: Any,
     enough: Any,
 ) -> Any:
     """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
     numbers, counts = control.numbers, control.counts
-    taken, rejected = 0, False
-    while numbers[0] < until and taken < limit:
-        t0, h = numbers[0], min(numbers[1], h_max)
-        if t0 + 1.0001 * h >= until:
+    taken, rejected, free = 0, False, len(record.given) == 0
+    while numbers[0] < until and taken < limit and (free or taken < len(record.given)):
+        t0, h = numbers[0], min(numbers[1], h_max) if free else record.given[taken]
+        if free and t0 + 1.0001 * h >= until:
             h = until - t0
-        elif t0 + 1.9 * h > until:  # two equal steps to the end
+        elif free and t0 + 1.9 * h > until:  # two equal steps to the end
             h = 0.5 * (until - t0)
         if numbers[1] <= 1e-14 * max(abs(t0), until - t0, 1e-3):
             return TOO_SMALL, taken
@@ -454,11 +465,12 @@ def advance(
             )
             counts[3] += 1
             if not factor(scheme, h, matrices) > TRUSTED:
-                if numbers[7] > 0.0:
+                if numbers[7] == 0.0:
+                    numbers[1] = h
+                    return REPIVOT, taken
+                if free:
                     numbers[1] = 0.5 * h
                     continue
-                numbers[1] = h
-                return REPIVOT, taken
             numbers[2], numbers[5] = h, 0.0
         iterations, rate = newton(scheme, index, b, t0, h, state, memory, matrices, control, tol, enough)
         if iterations == 0:
@@ -466,6 +478,8 @@ def advance(
             counts[4] += 1
             if numbers[5] == 0.0:
                 numbers[1] = 0.5 * h
+                if not free:
+                    return TOO_SMALL, taken
             numbers[2] = 0.0
             rejected = True
             continue
@@ -474,7 +488,7 @@ def advance(
         error = max(error, 1e-10)
         safety = SAFETY * (1 + 2 * NEWTON_LIMIT) / (iterations + 2 * NEWTON_LIMIT)
         wanted = min(max(safety * error**-0.25, SHRINK), GROW) if error < 1e30 else SHRINK
-        if not error < 1.0:
+        if free and not error < 1.0:
             counts[1] += 1
             counts[4] += 1
             numbers[1] = h * (0.1 if numbers[4] == 0.0 else wanted)
@@ -485,19 +499,22 @@ def advance(
             not motion(index, b, t0 + h, state.q[2], state.v[2], end, record.lam[taken], memory, matrices)
             > needed
         ):
-            if numbers[7] > 0.0:
+            if numbers[7] == 0.0:
+                numbers[1], numbers[2] = h, 0.0
+                return REPIVOT, taken
+            if free:
                 numbers[1] = 0.5 * h
                 continue
-            numbers[1], numbers[2] = h, 0.0
-            return REPIVOT, taken
-        smooth(h, state, end, tol)
+        if not kept:
+            smooth(h, state, end, tol)
         if numbers[4] > 0.0:  # Gustafsson's prediction
             trend = SAFETY * (h / numbers[4]) * (numbers[3] / (error * error)) ** 0.25
             wanted = min(max(min(wanted, trend), SHRINK), GROW)
         if rejected:
             wanted = min(wanted, 1.0)
         rejected = False
-        numbers[0] = until if h == until - t0 else t0 + h
+        ended = h == until - t0 if free else taken + 1 == len(record.given)
+        numbers[0] = until if ended else t0 + h
         keep(record, taken, numbers[0], h, state, end, control)
         record.told[taken, 0], record.told[taken, 1] = error, iterations
         remember(index, b, places, numbers[0], state.q[2], record.memory[taken])

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..._jit.driver import compiled_function
 from ...algebra import Array
-from ...results import Assembly
+from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
@@ -18,6 +18,7 @@ from . import radau_loop as loop
 from .alpha import compiled_parts
 from .alpha_loop import Tolerance
 from .implicit import GROUPS, Implicit, calls, entries
+from .keeping import Keeping
 from .newton_matrix import constraint_parts
 from .nodes import Nodes
 from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix, compiled_solver
@@ -28,6 +29,7 @@ from .tolerance import Tolerances
 
 CHUNK = 200  # steps for one call of the compiled loop
 DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
+EXACT = 1e-4  # of what Newton's method may leave, where steps are kept for derivatives
 ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
 
 
@@ -49,21 +51,24 @@ class RadauStepper(Implicit):
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings = system, scheme, settings
         self.tolerance, self.enough = inner_tolerances(settings.tolerances)
-        self.t, self.tally, self._vain = 0.0, Tally(), 0
-        self.b = system.b.copy()
+        if settings.keep_steps:
+            self.enough *= EXACT
+        self.t, self.tally, self._vain, self.begin = 0.0, Tally(), 0, start
+        self.b = (system.b if settings.b is None else settings.b).copy()
+        self._numbers = self.b.copy()
         system.remember(start.q, self.b, 0.0)
         self.independence = independence_at(system, start)
         self._loop = _compiled()
         self._index = loop.Indices(**entries(system, GROUPS))
         self._make_matrices()
-        nq, m, places = system.nq, system.m, len(system.memory_places)
+        nq, m = system.nq, system.m
         widths = [nq] * 3 + [m] * 2 + [nq] * 4 + [m]
         shapes = [(nq,)] * 3 + [(3, width) for width in widths]
         self._state = loop.State._make(np.zeros(shape) for shape in shapes)
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        room = self._chunk
-        rows = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places, 3)]
-        self._record = loop.Record._make(np.zeros(shape) for shape in rows)
+        self.keeping = Keeping(
+            system, _record(system, self._chunk, settings.keep_steps), RadauSteps, settings
+        )
         self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
         self._memory = _memory(nq, m)
         self._arrays: loop.Matrices | None = None
@@ -81,7 +86,9 @@ class RadauStepper(Implicit):
         state.q0[:], state.v0[:], state.a0[:], state.lam_before[:] = q, v, a, lam
         self._last = a.copy(), lam.copy()
         numbers[:] = 0.0
-        numbers[0], numbers[1] = t, self._first_step()
+        given = self.keeping.given()
+        numbers[0], numbers[1] = t, given[0] if len(given) else self._first_step()
+        self.keeping.begin(self.numbers.left_out, t=t, q=q, v=v, a=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -94,14 +101,15 @@ class RadauStepper(Implicit):
         limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
         status, taken = self._loop(
             self.scheme, self._index, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
-            self._memory, self._arrays, control, self._record, self.tolerance, self.enough,
+            self._memory, self._arrays, control, self.keeping.record(), self.settings.keep_steps, self.tolerance,
+            self.enough,
         )  # fmt: skip
-        self.t, record = float(control.numbers[0]), self._record
+        self.t = float(control.numbers[0])
         steps, rejected, residuals, matrices = (int(x) for x in (control.counts - before)[:4])
         self.tally.add(steps, rejected, residuals, matrices, 3 * matrices)
-        self.tally.history.append(np.column_stack([record.t[:taken], record.h[:taken], record.told[:taken]]))
+        self.tally.history.append(self.keeping.history(taken))
         self._look(status, taken)
-        taken_nodes = (getattr(record, name)[:taken] for name in Nodes._fields)
+        taken_nodes = self.keeping.collect(taken, memory)
         nodes = Nodes._make(np.concatenate(x) for x in zip(first, taken_nodes, strict=True))
         self._last = nodes.a[-1], nodes.lam[-1]
         return nodes
@@ -114,6 +122,7 @@ class RadauStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
+        self.keeping.refuse_saving()
         found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]}
         for kind, matrix in self._matrices().items() if self._arrays is not None else ():
             found |= {f"{kind}_{name}": array for name, array in matrix.state().items()}
@@ -138,8 +147,10 @@ class RadauStepper(Implicit):
         shown = (numbers.values, *numbers.of(MATRICES), numbers.row_of, numbers.left_out)
         self._arrays = loop.Matrices(*shown, *placed)
 
-    def steps(self) -> None:
-        """No steps are kept."""
+    def steps(self) -> StepsTaken | None:
+        """What was kept for derivatives, or None."""
+        told = self.settings.tolerances.greatest()
+        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **told)
 
     def _make_matrices(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
@@ -201,6 +212,14 @@ def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
     enough = float(max(1e-14 / inner, min(0.03, inner**0.5)))
     atol = given.atol_q * inner_q / given.rtol_q, given.atol_v * inner_v / given.rtol_v
     return Tolerance(inner_q, atol[0], inner_v, atol[1], 1.0), enough
+
+
+def _record(system: System, room: int, stages: bool) -> loop.Record:
+    """Room for the steps of one call of the loop, with their stages where they are wanted."""
+    nq, m, places, kept = system.nq, system.m, len(system.memory_places), room if stages else 0
+    shapes: list[tuple[int, ...]] = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places, 3)]
+    shapes += [(kept, 3, width) for width in (nq, nq, m, m)] + [(0,)]
+    return loop.Record._make(np.zeros(shape) for shape in shapes)
 
 
 def _memory(nq: int, m: int) -> loop.Memory:

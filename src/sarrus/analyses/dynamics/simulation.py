@@ -66,8 +66,8 @@ def simulate(
     breakpoints : times at which forces or motions jump or have corners, besides those of the model's tables [s]; they
         are hit exactly, and the method starts anew there
     dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
-    keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT` and
-        `GeneralizedAlpha`)
+    keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
+        `GeneralizedAlpha` and `Radau`)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow, and `resume` goes on with it; `load_run` opens it
     progress : true for a bar on the terminal, or a function that is called with the time reached

@@ -50,6 +50,10 @@ class Tolerances:
         """The tolerance of each coordinate at a position."""
         return np.asarray(self.atol_q + self.rtol_q * abs(q))
 
+    def greatest(self) -> dict[str, float]:
+        """The greatest of each kind, of coordinates."""
+        return {"rtol": float(self.rtol_q.max()), "atol": float(self.atol_q.max())}
+
     def for_loop(self) -> Tolerance:
         """For the compiled loop."""
         return Tolerance(self.rtol_q, self.atol_q, self.rtol_v, self.atol_v, float(self.speed))

@@ -16,7 +16,8 @@ from ...results import Gradient, Trajectory
 from ...system import System
 from ..assembly import assemble
 from ..dynamics import HHT, GeneralizedAlpha, simulate
-from ..sensitivity.chain import Chain, Nodes
+from ..sensitivity.chain import Nodes
+from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.derivatives import inner, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
@@ -289,7 +290,7 @@ class Point:
             steps, parameters = self.run.steps, self._parameters()
             assert steps is not None
             evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
-            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
+            self._curvatures[place] = Curvature(curved_chain(self.system, steps), evaluation, parameters)
         return np.asarray(self._curvatures[place].times(direction))
 
     def signals(self) -> tuple[list[Array], list[Array]]:
@@ -300,7 +301,7 @@ class Point:
         named = dict(zip(parameters.names, every, strict=True))
         return list(evaluation.signals), evaluation.signals_along(self._chain().along(b, q, v), b, c, named)
 
-    def _chain(self) -> Chain:
+    def _chain(self) -> AnyChain:
         steps = self.run.steps
         assert steps is not None
-        return Chain(self.system, steps)
+        return chain_of(self.system, steps)

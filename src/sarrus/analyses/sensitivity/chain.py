@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import Steps, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
 from .start import Start
@@ -26,7 +26,7 @@ class Nodes:
     lam: Array
 
     @classmethod
-    def zeros(cls, steps: Steps, k: int) -> Nodes:
+    def zeros(cls, steps: StepsTaken, k: int) -> Nodes:
         """Room for k columns."""
         count, nq, m = len(steps) + 1, steps.q.shape[1], steps.lam.shape[1]
         return cls(*(np.zeros((count, width, k)) for width in (nq, nq, nq, m)))

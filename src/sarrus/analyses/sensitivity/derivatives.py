@@ -9,8 +9,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...results import Gradient, Hessian, StateDerivatives, Steps, Trajectory
-from .chain import Chain, Nodes
+from ...results import Gradient, Hessian, StateDerivatives, StepsTaken, Trajectory
+from .chain import Nodes
+from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
 from .parameters import Design, Parameters
@@ -58,7 +59,7 @@ def sensitivity(
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     wanted = as_responses(responses)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
-    chain = Chain(run.system, steps)
+    chain = chain_of(run.system, steps)
     found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters)
     titles = tuple(response.title for response in wanted)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
@@ -77,7 +78,7 @@ def state_derivatives(
     """
     steps = kept(run)
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
-    found = Chain(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
+    found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
     return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
 
 
@@ -133,17 +134,17 @@ def _curvature(
     steps = kept(run)
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     evaluation = Evaluation(run.system, steps, as_responses(response), parameters)
-    return Curvature(Chain(run.system, steps), evaluation, parameters), parameters
+    return Curvature(curved_chain(run.system, steps), evaluation, parameters), parameters
 
 
-def _adjoint(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Array:
+def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c)
     return np.asarray(through.T + _named(explicit, parameters))
 
 
-def _direct(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Array:
+def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     b, q, v, c = parameters.along(np.eye(len(parameters.names)))
     total = inner(nodes, chain.along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
@@ -161,7 +162,7 @@ def _named(explicit: Explicit, parameters: Parameters) -> Array:
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
 
 
-def kept(run: Trajectory) -> Steps:
+def kept(run: Trajectory) -> StepsTaken:
     """The steps of a run.
 
     Raises
@@ -171,8 +172,8 @@ def kept(run: Trajectory) -> Steps:
     """
     if run.steps is None or not len(run.steps):
         raise ValueError(
-            f"{run.name}: derivatives need the steps of the run; call simulate(..., keep_steps=True) with HHT() or "
-            "GeneralizedAlpha()"
+            f"{run.name}: derivatives need the steps of the run; call simulate(..., keep_steps=True) with HHT(), "
+            "GeneralizedAlpha() or Radau()"
         )
     return run.steps
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import StepsTaken
 from ...system import System
 from .chain import Nodes
 from .outputs import Outputs
@@ -38,7 +38,7 @@ class Evaluation:
     """
 
     def __init__(
-        self, system: System, steps: Steps, responses: Sequence[Response], parameters: Parameters
+        self, system: System, steps: StepsTaken, responses: Sequence[Response], parameters: Parameters
     ) -> None:
         self._system, self._steps, self._responses = system, steps, responses
         self._samplings = [Sampling(steps, response.times(steps.t)) for response in responses]

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import StepsTaken
 from .chain import Nodes
 from .outputs import States
 
@@ -36,7 +36,7 @@ class Sampling:
         For times outside the run.
     """
 
-    def __init__(self, steps: Steps, times: Array | None = None) -> None:
+    def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
         self._steps = steps
         self._times = times
         if (

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import StepsTaken
 from ...system import System
 from ..saddle import Saddle
 
@@ -23,7 +23,7 @@ class Start:
     steps : whose first node it is
     """
 
-    def __init__(self, system: System, steps: Steps) -> None:
+    def __init__(self, system: System, steps: StepsTaken) -> None:
         self._nq, self._m = system.nq, system.m
         q, v, a, lam, t = steps.q[0], steps.v[0], steps.a[0], steps.lam[0], float(steps.t[0])
         b = steps.b.copy()

@@ -1,0 +1,210 @@
+"""A run of Radau IIA differentiated step by step: forward with columns of derivatives, or backward with gradients."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..._jit.driver import compiled_function
+from ..._jit.pointer import run
+from ...algebra import Array
+from ...results import RadauSteps
+from ...system import System
+from ..dynamics.newton_matrix import constraint_parts
+from ..dynamics.placed import (
+    LEFT_OUT,
+    UNIT,
+    Numbers,
+    Part,
+    PlacedMatrix,
+    compiled_solver,
+    entries_of,
+    leave_out,
+)
+from . import radau_sweep_loop as loop
+from . import sweep_loop
+
+GROUPS: dict[
+    str, tuple[tuple[str, ...], int, int]
+] = {  # operators; scalars and arrays that their driver takes
+    "jacobian": (("Phi_q", "Phi_qT_lam_q"), 1, 4),
+    "inertia": (("M", "M_a_q", "S_q", "S_v"), 0, 7),
+    "stiffness": (("Q_q", "Q_v"), 1, 4),
+    "gamma_v": (("gamma_v",), 1, 3),
+    "gamma_q_v": (("gamma_q", "gamma_v"), 1, 4),
+    "Phi_q_xi_q": (("Phi_q_xi_q",), 1, 3),
+    "Phi_b": (("Phi_b",), 1, 2),
+    "Phi_qT_lam_b": (("Phi_qT_lam_b",), 1, 3),
+    "Phi_q_xi_b": (("Phi_q_xi_b",), 1, 3),
+    "Phi_t_b": (("Phi_t_b",), 1, 2),
+    "M_a_b": (("M_a_b",), 0, 3),
+    "S_b": (("S_b",), 0, 3),
+    "Q_b": (("Q_b",), 1, 3),
+    "gamma_b": (("gamma_b",), 1, 3),
+}
+BY_NUMBERS = ("Phi_b", "Phi_qT_lam_b", "Phi_q_xi_b", "Phi_t_b", "M_a_b", "S_b", "Q_b", "gamma_b")
+OPERATOR = {
+    "Phi_qT_mu_q": "Phi_qT_lam_q",
+    "Phi_q_a_q": "Phi_q_xi_q",
+}  # what else an operator's numbers are called
+SHARED = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed")
+FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "move", "stage_by_b", "forward_step",
+             "backward_step", "factor_node", "quiet", "node_by_b", "forward_node", "backward_node", "forward",
+             "backward")  # fmt: skip
+
+
+@cache
+def _compiled() -> dict[str, Any]:
+    """The loops: the same code for every system; drivers are called by their address."""
+    known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
+    known |= compiled_solver()
+    known |= {name: compiled_function(getattr(sweep_loop, name)) for name in SHARED}
+    for name in FUNCTIONS:
+        function = getattr(loop, name)
+        used = {part: value for part, value in known.items() if part in function.__code__.co_names}
+        known[name] = compiled_function(function, **used)
+    return known
+
+
+class RadauSweep:
+    """The derivatives of the steps of one run.
+
+    Parameters
+    ----------
+    system : System
+    steps : kept by `simulate`
+    columns : how many derivatives or responses are swept at once
+    b_dot : (len(system.b), k) changes of the numbers, for `forward`
+    """
+
+    def __init__(self, system: System, steps: RadauSteps, columns: int, b_dot: Array | None = None) -> None:
+        self.system, self.steps = system, steps
+        self.b, self._columns = steps.b.copy(), columns
+        self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
+        self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
+        self._record = _record(steps)
+        nq, m = system.nq, system.m
+        stages = [f"{name}@{i}" for i in range(3) for name in loop.Stage._fields]
+        self._step_numbers = Numbers(system, (*stages, UNIT, LEFT_OUT), {n: _operator(n) for n in stages})
+        own = {name: _operator(name) for name in loop.Node._fields}
+        self._node_numbers = Numbers(system, (*own, UNIT, LEFT_OUT), own)
+        self._step = PlacedMatrix(self._step_numbers, 6 * (nq + m), step_parts(nq, m))
+        self._node = PlacedMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
+        self._tables = self._make_tables(b_dot)
+
+    def forward(self, bars: loop.Bars, given: loop.Given) -> None:
+        """From the start to the end; the derivatives at all nodes are written."""
+        self._go("forward", 0, loop.NODE, bars, given)
+
+    def backward(self, bars: loop.Bars, given: loop.Given) -> None:
+        """From the end, whose gradients and those of all other nodes are given, to the start."""
+        self._go("backward", len(self.steps), loop.NODE, bars, given)
+
+    def _go(self, name: str, n: int, stage: int, bars: loop.Bars, given: loop.Given) -> None:
+        while 0 <= n <= len(self.steps):
+            self._choose_pivots(name, n, stage)
+            n, stage = (int(x) for x in self._run(name, n, stage, bars, given))
+
+    def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
+        scheme = self.steps.scheme
+        return _compiled()[name](scheme, self._entries, self.b, self._record, n, stage, self._tables, *arrays)
+
+    def _choose_pivots(self, name: str, n: int, stage: int) -> None:
+        """Pivot orders for the matrices that are factored next."""
+        step = min(n if name == "forward" else max(n - 1, 0), len(self.steps) - 1)
+        tables, scheme = self._tables, self.steps.scheme
+        loop.remember(self._record, step, tables, self.b)
+        h, record = float(self.steps.h[step]), self._record
+        for i in range(3):
+            t = float(self.steps.t[step] + scheme.c[i] * h)
+            stages = {k: getattr(record, f"stage_{k}")[step, i] for k in ("q", "v", "a", "lam", "mu")}
+            self._evaluate(tables.stages[i], {"t": t, **stages})
+        at = {k: np.ascontiguousarray(getattr(self.steps, k)[n]) for k in ("q", "v", "a", "lam")}
+        self._evaluate(tables.at_node, {"t": float(self.steps.t[n]), **at})
+        loop.step_weights(scheme, h, self._step.weights)
+        self._tables = tables._replace(step=self._step.choose_pivots(), node=self._node.choose_pivots())
+
+    def _evaluate(self, views: Any, operands: dict[str, Any]) -> None:
+        for kind in ("jacobian", "inertia", "stiffness", "gamma_v"):
+            group = self._groups[kind]
+            out = (getattr(views, name) for name in group.names)
+            group.run(self.b, *(operands[k] for k in group.operands), *out)
+        if hasattr(views, "Phi_qT_mu_q"):
+            group, again = self._groups["jacobian"], self._tables.Phi_q_again
+            operands = operands | {"lam": operands["mu"]}
+            group.run(self.b, *(operands[k] for k in group.operands), again, views.Phi_qT_mu_q)
+        leave_out(views.Phi_q, self._tables.places.Phi_q[0], self._tables.left_out)
+
+    def _make_tables(self, b_dot: Array | None) -> loop.Tables:
+        nq, m, k, system = self.system.nq, self.system.m, self._columns, self.system
+        step, node = self._step_numbers, self._node_numbers
+        stages = tuple(
+            loop.Stage._make(step.views[f"{name}@{i}"] for name in loop.Stage._fields) for i in range(3)
+        )
+        places = loop.Places._make(
+            np.array(entries_of(system, _operator(name))) for name in loop.Places._fields
+        )
+        numbers, by_b = _numbers(system, b_dot)
+        room = [np.zeros((6 * (nq + m), k)) for _ in range(3)] + [np.zeros((nq + m, k)) for _ in range(3)]
+        views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q)]
+        at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
+        return loop.Tables(
+            None, step.values, None, node.values, stages, at_node, places, numbers, by_b, *views, *room
+        )
+
+
+def step_parts(nq: int, m: int) -> list[Part]:
+    """The matrix of all stages, its parts in the order of `radau_sweep_loop.step_weights`."""
+    found, size = [], 2 * (nq + m)
+    for i in range(3):
+        at = i * size
+        v, lam, mu, second, third, fourth = (
+            at + nq,
+            at + 2 * nq,
+            at + 2 * nq + m,
+            at + nq,
+            at + 2 * nq,
+            at + 2 * nq + m,
+        )
+        for j in range(3):
+            found += [Part(UNIT, at, j * size), Part(f"M@{i}", second, j * size + nq)]
+        found += [
+            Part(UNIT, at, v),
+            Part(f"Phi_qT_mu_q@{i}", at, at),
+            Part(f"Phi_q@{i}", at, mu, transposed=True),
+        ]
+        found += [Part(f"{name}@{i}", second, at) for name in ("M_a_q", "Phi_qT_lam_q", "S_q", "Q_q")]
+        found += [Part(f"{name}@{i}", second, v) for name in ("S_v", "Q_v")]
+        found += [Part(f"Phi_q@{i}", second, lam, transposed=True), Part(f"Phi_q@{i}", third, at)]
+        found += [Part(f"gamma_v@{i}", fourth, at), Part(f"Phi_q@{i}", fourth, v)]
+        found += [Part(LEFT_OUT, third, lam), Part(LEFT_OUT, fourth, mu)]
+    return found
+
+
+def _operator(name: str) -> str:
+    base = name.partition("@")[0]
+    return OPERATOR.get(base, base)
+
+
+def _numbers(system: System, b_dot: Array | None) -> tuple[loop.Numbers, loop.ByNumbers]:
+    """The operators by b; `b_dot`: those numbers only that change."""
+    patterns = [system.pattern(name) for name in BY_NUMBERS]
+    rows = [np.repeat(np.arange(p.shape[0]), np.diff(p.indptr)).astype(np.int64) for p in patterns]
+    columns = np.concatenate([p.indices.astype(np.int64) for p in patterns])
+    ends = np.cumsum([0, *(len(x) for x in rows)])
+    cuts = np.column_stack([ends[:-1], ends[1:]])
+    used = np.ones(len(system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
+    chosen, values = np.flatnonzero(used[columns]), np.zeros(len(columns))
+    numbers = loop.Numbers(values, np.concatenate(rows), columns, np.searchsorted(chosen, cuts), chosen)
+    return numbers, loop.ByNumbers._make(values[start:end] for start, end in cuts)
+
+
+def _record(steps: RadauSteps) -> loop.Record:
+    """The steps as contiguous arrays of floats, with the accelerations of the stages."""
+    moved = steps.stage_v - steps.v[:-1, None]
+    stage_a = np.einsum("ij,njk->nik", steps.scheme.inverse, moved) / steps.h[:, None, None]
+    fields = {name: getattr(steps, name) for name in loop.Record._fields if name != "stage_a"}
+    fields |= {"stage_a": stage_a, "left_out": steps.left_out.astype(float)}
+    return loop.Record(**{name: np.ascontiguousarray(value) for name, value in fields.items()})

@@ -1,0 +1,490 @@
+"""Derivatives of the steps of Radau IIA, forward and backward, as functions that are compiled.
+
+With what `radau_loop` says of a step, its unknowns are q, v, λ, μ at the three stages; with σᵢ = Σⱼ (A⁻¹)ᵢⱼ, they solve
+
+    F₁ = (Σⱼ (A⁻¹)ᵢⱼ qⱼ - σᵢ q₀) / h - vᵢ + Φ_qᵀμᵢ,    F₃ = Φ,
+    F₂ = M aᵢ + Φ_qᵀλᵢ - Q - S,                         F₄ = Φ_q vᵢ + Φ_t,    aᵢ = (Σⱼ (A⁻¹)ᵢⱼ vⱼ - σᵢ v₀) / h,
+
+and the state at the end is q₃, v₃. The matrix J of all stages is exact, each stage with its own derivatives; rows are
+multiplied by h, h², 1, h and columns by 1, 1/h, 1/h², 1/h, so that its condition does not depend on h. A change of
+b, q₀, v₀ changes the unknowns by J x = -F_b b' + [σᵢ q₀' / h; σᵢ M v₀' / h; 0; 0]; the adjoint solves with Jᵀ.
+
+Accelerations and multipliers of a node are those of the equations of motion there,
+
+    M a + Φ_qᵀλ = Q + S,    Φ_q a = γ.
+
+Columns (of the numbers, or of responses) are handled together: all vectors are arrays (n, columns).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+JACOBIAN: Any = None  # drivers and solvers, put in place when this is compiled
+INERTIA: Any = None
+STIFFNESS: Any = None
+GAMMA_V: Any = None
+GAMMA_Q_V: Any = None
+PHI_Q_XI_Q: Any = None
+PHI_B: Any = None
+PHI_QT_LAM_B: Any = None
+PHI_Q_XI_B: Any = None
+PHI_T_B: Any = None
+M_A_B: Any = None
+S_B: Any = None
+Q_B: Any = None
+GAMMA_B: Any = None
+refactor: Any = None
+leave_out: Any = None
+solve_columns: Any = None
+solve_columns_transposed: Any = None
+times: Any = None
+times_transposed: Any = None
+by_numbers: Any = None
+TRUSTED = 1e-6  # pivot over column, below which the order of the pivots is chosen anew
+STEP, NODE = 0, 1  # what is done next
+
+
+class Record(NamedTuple):
+    """The steps as they were taken, with their stages; see `sarrus.results.RadauSteps`."""
+
+    t: Any
+    h: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    stage_q: Any
+    stage_v: Any
+    stage_a: Any
+    stage_lam: Any
+    stage_mu: Any
+    left_out: Any
+    places: Any
+    memory: Any
+
+
+class Stage(NamedTuple):
+    """The operators' numbers at one stage, parts of the values of the step's matrix."""
+
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    Phi_qT_mu_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    gamma_v: Any
+
+
+class Node(NamedTuple):
+    """The operators' numbers at a node, parts of the values of the matrix of the accelerations."""
+
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    gamma_q: Any
+    gamma_v: Any
+    Phi_q_a_q: Any
+
+
+class Places(NamedTuple):
+    """Rows and columns of the operators' numbers, each (2, entries), in the order of `Node`."""
+
+    Phi_q: Any
+    Phi_qT_lam_q: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    gamma_q: Any
+    gamma_v: Any
+    Phi_q_a_q: Any
+
+
+class Numbers(NamedTuple):
+    """The operators by b: which entry each number is, and which are an operator's; see `sweep_loop.by_numbers`."""
+
+    b_values: Any
+    b_rows: Any
+    b_columns: Any
+    b_segments: Any
+    chosen: Any
+
+
+class ByNumbers(NamedTuple):
+    """The parts of `Numbers.b_values`."""
+
+    Phi_b: Any
+    Phi_qT_lam_b: Any
+    Phi_q_xi_b: Any
+    Phi_t_b: Any
+    M_a_b: Any
+    S_b: Any
+    Q_b: Any
+    gamma_b: Any
+
+
+class Entries(NamedTuple):
+    """The drivers of the operators, by address, and their entries."""
+
+    jacobian: Any
+    inertia: Any
+    stiffness: Any
+    gamma_v: Any
+    gamma_q_v: Any
+    Phi_q_xi_q: Any
+    Phi_b: Any
+    Phi_qT_lam_b: Any
+    Phi_q_xi_b: Any
+    Phi_t_b: Any
+    M_a_b: Any
+    S_b: Any
+    Q_b: Any
+    gamma_b: Any
+
+
+class Tables(NamedTuple):
+    """All that does not change from step to step: matrices, operators' numbers, and room to work.
+
+    step, node : the placed matrices, and the values from which they are assembled
+    left_out, node_left_out : 1 for equations that others imply, parts of both values
+    """
+
+    step: Any
+    step_values: Any
+    node: Any
+    node_values: Any
+    stages: Any
+    at_node: Any
+    places: Any
+    numbers: Any
+    by_b: Any
+    left_out: Any
+    node_left_out: Any
+    Phi_q_again: Any
+    right: Any
+    solution: Any
+    arranged: Any
+    node_right: Any
+    node_solution: Any
+    node_arranged: Any
+
+
+class Bars(NamedTuple):
+    """Derivatives with respect to the state (backward), or of it (forward), and to the numbers b; all with columns."""
+
+    q: Any
+    v: Any
+    b: Any
+
+
+class Given(NamedTuple):
+    """Per node what the sweep takes or gives: gradients of responses (backward), or room for derivatives (forward)."""
+
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+
+
+def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
+    """What elements remembered during step n, and which equations were left out."""
+    for k in range(len(record.places)):
+        b[record.places[k]] = record.memory[n, k]
+    if len(record.left_out) > 0:
+        for k in range(len(tables.left_out)):
+            tables.left_out[k] = record.left_out[n + 1, k]
+            tables.node_left_out[k] = record.left_out[n + 1, k]
+
+
+def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+    """Evaluate and factor the matrix of all stages of step n; how far the pivots can be trusted."""
+    h, places = record.h[n], tables.places
+    for i in range(3):
+        t, stage = record.t[n] + scheme.c[i] * h, tables.stages[i]
+        q, v, a = record.stage_q[n, i], record.stage_v[n, i], record.stage_a[n, i]
+        again = tables.Phi_q_again
+        JACOBIAN(entries.jacobian, b, t, q, record.stage_mu[n, i], again, stage.Phi_qT_mu_q)
+        JACOBIAN(entries.jacobian, b, t, q, record.stage_lam[n, i], stage.Phi_q, stage.Phi_qT_lam_q)
+        INERTIA(entries.inertia, b, q, v, a, stage.M, stage.M_a_q, stage.S_q, stage.S_v)
+        STIFFNESS(entries.stiffness, b, t, q, v, stage.Q_q, stage.Q_v)
+        GAMMA_V(entries.gamma_v, b, t, q, v, stage.gamma_v)
+        leave_out(stage.Phi_q, places.Phi_q[0], tables.left_out)
+        leave_out(stage.gamma_v, places.gamma_v[0], tables.left_out)
+    step_weights(scheme, h, tables.step.weights)
+    return refactor(tables.step_values, tables.step)
+
+
+def step_weights(scheme: Any, h: Any, weights: Any) -> None:
+    """Weights of the parts of the matrix, in the order of `radau_sweep.step_parts`."""
+    at = 0
+    for i in range(3):
+        for j in range(3):
+            weights[at], weights[at + 1] = scheme.inverse[i, j], scheme.inverse[i, j]
+            at += 2
+        weights[at], weights[at + 1], weights[at + 2] = -1.0, h, 1.0
+        weights[at + 3], weights[at + 4] = h * h, h * h
+        weights[at + 5], weights[at + 6] = -h * h, -h * h
+        weights[at + 7], weights[at + 8] = -h, -h
+        weights[at + 9], weights[at + 10], weights[at + 11] = 1.0, 1.0, -0.5 * h
+        weights[at + 12], weights[at + 13], weights[at + 14] = 1.0, 1.0, 1.0
+        at += 15
+
+
+def scale(x: Any, nq: Any, m: Any, on_q: Any, on_v: Any, on_lam: Any, on_mu: Any) -> None:
+    """Multiply the parts of the unknowns, or of the equations, of every stage."""
+    for i in range(3):
+        at = 2 * i * (nq + m)
+        for c in range(x.shape[1]):
+            for k in range(nq):
+                x[at + k, c] *= on_q
+                x[at + nq + k, c] *= on_v
+            for k in range(m):
+                x[at + 2 * nq + k, c] *= on_lam
+                x[at + 2 * nq + m + k, c] *= on_mu
+
+
+def silence(x: Any, nq: Any, m: Any, left_out: Any) -> None:
+    """Nothing stands for the equations that others imply."""
+    for i in range(3):
+        at = 2 * i * (nq + m) + 2 * nq
+        for k in range(m):
+            if left_out[k] > 0.0:
+                for c in range(x.shape[1]):
+                    x[at + k, c] = 0.0
+                    x[at + m + k, c] = 0.0
+
+
+def stage_by_b(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, i: Any, tables: Any, x: Any, out: Any, transposed: Any
+) -> None:  # fmt: skip
+    """Subtract F_b x (forward), or F_bᵀ x (backward), of stage i of step n."""
+    t, q, v = record.t[n] + scheme.c[i] * record.h[n], record.stage_q[n, i], record.stage_v[n, i]
+    nq, m, by_b, numbers = len(q), len(tables.left_out), tables.by_b, tables.numbers
+    PHI_B(entries.Phi_b, b, t, q, by_b.Phi_b)
+    PHI_Q_XI_B(entries.Phi_q_xi_b, b, t, q, v, by_b.Phi_q_xi_b)
+    PHI_T_B(entries.Phi_t_b, b, t, q, by_b.Phi_t_b)
+    M_A_B(entries.M_a_b, b, q, record.stage_a[n, i], by_b.M_a_b)
+    S_B(entries.S_b, b, q, v, by_b.S_b)
+    Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
+    first = 2 * i * (nq + m)
+    second, third, fourth = first + nq, first + 2 * nq, first + 2 * nq + m
+    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, record.stage_mu[n, i], by_b.Phi_qT_lam_b)
+    move(numbers, 1, -1.0, x, out, first, transposed)
+    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, record.stage_lam[n, i], by_b.Phi_qT_lam_b)
+    move(numbers, 1, -1.0, x, out, second, transposed)
+    move(numbers, 4, -1.0, x, out, second, transposed)
+    move(numbers, 5, 1.0, x, out, second, transposed)
+    move(numbers, 6, 1.0, x, out, second, transposed)
+    move(numbers, 0, -1.0, x, out, third, transposed)
+    move(numbers, 2, -1.0, x, out, fourth, transposed)
+    move(numbers, 3, -1.0, x, out, fourth, transposed)
+
+
+def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transposed: Any) -> None:
+    """Add an operator by b, whose rows begin at a place of the equations, to these or, transposed, to the numbers."""
+    if transposed:
+        by_numbers(numbers, n, weight, x, at, out, 0, True)
+    else:
+        by_numbers(numbers, n, weight, x, 0, out, at, False)
+
+
+def forward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any) -> Any:
+    """The change of q and v over step n; false if pivots must be renewed."""
+    if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
+        return False
+    h, nq, m, right, places = record.h[n], len(bars.q), len(tables.left_out), tables.right, tables.places
+    right[:] = 0.0
+    for i in range(3):
+        at = 2 * i * (nq + m)
+        share = (scheme.inverse[i, 0] + scheme.inverse[i, 1] + scheme.inverse[i, 2]) / h
+        for k in range(nq):
+            for c in range(right.shape[1]):
+                right[at + k, c] = share * bars.q[k, c]
+        M = tables.stages[i].M
+        times(M, places.M[0], places.M[1], 0, len(M), share, bars.v, right[at + nq :])
+        stage_by_b(scheme, entries, b, record, n, i, tables, bars.b, right, False)
+    silence(right, nq, m, tables.left_out)
+    scale(right, nq, m, h, h * h, 1.0, h)
+    solve_columns(tables.step, right, tables.solution, tables.arranged)
+    last = 4 * (nq + m)
+    for k in range(nq):
+        for c in range(right.shape[1]):
+            bars.q[k, c] = tables.solution[last + k, c]
+            bars.v[k, c] = tables.solution[last + nq + k, c] / h
+    return True
+
+
+def backward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any) -> Any:
+    """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
+    if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
+        return False
+    h, nq, m, right, w = record.h[n], len(bars.q), len(tables.left_out), tables.right, tables.solution
+    right[:] = 0.0
+    last = 4 * (nq + m)
+    for k in range(nq):
+        for c in range(right.shape[1]):
+            right[last + k, c] = bars.q[k, c]
+            right[last + nq + k, c] = bars.v[k, c] / h
+            bars.q[k, c] = 0.0
+            bars.v[k, c] = 0.0
+    solve_columns_transposed(tables.step, right, w, tables.arranged)
+    scale(w, nq, m, h, h * h, 1.0, h)
+    silence(w, nq, m, tables.left_out)
+    for i in range(3):
+        at = 2 * i * (nq + m)
+        share = (scheme.inverse[i, 0] + scheme.inverse[i, 1] + scheme.inverse[i, 2]) / h
+        for k in range(nq):
+            for c in range(right.shape[1]):
+                bars.q[k, c] += share * w[at + k, c]
+        M, places = tables.stages[i].M, tables.places.M
+        times_transposed(M, places[0], places[1], 0, len(M), share, w[at + nq :], bars.v)
+        stage_by_b(scheme, entries, b, record, n, i, tables, w, bars.b, True)
+    return True
+
+
+def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+    """Evaluate the derivatives of the equations of motion at node n and factor [M, Φ_qᵀ; Φ_q, 0]."""
+    t, q, v, a, lam = record.t[n], record.q[n], record.v[n], record.a[n], record.lam[n]
+    at, by_b = tables.at_node, tables.by_b
+    JACOBIAN(entries.jacobian, b, t, q, lam, at.Phi_q, at.Phi_qT_lam_q)
+    INERTIA(entries.inertia, b, q, v, a, at.M, at.M_a_q, at.S_q, at.S_v)
+    STIFFNESS(entries.stiffness, b, t, q, v, at.Q_q, at.Q_v)
+    GAMMA_Q_V(entries.gamma_q_v, b, t, q, v, at.gamma_q, at.gamma_v)
+    PHI_Q_XI_Q(entries.Phi_q_xi_q, b, t, q, a, at.Phi_q_a_q)
+    leave_out(at.Phi_q, tables.places.Phi_q[0], tables.node_left_out)
+    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, by_b.Phi_qT_lam_b)
+    PHI_Q_XI_B(entries.Phi_q_xi_b, b, t, q, a, by_b.Phi_q_xi_b)
+    M_A_B(entries.M_a_b, b, q, a, by_b.M_a_b)
+    S_B(entries.S_b, b, q, v, by_b.S_b)
+    Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
+    GAMMA_B(entries.gamma_b, b, t, q, v, by_b.gamma_b)
+    return refactor(tables.node_values, tables.node)
+
+
+def quiet(x: Any, nq: Any, left_out: Any) -> None:
+    """As `silence`, at a node."""
+    for k in range(len(left_out)):
+        if left_out[k] > 0.0:
+            for c in range(x.shape[1]):
+                x[nq + k, c] = 0.0
+
+
+def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
+    """Subtract the derivatives of the equations of motion by the numbers times x."""
+    move(numbers, 1, -1.0, x, out, 0, transposed)
+    move(numbers, 4, -1.0, x, out, 0, transposed)
+    move(numbers, 5, 1.0, x, out, 0, transposed)
+    move(numbers, 6, 1.0, x, out, 0, transposed)
+    move(numbers, 2, -1.0, x, out, nq, transposed)
+    move(numbers, 7, 1.0, x, out, nq, transposed)
+
+
+def forward_node(
+    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, row: Any
+) -> Any:
+    """The changes of a and λ at node n, written with those of q and v; false if pivots must be renewed."""
+    if not factor_node(entries, b, record, n, tables) > TRUSTED:
+        return False
+    nq, right, at, p = len(bars.q), tables.node_right, tables.at_node, tables.places
+    right[:] = 0.0
+    below = right[nq:]
+    times(at.M_a_q, p.M_a_q[0], p.M_a_q[1], 0, len(at.M_a_q), -1.0, bars.q, right)
+    times(at.Phi_qT_lam_q, p.Phi_qT_lam_q[0], p.Phi_qT_lam_q[1], 0, len(at.Phi_qT_lam_q), -1.0, bars.q, right)
+    times(at.S_q, p.S_q[0], p.S_q[1], 0, len(at.S_q), 1.0, bars.q, right)
+    times(at.Q_q, p.Q_q[0], p.Q_q[1], 0, len(at.Q_q), 1.0, bars.q, right)
+    times(at.S_v, p.S_v[0], p.S_v[1], 0, len(at.S_v), 1.0, bars.v, right)
+    times(at.Q_v, p.Q_v[0], p.Q_v[1], 0, len(at.Q_v), 1.0, bars.v, right)
+    times(at.Phi_q_a_q, p.Phi_q_a_q[0], p.Phi_q_a_q[1], 0, len(at.Phi_q_a_q), -1.0, bars.q, below)
+    times(at.gamma_q, p.gamma_q[0], p.gamma_q[1], 0, len(at.gamma_q), 1.0, bars.q, below)
+    times(at.gamma_v, p.gamma_v[0], p.gamma_v[1], 0, len(at.gamma_v), 1.0, bars.v, below)
+    node_by_b(tables.numbers, nq, bars.b, right, False)
+    quiet(right, nq, tables.node_left_out)
+    solve_columns(tables.node, right, tables.node_solution, tables.node_arranged)
+    given.q[row], given.v[row] = bars.q, bars.v
+    given.a[row], given.lam[row] = tables.node_solution[:nq], tables.node_solution[nq:]
+    return True
+
+
+def backward_node(
+    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, row: Any
+) -> Any:
+    """Add what responses take from node n, by a and λ too; false if pivots must be renewed."""
+    nq, right, y = len(bars.q), tables.node_right, tables.node_solution
+    right[:nq], right[nq:] = given.a[row], given.lam[row]
+    taken = False
+    for k in range(len(right)):
+        for c in range(right.shape[1]):
+            taken = taken or right[k, c] != 0.0
+    if taken:
+        if not factor_node(entries, b, record, n, tables) > TRUSTED:
+            return False
+        solve_columns_transposed(tables.node, right, y, tables.node_arranged)
+        quiet(y, nq, tables.node_left_out)
+        at, p, z = tables.at_node, tables.places, y[nq:]
+        times_transposed(at.M_a_q, p.M_a_q[0], p.M_a_q[1], 0, len(at.M_a_q), -1.0, y, bars.q)
+        times_transposed(
+            at.Phi_qT_lam_q, p.Phi_qT_lam_q[0], p.Phi_qT_lam_q[1], 0, len(at.Phi_qT_lam_q), -1.0, y, bars.q
+        )
+        times_transposed(at.S_q, p.S_q[0], p.S_q[1], 0, len(at.S_q), 1.0, y, bars.q)
+        times_transposed(at.Q_q, p.Q_q[0], p.Q_q[1], 0, len(at.Q_q), 1.0, y, bars.q)
+        times_transposed(at.S_v, p.S_v[0], p.S_v[1], 0, len(at.S_v), 1.0, y, bars.v)
+        times_transposed(at.Q_v, p.Q_v[0], p.Q_v[1], 0, len(at.Q_v), 1.0, y, bars.v)
+        times_transposed(at.Phi_q_a_q, p.Phi_q_a_q[0], p.Phi_q_a_q[1], 0, len(at.Phi_q_a_q), -1.0, z, bars.q)
+        times_transposed(at.gamma_q, p.gamma_q[0], p.gamma_q[1], 0, len(at.gamma_q), 1.0, z, bars.q)
+        times_transposed(at.gamma_v, p.gamma_v[0], p.gamma_v[1], 0, len(at.gamma_v), 1.0, z, bars.v)
+        node_by_b(tables.numbers, nq, y, bars.b, True)
+    for k in range(nq):
+        for c in range(right.shape[1]):
+            bars.q[k, c] += given.q[row, k, c]
+            bars.v[k, c] += given.v[row, k, c]
+    return True
+
+
+def forward(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any
+) -> Any:
+    """From node n to the last one, derivatives written at all; returns (n, stage) of what needs new pivots."""
+    last = len(record.h)
+    while n <= last:
+        if stage == NODE:
+            remember(record, max(n - 1, 0), tables, b)
+            if not forward_node(entries, b, record, n, tables, bars, given, n):
+                return n, NODE
+            stage = STEP
+        if n == last:
+            return last + 1, NODE
+        remember(record, n, tables, b)
+        if not forward_step(scheme, entries, b, record, n, tables, bars):
+            return n, STEP
+        n, stage = n + 1, NODE
+    return n, stage
+
+
+def backward(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any
+) -> Any:
+    """From node n, whose gradients are given, to the start; returns (n, stage) of what needs new pivots."""
+    while n >= 0:
+        if stage == NODE:
+            remember(record, max(n - 1, 0), tables, b)
+            if not backward_node(entries, b, record, n, tables, bars, given, n):
+                return n, NODE
+            stage = STEP
+        if n == 0:
+            return -1, NODE
+        remember(record, n - 1, tables, b)
+        if not backward_step(scheme, entries, b, record, n - 1, tables, bars):
+            return n, STEP
+        n, stage = n - 1, NODE
+    return n, stage

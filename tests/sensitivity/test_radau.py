@@ -1,0 +1,143 @@
+"""Derivatives of runs with Radau: forward, backward, differences with the same steps, references."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.sensitivity.designs import SUNDIALS, sundials, sundials_crank
+from tests.sensitivity.frozen import differenced
+from tests.sensitivity.test_all_elements import KINDS, changes
+from tests.sensitivity.test_gradients import RESPONSES
+from tests.sensitivity.zoo import zoo
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.chain import Nodes
+from sarrus.analyses.sensitivity.derivatives import inner
+from sarrus.analyses.sensitivity.radau_chain import RadauChain
+from sarrus.model.written import with_numbers
+
+FOLDER = Path(__file__).parent.parent / "reference"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NAMES = [
+    "rod.inertia.yy",
+    "spring.c",
+    "spring.length",
+    "pin.point.y",
+    "crank.angular_velocity.x",
+    "gravity.z",
+]
+
+
+@cache
+def swung() -> sr.Trajectory:
+    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True}
+    return sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings)
+
+
+@cache
+def adjoint() -> sr.Gradient:
+    return sr.sensitivity(swung(), RESPONSES)
+
+
+def test_forward_and_backward_agree_for_every_number_of_the_model() -> None:
+    direct = sr.sensitivity(swung(), RESPONSES, method="direct")
+    scale = abs(direct.matrix).max(axis=1, keepdims=True)
+    assert np.all(scale > 0)
+    assert abs(direct.matrix - adjoint().matrix).max() < 1e-8
+    assert np.all(abs(direct.matrix - adjoint().matrix) < 1e-11 * scale)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
+    wanted = differenced(swung(), RESPONSES, name, 2e-3, sr.Radau())
+    scale = np.maximum(abs(adjoint().matrix).max(axis=1), 1e-3)
+    assert np.all(abs(adjoint()[name] - wanted) < 1e-9 * scale)
+
+
+@cache
+def zoo_run() -> sr.Trajectory:
+    settings = {"rtol": 1e-5, "atol": 1e-6, "keep_steps": True}
+    return sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings)
+
+
+def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
+    run = zoo_run()
+    chain, bars = RadauChain(zoo(), run.steps), Nodes.zeros(run.steps, 3)
+    random = np.random.default_rng(2)
+    for kind in KINDS:
+        getattr(bars, kind)[:] = random.normal(size=getattr(bars, kind).shape)
+    db, dq, dv = changes(zoo(), 4)
+    forward, back = inner(bars, chain.along(db, dq, dv)), chain.gradients(bars)
+    backward = back.b.T @ db + back.q.T @ dq + back.v.T @ dv
+    assert abs(forward - backward).max() < 1e-10 * abs(forward).max()
+
+
+def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> None:
+    system, steps = zoo(), zoo_run().steps
+    db, dq, dv = changes(system, 1)
+    found, start = RadauChain(system, steps).along(db, dq, dv), steps.start
+
+    def moved(e: float) -> object:
+        other = sr.System(with_numbers(system.model, {}))
+        other.b[:] = system.b + e * db[:, 0]
+        begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
+        settings = {"rtol": steps.rtol, "atol": steps.atol, "keep_steps": True, "given": steps.h}
+        return sr.Radau().run(other, begin, np.array([0.0, 0.1]), **settings).steps
+
+    e = 2e-4
+    ends = {d: moved(d) for d in (e, -e, e / 2, -e / 2)}
+    for kind in KINDS:
+        coarse, fine = ((getattr(ends[d], kind) - getattr(ends[-d], kind)) / (2 * d) for d in (e, e / 2))
+        wanted = (4 * fine - coarse) / 3
+        assert abs(getattr(found, kind)[:, :, 0] - wanted).max() < 1e-7 * abs(wanted).max(), kind
+
+
+def test_a_linkage_with_equations_that_others_imply() -> None:
+    system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
+    settings = {"rtol": 1e-6, "atol": 1e-7, "keep_steps": True, "method": sr.Radau()}
+    run = sr.simulate(system, until=0.5, t_eval=[0.5], **settings)
+    assert np.any(run.steps.left_out)
+    responses = [sr.Final("rod_1.x"), sr.Integral("energy.kinetic"), sr.At("rod_1.acceleration.z", time=0.3)]
+    direct, back = (sr.sensitivity(run, responses, method=way) for way in ("direct", "adjoint"))
+    assert np.allclose(direct.matrix, back.matrix, rtol=0, atol=1e-11 * abs(direct.matrix).max())
+    assert np.allclose(
+        back["rod_1.mass"], differenced(run, responses, "rod_1.mass", 1e-3, sr.Radau()), rtol=1e-7
+    )
+
+
+def test_gradients_approach_those_of_continuous_time_at_order_five() -> None:
+    system = slider_crank()
+    names, until = ["spring.k", "crank.mass", "crank.angular_velocity.x"], 0.4
+
+    def at(count: int) -> np.ndarray:
+        lengths = np.full(count, until / count)
+        settings = {"rtol": 1e-9, "atol": 1e-9, "keep_steps": True, "given": lengths}
+        run = sr.Radau().run(system, sr.assemble(system), np.array([0.0, until]), **settings)
+        return sr.sensitivity(run, ["slider.x", "slider.velocity.x"], names).matrix
+
+    exact = at(160)
+    errors = [abs(at(count) - exact).max() for count in (10, 20, 40)]
+    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(abs(slopes - 5) < 0.5), (errors, slopes)
+
+
+def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
+    told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
+    names, responses = list(SUNDIALS), {"x2_T": sr.Final("slider.x"), "w_T": sr.Final("bearing.angle.rate")}
+    wanted = np.array([[told["grad"][name][parameter] for parameter in names] for name in responses])
+    errors = []
+    for rtol in (1e-7, 1e-9, 1e-11):
+        settings = {"rtol": rtol, "atol": rtol, "keep_steps": True, "method": sr.Radau()}
+        run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], **settings)
+        found = sr.sensitivity(run, list(responses.values()), names, design=SUNDIALS, formula=sundials)
+        errors.append(abs(found.matrix - wanted).max() / abs(wanted).max())
+    assert errors[0] > 5 * errors[1] > 25 * errors[2], errors
+    assert errors[2] < 2e-9, errors
+
+
+def test_second_derivatives_are_refused_by_a_sentence() -> None:
+    with pytest.raises(ValueError, match=r"second derivatives need a run with HHT\(\)"):
+        sr.hessian(swung(), sr.Final("slider.x"), ["spring.k"])

@@ -1,6 +1,6 @@
 """An arm from its maker's URDF is let go and falls for one second.
 
-python examples/falling_arm.py [ROBOT.urdf [LOCKED_JOINT ...]]
+python examples/falling_arm.py [FOLDER [ROBOT.urdf [LOCKED_JOINT ...]]]
 """
 
 import sys
@@ -13,7 +13,8 @@ import sarrus as sr
 PANDA = Path(__file__).parent.parent / "tests/io/data/panda.urdf"
 
 
-def main(path: str | Path = PANDA, *locked: str) -> sr.Trajectory:
+def main(folder: str | Path = ".", path: str | Path = PANDA, *locked: str) -> sr.Trajectory:
+    locked = locked or (("panda_finger_joint1",) if path == PANDA else ())
     robot = sr.load_urdf(path, lock=locked, mimic="lock", inertia="given")
     print(f"{robot.name}: {len(robot.links)} links, {len(robot.bodies)} of them bodies that move")
     for note in robot.notes:
@@ -29,8 +30,20 @@ def main(path: str | Path = PANDA, *locked: str) -> sr.Trajectory:
     print(f"{motion.message}; constraints kept to {motion.violation.max():.0e}")
     for body in motion.bodies:
         print(f"  {body:<24} fell by {motion[body].position[0, 2] - motion[body].position[-1, 2]:+.4f} m")
+    draw(robot, motion, Path(folder))
     return motion
 
 
+def draw(robot: sr.Model, motion: sr.Trajectory, folder: Path) -> None:
+    """The arm as it begins, and its joints' angles."""
+    from matplotlib.figure import Figure
+
+    robot.view(folder / "falling_arm.png")
+    figure = Figure(figsize=(7, 3.2), layout="constrained")
+    angles = [name for name in motion.system.joint_coordinates.names if name.endswith(".angle")]
+    motion.plot(*angles, ax=figure.subplots())
+    figure.savefig(folder / "falling_arm-motion.png", dpi=60)
+
+
 if __name__ == "__main__":
-    main(*(sys.argv[1:] or (PANDA, "panda_finger_joint1")))
+    main(*sys.argv[1:])

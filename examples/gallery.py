@@ -1,6 +1,6 @@
-"""The pictures and the numbers of docs/gallery.md: every example drawn, simulated and compared with its reference.
+"""The pictures and the numbers of the gallery: every example drawn, simulated and compared with its reference.
 
-python examples/gallery.py [FOLDER]
+python examples/gallery.py [NAME ...]         # all, or those that are named, into docs/gallery
 """
 
 import runpy
@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from PIL import Image
 
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.euler import A
-from sarrus.views import mechanism_figure
 
 HERE = Path(__file__).parent
+PICTURES = HERE.parent / "docs" / "gallery"
 DPI = 60
+WIDE, COLOURS = 1000, 128  # [pixels] of pictures that are halved; of all
 PRECISE = {"method": sr.ODE("DOP853"), "rtol": 1e-11, "atol": 1e-13}
 
 
@@ -87,6 +89,19 @@ ENTRIES = {
         {"left.x": 0.0493455784275402809, "left.y": 0.496989460230171154, "right.y": 0.373911027265361257},
     ),
 }
+SCRIPTS = (  # each draws into a folder
+    "hmmwv_bump",
+    "hmmwv_ride",
+    "falling_arm",
+    "stewart_platform",
+    "workspaces",
+    "largest_workspace",
+    "four_bar_synthesis",
+    "optimal_spring",
+    "estimate_parameters",
+    "torque_history",
+    "uncertain_spring",
+)
 
 
 def value(run: sr.Trajectory, name: str) -> float:
@@ -109,9 +124,7 @@ def show(name: str, folder: Path) -> None:
     shipped = name in mechanisms.names()
     entry, model = ENTRIES[name], sr.load(mechanisms.path(name) if shipped else HERE / f"{name}.yaml")
     if model.joints:
-        mechanism_figure(model).savefig(
-            folder / f"{name}.png", dpi=DPI - 8 * (name == "hmmwv"), bbox_inches="tight"
-        )
+        model.view(folder / f"{name}.png")
     times = np.linspace(0, entry.until, 501)
     run = sr.simulate(sr.System(model), until=entry.until, t_eval=times, **PRECISE)
     if entry.plotted:
@@ -120,12 +133,27 @@ def show(name: str, folder: Path) -> None:
     print(*(row(key, value(run, key), known) for key, known in entry.known.items()), sep="\n")
 
 
-def main(folder: Path = HERE.parent / "docs" / "gallery") -> None:
+def light(picture: Path) -> None:
+    """Make a picture small enough for a page."""
+    with Image.open(picture) as found:
+        if found.mode == "P":
+            return
+        small = found.convert("RGB")
+    if small.width > WIDE:
+        small = small.resize((small.width // 2, small.height // 2), Image.Resampling.LANCZOS)
+    small.quantize(COLOURS, dither=Image.Dither.NONE).save(picture, optimize=True)
+
+
+def main(*names: str, folder: Path = PICTURES) -> None:
     folder.mkdir(exist_ok=True)
-    for name in ENTRIES:
-        show(name, folder)
-    runpy.run_path(str(HERE / "hmmwv_bump.py"))["main"](folder, dpi=50)
+    for name in names or (*ENTRIES, *SCRIPTS):
+        if name in ENTRIES:
+            show(name, folder)
+        else:
+            runpy.run_path(str(HERE / f"{name}.py"))["main"](folder)
+    for picture in folder.glob("*.png"):
+        light(picture)
 
 
 if __name__ == "__main__":
-    main(*(Path(word) for word in sys.argv[1:]))
+    main(*sys.argv[1:])

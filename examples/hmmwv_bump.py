@@ -149,7 +149,7 @@ def steering_picture(run: sr.Trajectory, path: Path, dpi: int) -> None:
     figure.savefig(path, dpi=dpi)
 
 
-def main(folder: Path, dpi: int = 80) -> None:
+def main(folder: Path, dpi: int = 50) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     picture(settle(), "Dropped from 5 cm above rest", folder / "hmmwv-settle.png", dpi)
     picture(

@@ -1,10 +1,13 @@
 """Where the feet of a planar platform should stand, each in its box, so that it reaches most at a fixed orientation.
 
-    python examples/largest_workspace.py
+    python examples/largest_workspace.py [FOLDER]
 
 The area's exact gradient by the feet's places drives a quasi-Newton method within bounds; every evaluation maps the
 workspace anew.
 """
+
+import sys
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import minimize
@@ -39,10 +42,25 @@ def less_area(feet: np.ndarray) -> tuple[float, np.ndarray]:
     return -found.area, -np.array([by[name] for name in names])
 
 
-def main() -> None:
-    best = minimize(less_area, START, jac=True, method="L-BFGS-B", bounds=BOXES, options={"maxiter": 12})
-    print(f"from {mapped(START).area:.4f} to {-best.fun:.4f} m² in {best.nfev} maps")
+def main(folder: str | Path = ".", iterations: int = 12) -> tuple[float, float]:
+    best = minimize(
+        less_area, START, jac=True, method="L-BFGS-B", bounds=BOXES, options={"maxiter": iterations}
+    )
+    before, after = mapped(START), mapped(best.x)
+    print(f"from {before.area:.4f} to {after.area:.4f} m² in {best.nfev} maps")
+    draw(before, after, Path(folder))
+    return before.area, after.area
+
+
+def draw(before: sr.Workspace, after: sr.Workspace, folder: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
+    for ax, found, told in zip(figure.subplots(1, 2), (before, after), ("at first", "best")):
+        found.plot(ax)
+        ax.set_title(f"{told}: {found.area:.3f} m²", loc="left", fontsize=10)
+    figure.savefig(folder / "largest_workspace.png", dpi=60)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

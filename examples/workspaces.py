@@ -72,10 +72,10 @@ def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.B
 def main(folder: Path) -> None:
     for name, found in {"arm": arm(), "platform": platform()}.items():
         print(found, end="\n\n")
-        found.plot().figure.savefig(folder / f"workspace_{name}.png", dpi=120)
+        found.plot().figure.savefig(folder / f"workspace_{name}.png", dpi=60)
     found, lost = five_bar()
     print(found)
-    lost.plot(found.plot(ghosts=1)).figure.savefig(folder / "workspace_five_bar.png", dpi=120)
+    lost.plot(found.plot(ghosts=1)).figure.savefig(folder / "workspace_five_bar.png", dpi=60)
 
 
 if __name__ == "__main__":

@@ -103,6 +103,12 @@ def test_a_box_welded_twice_stays() -> None:
     assert np.allclose(first, second, atol=1e-10)  # the shortest multipliers share the load
 
 
+def test_an_end_time_may_be_a_whole_number() -> None:
+    run = sr.simulate(slider_crank(), until=1, t_eval=[0, 1], method=sr.ODE("DOP853"))
+    assert run.success
+    assert run.t[-1] == 1.0
+
+
 @pytest.mark.parametrize("until", [0.0, -1.0, np.nan, np.inf])
 def test_a_wrong_end_time_is_refused(until: float) -> None:
     with pytest.raises(ValueError, match="until must be a positive time"):

@@ -80,7 +80,7 @@ class ODEStepper:
         self._renew(self.t, self._solver.y[: self.system.nq])
         rows = [self._node(self.t, *np.split(self._solver.y, 2))]
         try:
-            self._solver.t_bound, self._solver.status = stop, "running"
+            self._solver.t_bound, self._solver.status = float(stop), "running"
             for _ in range(min(limit, PATIENCE) if self.independence.kept is None else 1):
                 rows += self._step()
                 if self.t == stop:

@@ -1,0 +1,52 @@
+"""The scripts of the gallery that ask mechanisms something find what they should, and draw it."""
+
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.examples.problems import FOLDER
+
+
+def of(script: str) -> Any:
+    return runpy.run_path(str(FOLDER / f"{script}.py"))["main"]
+
+
+def test_stewart_platform(tmp_path: Path) -> None:
+    """The platform follows the closed form; at rest in between, the six legs carry what lies above the motors."""
+    run = of("stewart_platform")(tmp_path)
+    assert run.success
+    assert run["platform"].position[:, 2] == pytest.approx(1.2 + 0.15 * np.sin(2 * run.t), abs=1e-12)
+    turn = 2 * np.arctan2(run["platform"].euler[:, 3], run["platform"].euler[:, 0])
+    assert turn == pytest.approx(0.25 * np.sin(run.t), abs=1e-12)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "stewart_platform.png",
+        "stewart_platform-motion.png",
+    }
+
+
+def test_uncertain_spring(tmp_path: Path) -> None:
+    table, linear = of("uncertain_spring")(tmp_path, count=64)
+    assert table.success.all()
+    for name, mean, std in zip(linear.responses, linear.values, linear.std, strict=True):
+        found = table.found[:, table.responses.index(name)]
+        assert mean == pytest.approx(found.mean(), abs=0.1 * std)
+        assert std == pytest.approx(found.std(ddof=1), rel=0.1)
+    assert (tmp_path / "uncertain_spring.png").stat().st_size > 5000
+
+
+def test_workspaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    of("workspaces")(tmp_path)
+    told = capsys.readouterr().out
+    assert "can reach 31.49750" in told
+    assert "can reach 4.16078" in told
+    assert "can reach 11.78898" in told
+    assert len([*tmp_path.glob("workspace_*.png")]) == 3
+
+
+def test_largest_workspace(tmp_path: Path) -> None:
+    before, after = of("largest_workspace")(tmp_path, iterations=1)
+    assert before == pytest.approx(1.1055, abs=1e-4)
+    assert after > 1.5 * before
+    assert (tmp_path / "largest_workspace.png").stat().st_size > 5000

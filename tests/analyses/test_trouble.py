@@ -56,6 +56,21 @@ def test_a_position_where_motions_branch_is_named_by_its_rows(method: object) ->
     assert 0 < len(run.t) < 1001
 
 
+@pytest.mark.parametrize("method", [*METHODS, sr.GeneralizedAlpha(), sr.HHT(stabilized=True)], ids=named)
+def test_a_position_that_is_nearly_singular_is_told_with_its_rows(method: object) -> None:
+    """A four-bar whose rocker is longer than its crank by 1e-4: nearly flat, but never quite."""
+    nearly = linkages.four_bar(1.0, 2.0, 1.0001, 2.0, angle=0.5)
+    run = sr.simulate(nearly, until=1.0, rtol=1e-8, atol=1e-8, method=method)
+    assert run.success, run.message
+    assert len(run.singular) == 1
+    place = int(np.searchsorted(run.t, run.singular[0]))
+    assert abs(run["rod_1"].position[place, 1]) < 0.02
+    assert f"near t = {run.singular[0]:.6g} s constraints are nearly dependent, among hinge_" in run.message
+    far = sr.simulate(linkages.four_bar(1.0, 2.0, 1.4, 2.0, angle=0.5), until=1.0, method=method)
+    assert far.message == "reached the end"
+    assert far.singular == ()
+
+
 def test_a_driver_that_pulls_too_far() -> None:
     """A rope pulls a crank of length 1 to the distance 3, which it can only just reach."""
     crank = sr.Body("crank", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))

@@ -59,6 +59,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         status=told["status"],
         message=told["message"],
         events=tuple(happened_of(state)),
+        singular=tuple(told.get("singular", ())),
         joints=None if system is None else system.joint_coordinates,
         system=system,
         **states,

@@ -62,7 +62,7 @@ class Trajectory:
     joints : the system's angles and travels, which `joint` evaluates
     violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
     kinetic_energy, potential_energy : (nt,) potential of gravity, linear springs and bushings [J]
-    singular : times at which a driven motion passed a singular configuration [s]
+    singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
     steps : all steps, where they were kept
     """

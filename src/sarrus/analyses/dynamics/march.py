@@ -15,6 +15,7 @@ from ...results import Assembly, Happened, Solution, Trajectory, load_run
 from ...results.saved import Store
 from ...system import System
 from .events import Event, Watch, Watches
+from .nearness import Nearness
 from .nodes import Nodes, joined
 from .outcome import trajectory_of
 from .sample_loop import Samples
@@ -68,6 +69,7 @@ class March:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = Sampler(system, stepper.independence, stepper.b)
         self.watches = Watches(system, plan.events)
+        self.nearness = Nearness(system, stepper.independence)
         self._samples: list[Samples] = []
         self._written = 0
         self._dense: list[Nodes] = []
@@ -102,6 +104,7 @@ class March:
         self.stepper.resume(state)
         self.sampler.resume(state)
         self.watches.resume(state)
+        self.nearness.resume(state)
         self._written = int(state["written"])
 
     def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
@@ -116,6 +119,7 @@ class March:
         now = time.perf_counter()
         if force or told is not None or now - self._marked > self._pause:
             state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
+            state |= self.nearness.state()
             state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
             (store.mark if told is None else store.finish)(state)
             self._marked = time.perf_counter()
@@ -124,7 +128,8 @@ class March:
     def _told(self) -> dict[str, Any]:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
-        return {"status": "cut short", "message": message, "t": self.stepper.t, **counts}
+        told = {"status": "cut short", "message": message, "t": self.stepper.t}
+        return told | {"singular": self.nearness.times, **counts}
 
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and what happened during them."""
@@ -178,11 +183,13 @@ class March:
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
         if last > self._written:
             self._samples.append(self.sampler.states(nodes, self.plan.times[self._written : last]))
+            self.nearness.look(self._samples[-1])
             self._written = last
         if self.plan.dense:
             self._dense.append(nodes)
 
     def _result(self, status: str, message: str) -> Trajectory:
+        message += self.nearness.sentence() if status in ("finished", "event") else ""
         if self.plan.store:
             told = {**self._told(), "status": status, "message": message}
             if (
@@ -208,6 +215,7 @@ class March:
             nrejected=tally.nrejected,
             history=tally.steps(),
             events=tuple(self.watches.happened),
+            singular=tuple(self.nearness.times),
             sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
             steps=self.stepper.steps(),
         )

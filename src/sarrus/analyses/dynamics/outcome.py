@@ -32,5 +32,5 @@ def trajectory_of(system: System, samples: Samples, *, status: str, **told: Any)
 def nothing(system: System, status: str, message: str) -> Trajectory:
     """A trajectory without states: it failed at the start."""
     widths = (system.nq, system.nq, system.nq, system.m, 2, 2)
-    samples = Samples(np.zeros(0), *(np.zeros((0, width)) for width in widths))
+    samples = Samples._make([np.zeros(0), *(np.zeros((0, width)) for width in widths), np.zeros(0)])
     return trajectory_of(system, samples, status=status, message=message)

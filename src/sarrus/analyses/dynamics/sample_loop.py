@@ -22,6 +22,7 @@ refactor: Any = None  # of `placed`
 backsolve: Any = None
 leave_out: Any = None
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
+WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
 ROUND = 1e-11  # of the largest coordinate, or of 1: defects below it may be round-off
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
@@ -44,7 +45,7 @@ class Entries(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Operators' outputs and work arrays; defect: largest |Φ| and |Φ_q v + Φ_t| before anything was changed."""
+    """Operators' outputs and work arrays; weak: the combination of equations that is closest to vanishing."""
 
     Phi: Any
     Phi_qT_lam: Any
@@ -58,6 +59,7 @@ class Work(NamedTuple):
     solution: Any
     potential: Any
     memory: Any
+    weak: Any
 
 
 class Matrix(NamedTuple):
@@ -76,6 +78,7 @@ class Samples(NamedTuple):
 
     violation : largest |Φ|, |Φ_q v + Φ_t|
     energy : kinetic, potential
+    growth : see `growth_of`; infinite where the state could not be settled
     """
 
     t: Any
@@ -85,6 +88,7 @@ class Samples(NamedTuple):
     lam: Any
     violation: Any
     energy: Any
+    growth: Any
 
 
 def interpolate(t0: Any, t1: Any, q: Any, v: Any, a: Any, lam: Any, row: Any, out: Any, n: Any) -> None:
@@ -239,6 +243,33 @@ def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: An
     energy[1] = total
 
 
+def growth_of(work: Any, matrix: Any) -> Any:
+    """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.
+
+    An inverse iteration that goes on from state to state: the length comes close to 1 / σ², σ the smallest singular
+    value of Φ_q M^(-½).
+    """
+    n, before, length = len(work.right) - len(work.weak), 0.0, 0.0
+    for k in range(len(work.weak)):
+        before += work.weak[k] ** 2
+    rounds = 1
+    if before == 0.0:
+        rounds, work.weak[:] = WARM, 1.0
+    for _ in range(rounds):
+        for k in range(n):
+            work.right[k] = 0.0
+        for k in range(len(work.weak)):
+            work.right[n + k] = work.weak[k] * (1.0 - matrix.left_out[k])
+        backsolve(matrix.placed, work.right, work.solution)
+        length = 0.0
+        for k in range(len(work.weak)):
+            length += work.solution[n + k] ** 2
+        length = length**0.5
+        for k in range(len(work.weak)):
+            work.weak[k] = work.solution[n + k] / length
+    return length
+
+
 def settle(
     entries: Any,
     b: Any,
@@ -305,5 +336,6 @@ def sample(
             > TRUSTED
         ):
             break
+        out.growth[n] = growth_of(work, matrix)
         n += 1
     return n, row

@@ -42,7 +42,7 @@ def _compiled() -> tuple[Any, Any]:
     order = (
         "interpolate factor position_defect velocity_defect correct sensible project solve_motion energies"
     )
-    for name in order.split():
+    for name in (*order.split(), "growth_of"):
         made[name] = compiled_function(getattr(loop, name), **made)
     settle = compiled_function(loop.settle, **made)
     return compiled_function(loop.sample, settle=settle, **made), settle
@@ -70,18 +70,30 @@ class Sampler:
         entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("potentials",), ("remembered",))]
         self._entries = loop.Entries._make(entries)
         nq, m = system.nq, system.m
-        rows = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, len(system.memory_places))
+        rows = (
+            m,
+            nq,
+            nq,
+            nq,
+            nq,
+            m,
+            m,
+            m,
+            nq + m,
+            nq + m,
+            system.potentials.size,
+            len(system.memory_places),
+            m,
+        )
         self._work = loop.Work(*(np.zeros(length) for length in rows))
         self._sample, self._settle = _compiled()
         self._arrays: Any = None
 
     def room(self, times: Array) -> loop.Samples:
         """Room for states at these times."""
-        nq, m = self.system.nq, self.system.m
-        widths = (nq, nq, nq, m, 2, 2)
-        return loop.Samples(
-            np.array(times, dtype=float), *(np.zeros((len(times), width)) for width in widths)
-        )
+        nq, m, n = self.system.nq, self.system.m, len(times)
+        states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
+        return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n)])
 
     def states(self, nodes: Nodes, times: Array) -> loop.Samples:
         """Consistent states at rising times between the first node and the last."""
@@ -128,7 +140,7 @@ class Sampler:
         t = float(out.t[n])
         self.unsettled.append(t)
         q, v = out.q[n], out.v[n] = nodes.near(t) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
-        out.a[n], out.lam[n] = np.nan, np.nan
+        out.a[n], out.lam[n], out.growth[n] = np.nan, np.nan, np.inf
         system, b = self.system, self.b
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
@@ -167,7 +179,7 @@ class Sampler:
 
     def choices(self) -> dict[str, Array]:
         """The choices made so far, which decide on the last digits; for `resume`."""
-        found = {"sampler_null": self.independence.state()}
+        found = {"sampler_null": self.independence.state(), "sampler_weak": self._work.weak}
         ready = self._arrays is not None
         return found | {f"sampler_{name}": array for name, array in self.matrix.state().items() if ready}
 
@@ -175,6 +187,7 @@ class Sampler:
         """Take over choices made before."""
         self.independence.resume(state["sampler_null"])
         self.matrix.numbers.keep(self.independence.kept)
+        self._work.weak[:] = state["sampler_weak"]
         if "sampler_factors" in state:
             self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
             self._show_matrix()

@@ -49,7 +49,10 @@ def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
 
 
 def dependent_rows(system: System, q: Array, t: float, first: Independence) -> list[str]:
-    """Equations that (nearly) depend on each other at a position, besides those that do at the start."""
+    """Equations that (nearly) depend on each other at a position, besides those that do at the start.
+
+    Those of joints and drivers; normalizations, which take part where a body turns, only if there are no others.
+    """
     if not np.all(np.isfinite(q)):
         return []
     null = rank_of(system.Phi_q(q, t), NEARLY * min(first.smallest, 1.0)).null
@@ -57,7 +60,8 @@ def dependent_rows(system: System, q: Array, t: float, first: Independence) -> l
         return []
     size = abs(null).max(axis=1)
     names = system.row_names
-    return [names[k] for k in np.argsort(-size) if size[k] > SHARE * size.max()][:6]
+    found = [names[k] for k in np.argsort(-size) if size[k] > SHARE * size.max()]
+    return [name for name in found if not name.endswith("normalization")][:6] or found[:6]
 
 
 def trouble_of(

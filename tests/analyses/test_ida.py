@@ -1,6 +1,7 @@
 """All methods of simulation beside SUNDIALS IDA, which shares nothing with them but the equations."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,6 +51,23 @@ def test_hmmwv(method: object) -> None:
     settings = {"until": 0.5, "t_eval": np.linspace(0, 0.5, 11), "rtol": 1e-8, "atol": 1e-8}
     one, other = (sr.simulate(system, start, method=m, **settings) for m in (method, sr.IDA()))
     assert np.allclose(one.q, other.q, rtol=0, atol=1e-5 if isinstance(method, sr.HHT) else 1e-7)
+
+
+def test_it_is_saved_as_it_goes_but_not_gone_on_with(tmp_path: Path) -> None:
+    pytest.importorskip("sksundae")
+
+    def stop(t: float) -> None:
+        if t > 0.5:
+            raise KeyboardInterrupt
+
+    given = {"until": 1.0, "t_eval": np.linspace(0, 1, 101), "method": sr.IDA()}
+    plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
+    sr.simulate(slider_crank(), save=folder, **given)
+    assert np.array_equal(np.asarray(sr.load_run(folder).q), plain.q)
+    assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"
+    with pytest.raises(ValueError, match="cannot be gone on with: IDA keeps its past to itself"):
+        sr.resume(folder)
+    assert np.array_equal(sr.repeat(folder).q, plain.q)
 
 
 def test_dependent_equations() -> None:

@@ -103,13 +103,21 @@ class IDAStepper:
         return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
 
     def state(self) -> dict[str, Array]:
-        """IDA keeps its past to itself."""
-        raise ValueError(
-            "a run with IDA() cannot be saved as it goes; choose HHT(), GeneralizedAlpha(), Radau() or ODE()"
-        )
+        """What is told of it; IDA keeps its past to itself."""
+        return {"tally": self.tally.counts()}
 
     def resume(self, state: Mapping[str, Array]) -> None:
-        """There is no such state."""
+        """There is no such state.
+
+        Raises
+        ------
+        ValueError
+            Always.
+        """
+        raise ValueError(
+            "a run with IDA() is saved as it goes, but cannot be gone on with: IDA keeps its past to itself; read it "
+            "with load_run, or do it once more with repeat"
+        )
 
     def steps(self) -> None:
         """No steps are kept."""

@@ -60,7 +60,8 @@ def simulate(
     method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE` or `IDA`
     rtol, atol : tolerances of the local error: a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
-        are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]
+        are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]; `atol` by kind takes texts
+        with units, too: ``{"position": "1 um", "orientation": "0.01 deg", "velocity": "1 mm/s"}``
     max_step, first_step : longest step, and the first one, which is chosen by default [s]
     events : what is to be found on the way, may end the run or change velocities; see `Event`
     breakpoints : times at which forces or motions jump or have corners, besides those of the model's tables [s]; they

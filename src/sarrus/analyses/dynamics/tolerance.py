@@ -10,11 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...model import ModelError
+from ...model.expression import parse
+from ...model.expression.dimensions import fits, unit_of
 from ...system import System
 from .alpha_loop import Tolerance
 
-KINDS = ("position", "orientation", "velocity", "rotation")
-Given: TypeAlias = "float | ArrayLike | Mapping[str, float]"
+KINDS = {"position": "m", "orientation": "rad", "velocity": "m/s", "rotation": "rad/s"}  # units of texts
+HALF = 0.5  # of an angle: by so much, at most, its four Euler parameters change together
+Given: TypeAlias = "float | ArrayLike | Mapping[str, float | str]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +41,13 @@ class Tolerances:
     def of(cls, system: System, rtol: Given, atol: Given) -> Tolerances:
         """From a number, an array for all coordinates, or a mapping of kinds of coordinates to numbers.
 
+        Absolute ones by kind may be texts with a unit, "1 um", "0.01 deg", "3 mm/s": those of angles are halved, as
+        Euler parameters are what is meant.
+
         Raises
         ------
         ValueError
-            If one is not positive and finite, or a kind or length is wrong.
+            If one is not positive and finite, or a kind, length or unit is wrong.
         """
         relative, absolute = (_both(system, name, x) for name, x in (("rtol", rtol), ("atol", atol)))
         speed = any(isinstance(x, Mapping) and {"velocity", "rotation"} & set(x) for x in (rtol, atol))
@@ -62,7 +69,11 @@ class Tolerances:
 def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
     """Of coordinates and of velocities."""
     if isinstance(given, Mapping):
-        return _by_kind(system, name, given)
+        return _by_kind(system, name, {kind: _in_si(name, kind, value) for kind, value in given.items()})
+    if isinstance(given, str):
+        raise ValueError(
+            f'{name} with a unit goes by kind, {{"position": "{given}", "orientation": "0.01 deg"}}'
+        )
     values = np.asarray(given, dtype=float)
     if values.shape not in ((), (system.nq,)):
         raise ValueError(
@@ -77,7 +88,7 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
     unknown = [kind for kind in given if kind not in KINDS]
     if unknown or "position" not in given:
         raise ValueError(
-            f'{name} by kind needs "position" and may have {", ".join(KINDS[1:])}, but has {", ".join(given)}'
+            f'{name} by kind needs "position" and may have {", ".join(list(KINDS)[1:])}, but has {", ".join(given)}'
         )
     for kind, value in given.items():
         _refuse(f"{name} of {kind}", np.asarray(value, dtype=float))
@@ -89,6 +100,21 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
     )
     bodies = len(system.bodies)
     return tuple(np.tile(np.repeat(pair, (3, 4)), bodies) for pair in ((position, turning), speeds))  # type: ignore[return-value]
+
+
+def _in_si(name: str, kind: str, value: Any) -> Any:
+    """A text with a unit as a number, of Euler parameters where it is an angle; numbers as they are."""
+    if not isinstance(value, str) or kind not in KINDS:
+        return value
+    try:
+        formula = parse(value)
+        powers, number = unit_of(formula, {}), formula.value({})
+    except (ModelError, KeyError) as trouble:
+        raise ValueError(f"{name} of {kind} is {value!r}, which {trouble}") from None
+    if not fits(powers, "1" if name == "rtol" else KINDS[kind]):
+        wanted = "a plain number" if name == "rtol" else f"in {KINDS[kind]}, or another unit of that kind"
+        raise ValueError(f"{name} of {kind} must be {wanted}, but is {value!r}")
+    return HALF * number if powers and "rad" in powers else number
 
 
 def _refuse(name: str, values: Array) -> None:

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array, diags_array, vstack
 from ..algebra import Array
 from ..results import Asked, Assembly
 from ..system import System
+from ..system.curve_derivatives import CurveDerivatives
 from .degrees_of_freedom import normalizations
 from .kkt import KKT
 from .velocity import Rates
@@ -91,9 +92,11 @@ class AssemblyDerivatives:
 
     def _by_b(self, name: str, **operands: Array) -> csr_array:
         """An operator with its sign turned, as wide as `system.b`."""
-        matrix = -getattr(self._system, name)(self._found.q, t=self._asked.t, **operands)
-        matrix.resize((matrix.shape[0], len(self._system.b)))
-        return csr_array(matrix)
+        system, q, t = self._system, self._found.q, self._asked.t
+        matrix = getattr(system, name)(q, t=t, **operands)
+        matrix.resize((matrix.shape[0], len(system.b)))
+        curves = CurveDerivatives(system).matrix(name.removesuffix("_b"), system.b, t, q=q, **operands)
+        return csr_array(-matrix - curves)
 
     def along(self, db: Any = None, *, dq: Any = None, dv: Any = None) -> tuple[Array, Array]:
         """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -12,8 +12,10 @@ import numpy as np
 
 from .._jit.program import program
 from .errors import ModelError
+from .expression import Expression, Name, Number
 from .quantity import numbers
 from .show import show
+from .tape import Traced
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
@@ -31,6 +33,8 @@ class Curve:
     cubics
         For each segment k the four coefficients (c3, c2, c1, c0) of
         y = c3 u³ + c2 u² + c1 u + c0 with u = x − x_k.
+    pairs
+        The table that it goes through, if it was made from one.
 
     Notes
     -----
@@ -40,6 +44,7 @@ class Curve:
 
     knots: tuple[float, ...]
     cubics: tuple[Cubic, ...]
+    pairs: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def constant(cls, value: float) -> Curve:
@@ -59,7 +64,8 @@ class Curve:
             If there are fewer than two pairs, x does not rise, or a number is not finite.
         """
         try:
-            return _continued(*_spline(*_columns(pairs, field), field))
+            xs, ys = _columns(pairs, field)
+            return replace(_continued(*_spline(xs, ys, field)), pairs=tuple(zip(xs, ys, strict=True)))
         except ModelError as wrong:
             raise ModelError(wrong.sentence, part="curve", field=wrong.field) from None
 
@@ -73,6 +79,40 @@ class Curve:
         c3, c2, c1, c0 = self.cubics[k]
         u = x - self.knots[k]
         return ((c3 * u + c2) * u + c1) * u + c0
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """A written formula as a function of its variable; a class, so that models can be pickled."""
+
+    tree: Expression
+    variable: str
+
+    def __call__(self, x: Any) -> Any:
+        """Return the value for a number of any kind."""
+        return self.tree.value({self.variable: x})
+
+    def slopes(self) -> list[Tree]:
+        """Return the derivative with respect to each of the formula's numbers, in their order."""
+        marked: list[str] = []
+
+        def mark(n: int, number: Number) -> Any:
+            marked.append(f"#{n}")
+            return Name(marked[-1])
+
+        open_tree, values = self.tree.exchanged(mark), dict(zip(marked, self.numbers(), strict=True))
+        return [Tree(open_tree.derivative(name).replaced(values), self.variable) for name in marked]
+
+    def numbers(self) -> list[Number]:
+        """Return the formula's numbers in their order."""
+        found: list[Number] = []
+
+        def note(n: int, number: Number) -> Number:
+            found.append(number)
+            return number
+
+        self.tree.exchanged(note)
+        return found
 
 
 @dataclass(frozen=True)
@@ -103,6 +143,17 @@ class Formula:
     def __call__(self, x: float) -> float:
         """Return y(x)."""
         return float(self.function(x))
+
+    def exchanged(self, change: Callable[[int, Number], Number]) -> Formula:
+        """Return the formula with other numbers, see `Expression.exchanged`; a Python function as it is."""
+        if not isinstance(self.function, Tree):
+            return self
+        return Formula(replace(self.function, tree=self.function.tree.exchanged(change)))
+
+    @property
+    def written(self) -> Tree | None:
+        """What was written; None for a Python function."""
+        return self.function if isinstance(self.function, Tree) else None
 
 
 def curve_of(value: Any, field: str) -> Curve | Formula:
@@ -140,12 +191,21 @@ def _spline(xs: list[float], ys: list[float], field: str) -> tuple[tuple[float, 
     from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
 
     ends = "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
+    if any(isinstance(y, Traced) for y in ys):  # the coefficients are linear in y
+        basis = np.asarray(CubicSpline(xs, np.eye(len(ys)), bc_type=ends).c)
+        return tuple(xs), tuple(_combined(basis[:, k], ys) for k in range(basis.shape[1]))
     try:
         with np.errstate(over="raise"):
             columns = np.asarray(CubicSpline(xs, ys, bc_type=ends).c).T
     except (FloatingPointError, ValueError):
         raise ModelError(f"{field} has values of x too near to each other; {_PAIRS}", field=field) from None
     return tuple(xs), tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in columns)
+
+
+def _combined(basis: np.ndarray[Any, Any], ys: Sequence[float]) -> Cubic:
+    """The coefficients of one piece, of those for each value 1."""
+    a, b, c, d = (sum(float(weight) * y for weight, y in zip(row, ys, strict=True)) for row in basis)
+    return a, b, c, d
 
 
 def _continued(knots: tuple[float, ...], cubics: tuple[Cubic, ...]) -> Curve:

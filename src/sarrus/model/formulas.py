@@ -28,15 +28,12 @@ class Formulas:
         only the names before it.
     points
         The named global points. [m]
-    in_functions
-        The names that stand in functions, such as a force over time, whose numbers are not kept as formulas.
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     expressions: Mapping[Path, Expression] = field(default_factory=dict)
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    in_functions: frozenset[str] = frozenset()
 
     def free(self) -> tuple[str, ...]:
         """Return the parameters that do not follow from others."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from .curve import Curve, Formula, curve_of
+from .curve import Curve, Formula, Tree, curve_of
 from .errors import ModelError
 from .expression import Expression, parse_expression
 from .quantity import number
@@ -25,16 +24,6 @@ class Law(NamedTuple):
     curve: Curve | Formula
 
 
-@dataclass(frozen=True, eq=False)
-class _InTime:
-    """A formula's tree as a function of t; a class, so that models can be pickled."""
-
-    tree: Expression
-
-    def __call__(self, t: Any) -> Any:
-        return self.tree.value({VARIABLE: t})
-
-
 def motion_of(value: Motion, field: str) -> Law:
     """Return the law of what a user gives for a motion.
 
@@ -43,7 +32,7 @@ def motion_of(value: Motion, field: str) -> Law:
     ModelError
         If it is no number, formula in t, table or function, or cannot be differentiated.
     """
-    given: Any = _parsed(value, field) if isinstance(value, str) else value
+    given: Any = parsed(value, field) if isinstance(value, str) else value
     if isinstance(given, Expression):
         return _formula(given, field)
     if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
@@ -53,7 +42,8 @@ def motion_of(value: Motion, field: str) -> Law:
     )
 
 
-def _parsed(text: str, field: str) -> Expression:
+def parsed(text: str, field: str) -> Expression:
+    """Return the formula in t that a text gives."""
     try:
         return parse_expression(text, variables=(VARIABLE,))
     except ModelError as error:
@@ -66,7 +56,7 @@ def _formula(tree: Expression, field: str) -> Law:
         raise ModelError(f"{field} depends on {quote(others[0])}; only t may stand in it", field=field)
     if not tree.names():
         return Law(number(float(tree.value()), field), Curve.constant(1.0))
-    return _checked(Formula(_InTime(tree)), field)
+    return _checked(Formula(Tree(tree, VARIABLE)), field)
 
 
 def _checked(curve: Curve | Formula, field: str) -> Law:

@@ -1,7 +1,8 @@
 """Every number that a person wrote into a model, by name; and the same model with other numbers in their places.
 
 Names follow the fields: ``rod.mass``, ``rod.inertia.xx``, ``pin.point.x``, ``spring.point_i.z``, ``hinge.frame_i.x.y``,
-``crank.orientation.e1``, ``gravity.z``. Tables, functions and names of other parts are no numbers.
+``crank.orientation.e1``, ``gravity.z``. In a table they are the values, ``motor.motion.2.y`` in its second row, in a
+formula its numbers one after another, ``motor.motion.1``. Names of other parts and Python functions are no numbers.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .curve import Curve, Formula
+from .expression import Expression, Number
 from .model import Model
 from .origin import Path
 from .point import Point
+from .prescribed import parsed
 from .quantity import is_list
 from .shape import Shape
 from .solid import Solid
@@ -28,7 +31,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "orientation": ("e0", "e1", "e2", "e3"),
 }
 AXES = ("x", "y", "z")
-GRAVITY = "gravity"
+GRAVITY, MOTION = "gravity", "motion"
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -78,6 +81,8 @@ def steps_of(path: Path) -> Steps:
             steps.append(f"{str(step)[:-1]}_{'ij'[int(rest.pop(0))]}")
         elif step in ("at", "global"):
             steps += ["point"] if str(steps[-1]).startswith("frame") else []
+        elif step == "table":
+            steps += [str(int(rest.pop(0)) + 1), "xy"[int(rest.pop(0))]] if len(rest) > 1 else []
         else:
             steps.append(step)
     return tuple(steps)
@@ -96,8 +101,16 @@ def _part(part: Any, change: Change) -> Any:
 
 def _value(value: Any, steps: Steps, change: Change) -> Any:
     """A field's value with its numbers changed."""
-    if isinstance(value, bool | str | Solid | Shape | Curve | Formula) or value is None:
+    if isinstance(value, str) and steps[-1] == MOTION:
+        value = parsed(value, MOTION)
+    if isinstance(value, bool | str | Solid | Shape) or value is None:
         return value
+    if isinstance(value, Curve):
+        return Curve.table(_value(value.pairs, steps, change)) if value.pairs else value
+    if isinstance(value, Expression | Formula):
+        return value.exchanged(
+            lambda n, number: replace(number, number=change((*steps, str(n + 1)), _said(number)))
+        )
     if isinstance(value, int | float | np.number | Traced):
         return change(steps, value)
     if isinstance(value, Point):
@@ -109,12 +122,42 @@ def _value(value: Any, steps: Steps, change: Change) -> Any:
         return {key: _value(entry, (*steps, key), change) for key, entry in value.items()}
     if is_list(value) and not _is_table(value):
         return [_value(entry, (*steps, n), change) for n, entry in enumerate(value)]
+    if is_list(value):
+        return [[x, change((*steps, str(n + 1), "y"), y)] for n, (x, y) in enumerate(value)]
     return value
+
+
+class Given(float):
+    """The number that a parameter of a model file has in a function."""
+
+    of: str
+
+
+def _said(number: Number) -> Any:
+    """A formula's number, which tells of what parameter it is the value."""
+    if not number.of:
+        return number.number
+    found = Given(number.number)
+    found.of = number.of
+    return found
+
+
+def in_functions(model: Model) -> dict[str, str]:
+    """Return the numbers in functions that are parameters of the model file, with the parameters' names."""
+    found: dict[str, str] = {}
+
+    def note(steps: Steps, value: Any) -> Any:
+        if isinstance(value, Given):
+            found[named(steps)] = value.of
+        return value
+
+    exchanged(model, note)
+    return found
 
 
 def _is_table(value: Any) -> bool:
     """Whether these are pairs of a table."""
-    return all(is_list(row) and len(row) == 2 for row in value)
+    return all(is_list(row) and len(row) == 2 and isinstance(row[0], int | float) for row in value)
 
 
 def _step(steps: Steps, n: int) -> str:

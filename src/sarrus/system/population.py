@@ -12,7 +12,7 @@ from ..algebra import Array
 from ..elements import BUILT_IN, Element, Normalization
 from ..elements.element import WIDTHS
 from ..elements.recorder import Variant, distinct, variants
-from ..model import Placed
+from ..model import Curve, Formula, Placed
 from ..model.coordinates import WIDTH
 
 
@@ -113,10 +113,12 @@ def _numbers(population: Population, end: int, store: list[float]) -> Iterator[f
                 yield float(value)
 
 
-def places_of(populations: Sequence[Population], placed: Sequence[Placed]) -> Iterator[tuple[int, Any]]:
+def places_of(
+    populations: Sequence[Population], placed: Sequence[Placed], numbers: Array
+) -> Iterator[tuple[int, Any]]:
     """For every number of the placed elements of the same model, of any kind: its place among the numbers, and itself.
 
-    Curves and what elements remember are left out.
+    Those of curves have the places of `CurveDerivatives`. What elements remember is left out.
     """
     waiting: dict[Variant, list[Placed]] = {}
     for p in placed:
@@ -126,6 +128,15 @@ def places_of(populations: Sequence[Population], placed: Sequence[Placed]) -> It
         for k, p in enumerate(waiting.get(population.variant, ())):
             at = population.at + k * population.kind.size()
             for kind, value in zip(fields, p.values, strict=True):
-                if kind not in ("Curve", "Memory"):
+                if kind == "Curve":
+                    yield from ((int(numbers[at]) + n, v) for n, v in enumerate(inside(value)))
+                elif kind != "Memory":
                     yield from ((at + n, v) for n, v in enumerate(value if WIDTHS[kind] > 1 else (value,)))
                 at += WIDTHS[kind]
+
+
+def inside(curve: Curve | Formula) -> Sequence[Any]:
+    """What a curve is made of: all that is stored of a table, the numbers of a written formula."""
+    if isinstance(curve, Curve):
+        return curve.numbers()
+    return [number.number for number in curve.written.numbers()] if curve.written else ()

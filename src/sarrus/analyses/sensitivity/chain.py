@@ -11,6 +11,7 @@ from ...algebra import Array
 from ...results import Steps, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
+from .curves import Curves
 from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Given
@@ -61,6 +62,11 @@ class Chain:
         """The derivatives of the accelerations at the start."""
         return Start(self.system, self.steps)
 
+    @cached_property
+    def curves(self) -> Curves:
+        """The derivatives by the numbers of curves."""
+        return Curves(self.system, self.steps)
+
     def along(self, db: Array, dq: Array, dv: Array) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
         k = db.shape[1]
@@ -70,19 +76,20 @@ class Chain:
         bars.a[:], bars.lam[:] = self.start.along(bars.q, bars.v, db)
         bars.x[:] = bars.a
         found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
-        sweep.forward(bars, found.after_start(), 0, len(self.steps))
+        sources = self.curves.sources(db) if self.curves.moved_by(db) else None
+        sweep.forward(bars, found.after_start(), 0, len(self.steps), sources=sources)
         return found
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
         k = given.q.shape[2]
         sweep = Sweep(self.system, self.steps, k)
-        bars = sweep.bars()
-        sweep.backward(bars, given.after_start(), 0, len(self.steps))
+        bars, kept = sweep.bars(), sweep.kept() if self.curves else None
+        sweep.backward(bars, given.after_start(), 0, len(self.steps), kept)
         by_q, by_v, by_b = self.start.transposed(bars.a + bars.x + given.a[0], given.lam[0])
         by_q += bars.q + given.q[0]
         by_v += bars.v + given.v[0]
-        by_b += bars.b
+        by_b += bars.b if kept is None else bars.b + self.curves.gradient(kept)
         found = [self.assembly.gradient(by_q[:, n], by_v[:, n]) for n in range(k)]
         b, q, v = (np.array([one[n] for one in found]).T for n in range(3))
         return Gradients(by_b + b, q, v)

@@ -17,7 +17,7 @@ from ...model import Model, SarrusError, blueprint
 from ...model.formulas import Formulas
 from ...model.show import suggest
 from ...model.tape import Tape, Traced, value_of
-from ...model.written import exchanged, named, steps_of, with_numbers, written_numbers
+from ...model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ...system import System
 from ...system.population import places_of
 from .chain import Gradients
@@ -101,12 +101,14 @@ class Parameters:
         system, size = self.system, len(self.system.b)
         plan = blueprint(self._model())
         self._outputs: list[tuple[int, int]] = []  # place in [b; q0; v0; c], place on the tape
-        for place, value in places_of(system.populations, plan.placed):
+        for place, value in places_of(system.populations, plan.placed, system.b):
             self._note(place, value)
         for first, whole, own in ((size, plan.q, self._own_q), (size + system.nq, plan.v, self._own_v)):
             for k, value in enumerate(whole if own else ()):
                 self._note(first + k, value)
-        for place, value in places_of(system.joint_coordinates.populations, plan.coordinates):
+        for place, value in places_of(
+            system.joint_coordinates.populations, plan.coordinates, system.joint_coordinates.b
+        ):
             self._note(size + 2 * system.nq + place, value)
         for name, variable in self.variables.items():
             if name.startswith(GUESS):
@@ -138,12 +140,8 @@ class Parameters:
             return {}
         values = formulas.values(own)
         moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
-        for name in moving & formulas.in_functions:
-            told = f"{', '.join(own)} changes {name}, which stands in a function of time or of a length"
-            raise UnknownParameter(
-                f"{told}; derivatives go through numbers only: scale the function by a number"
-            )
-        return {
+        inside = in_functions(self.system.model).items()
+        return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
             named(steps_of(path)): tree.value(values)
             for path, tree in formulas.expressions.items()
             if path[0] not in ("parameters", "points") and moving.intersection(tree.names())

@@ -5,12 +5,15 @@ M a + Φ_qᵀλ = Q + S,    Φ_q a = γ
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...results import StepsTaken
 from ...system import System
+from ...system.curve_derivatives import CurveDerivatives
 from ..saddle import Saddle
 
 
@@ -40,6 +43,11 @@ class Start:
         loads = (-system.Q_b(q, v, t, b=b), -system.S_b(q, v, b=b))
         self._f_b = _sum((system.M_a_b(q, a, b=b), system.Phi_qT_lam_b(q, lam, t, b=b), *loads), len(b))
         self._g_b = _sum((system.Phi_q_xi_b(q, a, t, b=b), -system.gamma_b(q, v, t, b=b)), len(b))
+        curves = CurveDerivatives(system)
+        if curves:
+            now = partial(curves.matrix, b=b, t=t, q=q)
+            self._f_b = csr_array(self._f_b + now("Phi_qT_lam", lam=lam) - now("Q", v=v))
+            self._g_b = csr_array(self._g_b + now("Phi_q_xi", xi=a) - now("gamma", v=v))
 
     def along(self, q_dot: Array, v_dot: Array, b_dot: Array) -> tuple[Array, Array]:
         """The changes of a (nq, k) and λ (m, k) with those of q, v and the numbers."""

@@ -38,6 +38,7 @@ FUNCTIONS = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_
              "remember", "linearize", "defect_change", "forward_step", "backward_step", "forward_rescale",
              "backward_rescale", "forward", "backward")  # fmt: skip
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
+NOTHING_MOVED = loop.Sources._make(np.zeros((0, 0, 0)) for _ in loop.Sources._fields)
 NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 
 
@@ -130,13 +131,24 @@ class Sweep:
             )
 
     def forward(
-        self, bars: loop.Bars, given: loop.Given, first: int, last: int, kept: loop.Kept | None = None
+        self,
+        bars: loop.Bars,
+        given: loop.Given,
+        first: int,
+        last: int,
+        kept: loop.Kept | None = None,
+        sources: loop.Sources | None = None,
     ) -> None:
-        """From the start of step `first` through the steps first:last; derivatives at their ends are written."""
+        """From the start of step `first` through the steps first:last; derivatives at their ends are written.
+
+        `sources` are changes of the residuals (n, nq + m, k) besides those by the numbers of elements.
+        """
         n, stage = first, loop.RESCALE
         while n < last:
             self._choose_pivots(n, stage)
-            n, stage = self._run("forward", n, last, stage, bars, given, kept or NOTHING_KEPT, NO_SOURCES)
+            n, stage = self._run(
+                "forward", n, last, stage, bars, given, kept or NOTHING_KEPT, sources or NOTHING_MOVED
+            )
 
     def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         found = _compiled()[name](

@@ -145,7 +145,11 @@ class Kept(NamedTuple):
 
 
 class Sources(NamedTuple):
-    """Changes of the equations of the adjoint, which a change of it takes in besides (n, nq + m), (n, nq); or none."""
+    """Changes of the equations besides; or none.
+
+    Backwards those of the adjoint's equations (n, nq + m), (n, nq); forwards, in `step` and `rescale`, those of the
+    residuals (n, nq + m, columns).
+    """
 
     step: Any
     step_q: Any
@@ -262,7 +266,7 @@ def linearize(scheme: Any, entries: Any, b: Any, record: Any, n: Any, matrix: An
 
 def forward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, matrix: Any, blocks: Any, views: Any, work: Any,
-    bars: Any,
+    bars: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """The change of the state over step n; false if pivots must be renewed."""
     if not linearize(scheme, entries, b, record, n, matrix, views):
@@ -295,6 +299,10 @@ def forward_step(
     below = right[nq:]
     times(values, rows, columns, at[8, 0], at[8, 1], -1.0 / beta, work.q, below)  # Φ_q
     by_numbers(blocks, 0, -1.0 / beta, bars.b, 0, right, nq, False)  # Φ_b
+    if len(sources.step) > 0:
+        for k in range(nq + m):
+            for c in range(width):
+                right[k, c] -= sources.step[n, k, c]
     for k in range(m):
         if views.left_out[k] > 0.0:
             for c in range(width):
@@ -409,7 +417,7 @@ def defect_change(
 
 def forward_rescale(
     entries: Any, b: Any, record: Any, n: Any, matrix: Any, blocks: Any, views: Any, work: Any,
-    bars: Any, kept: Any,
+    bars: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """The change of the state by the new step size of step n; false if pivots must be renewed."""
     nq, m, width = len(work.s), len(work.sigma), bars.q.shape[1]
@@ -430,6 +438,10 @@ def forward_rescale(
         times(values, rows, columns, at[8, 0], at[8, 1], 1.0, bars.v, below)
         by_numbers(blocks, 2, 1.0, bars.b, 0, right, nq, False)
         by_numbers(blocks, 3, 1.0, bars.b, 0, right, nq, False)
+        if len(sources.rescale) > 0:
+            for k in range(nq + m):
+                for c in range(width):
+                    right[k, c] -= sources.rescale[n, k, c]
         for k in range(m):
             if views.left_out[k] > 0.0:
                 for c in range(width):
@@ -557,10 +569,10 @@ def forward(
     while n < last:
         remember(record, n, views, b)
         if stage == RESCALE:
-            if not forward_rescale(entries, b, record, n, matrix, blocks, views, work, bars, kept):
+            if not forward_rescale(entries, b, record, n, matrix, blocks, views, work, bars, kept, sources):
                 return n, RESCALE
             stage = STEP
-        if not forward_step(scheme, entries, b, record, n, matrix, blocks, views, work, bars):
+        if not forward_step(scheme, entries, b, record, n, matrix, blocks, views, work, bars, sources):
             return n, STEP
         row = n - start
         for k in range(bars.q.shape[0]):

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from ..errors import ModelError
 from ..show import quote
+from ..tape import value_of
 
 Values: TypeAlias = dict["Expression", Any]
 Partials: TypeAlias = "Callable[..., tuple[Expression, ...]]"
@@ -100,6 +101,26 @@ class Expression:
                 made[node] = new.get(node.name, node) if isinstance(node, Name) else node
         return made[self]
 
+    def exchanged(self, change: Callable[[int, Number], Number]) -> Expression:
+        """Return the formula with ``change(n, number)`` in the place of its nth written number, counted from 0.
+
+        Exponents and constants such as pi are left as they are.
+        """
+        fixed = {
+            node.args[1] for node in self.nodes() if isinstance(node, Call) and node.function.name == "**"
+        }
+        made: dict[Expression, Expression] = {}
+        count = 0
+        for node in self.nodes():
+            if isinstance(node, Call):
+                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
+            elif isinstance(node, Number) and node not in fixed and not node.written.isidentifier():
+                made[node] = change(count, node)
+                count += 1
+            else:
+                made[node] = node
+        return made[self]
+
     def nodes(self) -> Iterator[Expression]:
         """Yield every node once, arguments before what is made of them."""
         done: set[Expression] = set()
@@ -174,15 +195,20 @@ class Expression:
 
 @dataclass(frozen=True, eq=False)
 class Number(Expression):
-    """A number, in SI units if it was written with a unit."""
+    """A number, in SI units if it was written with a unit; in a function the value of the parameter ``of``, if any.
+
+    It may be traced: then the formula has its value.
+    """
 
     number: float
     unit: str = ""
     written: str = field(default="", repr=False)
+    of: str = ""
 
     def _value(self, env: Mapping[str, Any], values: Values) -> Any:
-        whole = self.number.is_integer() and abs(self.number) < WHOLE
-        return int(self.number) if whole else self.number
+        number = float(value_of(self.number))
+        whole = number.is_integer() and abs(number) < WHOLE
+        return int(number) if whole else number
 
     def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
         text = self.written or f"{self._value({}, {})}"

@@ -105,8 +105,7 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     drivers = _build(entry.drivers, "drivers", Driver.kinds, solids, findings)
     forces = _build(entry.forces, "forces", Force.kinds, solids, findings)
     findings.raise_first()
-    trees, inside = numbers.trees, frozenset(numbers.in_functions)
-    said = Formulas(numbers.parameters(), dict(formulas(entry)), trees, dict(entry.points), inside)
+    said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
     return Model(entry.name, *parts, origin=document.origin, formulas=said)
 

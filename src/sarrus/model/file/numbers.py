@@ -57,8 +57,6 @@ class Numbers:
     ----------
     trees, values, units
         Of every name that was asked for, each after those that it needs.
-    in_functions
-        The names that stand in functions.
     """
 
     def __init__(self, data: Any) -> None:
@@ -67,7 +65,6 @@ class Numbers:
         self.values: dict[str, float] = {}
         self.units: dict[str, Powers] = {}
         self.open: list[str] = []
-        self.in_functions: set[str] = set()
 
     def number(self, text: str, unit: str) -> Computed:
         """Return the number that a text gives, in the SI unit ``unit``, with its formula."""
@@ -82,8 +79,7 @@ class Numbers:
         variable = variable_of(over)
         tree = self.tree(text, variable)
         self._check_function(tree, text, unit, {variable: powers_of(over)})
-        self.in_functions |= {name for name in tree.names() if name != variable}
-        return tree.replaced({name: Number(value) for name, value in self.values.items()})
+        return tree.replaced({name: Number(value, of=name) for name, value in self.values.items()})
 
     def _check_function(self, tree: Expression, text: str, unit: str, variable: dict[str, Powers]) -> None:
         """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without."""

@@ -16,7 +16,7 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..curve import Formula
+from ..curve import Formula, Tree
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
@@ -57,20 +57,12 @@ def function_in(unit: str, over: str) -> Any:
     return marked(InstanceOf[Expression], wrap, WithJsonSchema(schema))
 
 
-class Law:
+class Law(Tree):
     """A formula in a place that may also hold a table: a number if it is constant, else a function."""
-
-    def __init__(self, tree: Expression, over: str) -> None:
-        self.tree = tree
-        self.variable = variable_of(over)
-
-    def __call__(self, x: Any) -> Any:
-        """Return the value for a number of any kind."""
-        return self.tree.value({self.variable: x})
 
     def build(self, solids: Any) -> Formula:
         """Return the curve."""
-        return Formula(self)
+        return Formula(Tree(self.tree, self.variable))
 
 
 @cache
@@ -84,7 +76,7 @@ def _law(unit: str, over: str, value: Any, handler: Handler, info: ValidationInf
     if not isinstance(value, str) or NUMBER.fullmatch(value):
         return handler(value)
     tree = _said(_numbers(info).function, value, unit, over)
-    return Law(tree, over) if tree.names() else handler(value)
+    return Law(tree, variable_of(over)) if tree.names() else handler(value)
 
 
 def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:

@@ -1,0 +1,123 @@
+"""Numbers of tables and formulas: their gradients forward and backward, and those of differenced simulations."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.sensitivity.frozen import differenced
+
+import sarrus as sr
+from sarrus.model.written import with_numbers, written_numbers
+from sarrus.system.curve_derivatives import CurveDerivatives
+
+FORCE = [[0, 1], [0.3, 2], [0.5, 1.5], [0.8, 2], [1.2, 0.5]]
+LAW = [[-1, -12], [0.5, 5], [1.5, 20], [2.5, 45]]
+RESPONSES = [
+    sr.Final("tip.x"),
+    sr.Final("tip.velocity.y"),
+    sr.Integral(lambda o: o("tip.x") ** 2, name="square"),
+    sr.Final("elbow.force.x"),
+    sr.At("motor.multiplier.1", time=0.4),
+]
+ARM = """
+name: arm
+parameters: {size: 0.1, rate: 3, push: 2}
+bodies:
+  arm: {mass: 1, inertia: [1, 1, 1], position: [0.5, 0, 0]}
+  tip: {mass: 0.7, inertia: [0.1, 0.2, 0.3], position: [1.5, 0, 0]}
+joints:
+  pin: {type: revolute, bodies: [ground, arm], point: [0, 0, 0], axis: [0, 0, 1]}
+  elbow: {type: revolute, bodies: [arm, tip], point: [1, 0, 0], axis: [0, 0, 1]}
+drivers:
+  motor: {type: angle, joint: pin, motion: "2*t + size*sin(rate*t)^2"}
+forces:
+  load: {type: point_force, point: {body: tip, at: [0, 0, 0]}, force: [1, 2, 3],
+         factor: {table: [[0, "push/2"], [0.5, 2], [1.2, 1]]}}
+  spring: {type: tsda, points: [{body: tip, at: [0, 0, 0]}, {body: ground, at: [0.2, 1.5, 0.1]}],
+           k: "5 N/m * x + 100 N/m^3 * size*x^3", length: 0.7, c: 3}
+"""
+
+
+def arm() -> sr.Model:
+    """Two links: the first is driven by a formula, at the second pull a table over time and one over length."""
+    body, tip = (
+        sr.Body("arm", mass=1, inertia=(1, 1, 1), position=(0.5, 0, 0)),
+        sr.Body("tip", mass=0.7, inertia=(0.1, 0.2, 0.3), position=(1.5, 0, 0)),
+    )
+    pin = sr.Revolute("pin", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    elbow = sr.Revolute("elbow", body, tip, point=(1, 0, 0), axis=(0, 0, 1))
+    load = sr.PointForce("load", tip.point(0, 0, 0), force=(1, 2, 3), factor=FORCE)
+    ends = tip.point(0.1, 0, 0), sr.ground.point(0.2, 1.5, 0.1)
+    return sr.Model(
+        "arm", bodies=[body, tip], joints=[pin, elbow], gravity=(0, -9.81, 0),
+        drivers=[sr.AngleDriver("motor", "pin.angle", "2*t + 0.1*sin(3*t)**2")],
+        forces=[load, sr.TSDA("spring", *ends, k=LAW, c=3, length=0.7)],
+    )  # fmt: skip
+
+
+MOTION = [f"motor.motion.{n}" for n in (1, 2, 3)]
+NAMES = [*MOTION, *(f"load.factor.{n}.y" for n in range(1, 6)), *(f"spring.k.{n}.y" for n in range(1, 5))]
+
+
+@cache
+def swung() -> sr.Trajectory:
+    return sr.simulate(sr.System(arm()), until=1.0, rtol=1e-5, atol=1e-7, keep_steps=True)
+
+
+@cache
+def found(method: str) -> np.ndarray:
+    return sr.sensitivity(swung(), RESPONSES, NAMES, method=method).matrix
+
+
+def test_they_are_numbers_of_the_model() -> None:
+    known = written_numbers(arm())
+    assert [name for name in known if name in NAMES] == NAMES
+    assert known["motor.motion.3"] == 3
+    assert known["load.factor.5.y"] == 0.5
+    changed = with_numbers(arm(), {"motor.motion.2": 0.2, "load.factor.1.y": 7.0})
+    assert written_numbers(changed)["motor.motion.2"] == 0.2
+    assert written_numbers(changed)["load.factor.1.y"] == 7.0
+
+
+def test_forward_and_backward_agree() -> None:
+    assert np.count_nonzero(swung().steps.removed) > 5  # changes of the step size remove defects
+    scale = abs(found("adjoint")).max(axis=1, keepdims=True)
+    assert np.all(abs(found("direct") - found("adjoint")) < 1e-10 * scale)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
+    wanted, at = differenced(swung(), RESPONSES, name, 2e-3, sr.HHT()), NAMES.index(name)
+    limits = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7]) * abs(found("adjoint")).max(axis=1)
+    assert np.all(abs(found("adjoint")[:, at] - wanted) < limits)
+
+
+def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:
+    """A parameter in a motion, in a table and in a law: those of a file that has another number there."""
+    names, columns = ["size", "rate", "push"], []
+    (tmp_path / "arm.yaml").write_text(ARM)
+    run = sr.simulate(
+        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-5, atol=1e-7, keep_steps=True
+    )
+    gradient = sr.sensitivity(run, RESPONSES[:3], names)
+    problem = sr.Problem(run.system, RESPONSES[:3], names, until=0.5, rtol=1e-9, atol=1e-11)
+    for n in range(3):
+        e = 1e-3 * np.eye(3)[n]
+        columns.append((problem.values(problem.x0 + e) - problem.values(problem.x0 - e)) / 2e-3)
+    assert gradient.matrix == pytest.approx(np.array(columns).T, rel=2e-3, abs=1e-5)
+
+
+def test_the_change_of_an_operator_at_one_time() -> None:
+    """Q is linear in the values of a table: the difference is exact."""
+    system, rest = sr.System(arm()), np.zeros(14)
+    t = 0.4
+    moved = sr.System(with_numbers(arm(), {"load.factor.3.y": 2.5}))
+    wanted = moved.Q(system.q0, rest, t) - system.Q(system.q0, rest, t)
+    matrix = CurveDerivatives(system).matrix("Q", system.b, t, q=system.q0, v=rest)
+    assert matrix @ (moved.b - system.b) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+def test_second_derivatives_are_refused() -> None:
+    with pytest.raises(ValueError, match="numbers of tables and functions"):
+        sr.hessian(swung(), RESPONSES[0], ["motor.motion.1"])

@@ -38,13 +38,23 @@ class Combined:
 
     def value_and_slopes(self, values: Array) -> tuple[float, Array]:
         """The value, and its derivatives by the values of the responses."""
+        value, slopes, _ = self._derivatives(values, np.zeros(len(values)))
+        return value, slopes
+
+    def slopes_along(self, values: Array, change: Array) -> Array:
+        """The change of these derivatives with that of the values."""
+        return self._derivatives(values, change)[2]
+
+    def _derivatives(self, values: Array, change: Array) -> tuple[float, Array, Array]:
         tape = Tape()
         inputs = [tape.variable(float(value)) for value in values]
         found = self.function(*inputs)
         if not isinstance(found, Traced):
-            return float(found), np.zeros(len(values))
-        bars = tape.gradient({found.at: 1.0})
-        return float(found.value), np.array([float(bars[one.at]) for one in inputs])
+            return float(found), np.zeros(len(values)), np.zeros(len(values))
+        dots = tape.along({one.at: float(c) for one, c in zip(inputs, change, strict=True)})
+        first, second = tape.gradient_along({found.at: 1.0}, {}, dots)
+        slopes, turned = (np.array([float(bars[one.at]) for one in inputs]) for bars in (first, second))
+        return float(found.value), slopes, turned
 
 
 class Outer:
@@ -83,16 +93,16 @@ class Outer:
                 values[row], slopes[row, place] = function.value_and_slopes(parts[place])
         return values, slopes
 
-    def plain(self, row: int) -> int:
-        """The place of the part that a row is.
+    def place(self, row: int) -> slice:
+        """Which parts a row is made of."""
+        return self._places[row]
 
-        Raises
-        ------
-        ValueError
-            If it is a `Combined` one, whose second derivatives are not there.
-        """
-        if self._functions[row] is not None:
-            raise ValueError(
-                f"second derivatives of {self.titles[row]!r}, a Combined response, are not there"
-            )
-        return int(self._places[row].start)
+    def is_combined(self, row: int) -> bool:
+        """Whether a row is a function of its parts."""
+        return self._functions[row] is not None
+
+    def slopes_along(self, row: int, parts: Array, change: Array) -> Array:
+        """The change of a combined row's derivatives by its own parts with that of their values."""
+        function = self._functions[row]
+        assert function is not None
+        return function.slopes_along(parts[self._places[row]], change)

@@ -147,13 +147,7 @@ class Problem:
         return self.at(x).gradient_of_sum(np.asarray(weights, dtype=float))
 
     def hvp(self, x: Array, direction: Array, response: int = 0) -> Array:
-        """The Hessian of a response times a direction (p,), in about two sweeps.
-
-        Raises
-        ------
-        ValueError
-            For a `Combined` response.
-        """
+        """The Hessian of a response times a direction (p,), in about two sweeps for each part of a `Combined` one."""
         return self.at(x).curved(np.asarray(direction, dtype=float), response)
 
     def limit(self, began: float) -> Callable[[float], None]:
@@ -253,13 +247,14 @@ class Point:
     @property
     def gradient(self) -> Gradient:
         """Responses and their gradients, by one sweep backwards."""
+        found, outer = self.of_parts(), self.problem.outer
+        values, slopes = outer.linear(found.values)
+        return replace(found, responses=outer.titles, values=values, matrix=slopes @ found.matrix)
+
+    def of_parts(self) -> Gradient:
+        """The gradients of all responses of which those asked for are made."""
         if self._gradient is None:
-            outer = self.problem.outer
-            found = sensitivity(self.run, outer.parts, **self._named())
-            values, slopes = outer.linear(found.values)
-            self._gradient = replace(
-                found, responses=outer.titles, values=values, matrix=slopes @ found.matrix
-            )
+            self._gradient = sensitivity(self.run, self.problem.outer.parts, **self._named())
         return self._gradient
 
     def along(self, changes: Array) -> Array:
@@ -268,7 +263,7 @@ class Point:
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-        total = inner(nodes, self._chain().along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+        total = inner(nodes, self._chain(parameters).along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
         return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
     def gradient_of_sum(self, weights: Array) -> Array:
@@ -276,7 +271,7 @@ class Point:
         parameters, evaluation = self._parameters(), self.evaluation()
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
-        by = self._chain().gradients(
+        by = self._chain(parameters).gradients(
             Nodes(*(getattr(nodes, kind) @ column for kind in ("q", "v", "a", "lam")))
         )
         found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column)
@@ -285,13 +280,30 @@ class Point:
 
     def curved(self, direction: Array, response: int = 0) -> Array:
         """The Hessian of a response times a direction (p,)."""
-        place = self.problem.outer.plain(response)
+        outer, values = self.problem.outer, self.evaluation().values
+        place = outer.place(response)
+        slopes = outer.linear(values)[1][response, place]
+        parts = range(place.start, place.stop)
+        bends = [
+            slope * self._curvature(n).times(direction)
+            for slope, n in zip(slopes, parts, strict=True)
+            if slope
+        ]
+        found = np.sum(bends, axis=0) if bends else np.zeros(len(direction))
+        if outer.is_combined(response):
+            matrix = self.of_parts().matrix[place]
+            found = found + outer.slopes_along(response, values, matrix @ direction) @ matrix
+        return np.asarray(found)
+
+    def _curvature(self, place: int) -> Curvature:
+        """The Hessian of one part, in products."""
         if place not in self._curvatures:
             steps, parameters = self.run.steps, self._parameters()
             assert steps is not None
             evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
-            self._curvatures[place] = Curvature(curved_chain(self.system, steps), evaluation, parameters)
-        return np.asarray(self._curvatures[place].times(direction))
+            chain = curved_chain(self.system, steps, parameters)
+            self._curvatures[place] = Curvature(chain, evaluation, parameters)
+        return self._curvatures[place]
 
     def signals(self) -> tuple[list[Array], list[Array]]:
         """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""
@@ -299,9 +311,11 @@ class Point:
         every = np.eye(len(parameters.names))
         b, q, v, c = parameters.along(every)
         named = dict(zip(parameters.names, every, strict=True))
-        return list(evaluation.signals), evaluation.signals_along(self._chain().along(b, q, v), b, c, named)
+        return list(evaluation.signals), evaluation.signals_along(
+            self._chain(parameters).along(b, q, v), b, c, named
+        )
 
-    def _chain(self) -> AnyChain:
+    def _chain(self, parameters: Parameters) -> AnyChain:
         steps = self.run.steps
         assert steps is not None
-        return chain_of(self.system, steps)
+        return chain_of(self.system, steps, parameters)

@@ -7,27 +7,42 @@ from typing import TypeAlias
 from ...results import RadauSteps, Steps, StepsTaken
 from ...system import System
 from .chain import Chain
+from .parameters import Parameters
 from .radau_chain import RadauChain
 
 AnyChain: TypeAlias = Chain | RadauChain
 
 
-def chain_of(system: System, steps: StepsTaken) -> AnyChain:
-    """The chain of a run, for first derivatives."""
+def chain_of(system: System, steps: StepsTaken, parameters: Parameters) -> AnyChain:
+    """The chain of a run, for first derivatives.
+
+    Raises
+    ------
+    ValueError
+        For numbers of tables and functions where the steps are Radau's.
+    """
     if isinstance(steps, RadauSteps):
+        if parameters.in_curves:
+            raise ValueError(
+                "derivatives by numbers of tables and functions need a run with HHT() or GeneralizedAlpha()"
+            )
         return RadauChain(system, steps)
     assert isinstance(steps, Steps)
     return Chain(system, steps)
 
 
-def curved_chain(system: System, steps: StepsTaken) -> Chain:
+def curved_chain(system: System, steps: StepsTaken, parameters: Parameters) -> Chain:
     """The chain of a run, for second derivatives too.
 
     Raises
     ------
     ValueError
-        For steps of Radau, which have first derivatives only.
+        For steps of Radau, and for numbers of tables and functions, which have first derivatives only.
     """
+    if parameters.in_curves:
+        raise ValueError(
+            "second derivatives by numbers of tables and functions are not there; leave them out of wrt"
+        )
     if not isinstance(steps, Steps):
         raise ValueError(
             "second derivatives need a run with HHT() or GeneralizedAlpha(); Radau() has first ones only"

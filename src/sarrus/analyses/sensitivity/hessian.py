@@ -58,11 +58,6 @@ class Curvature:
                 "second derivatives through given rates of an assembly are not there; give velocities"
             )
 
-        if chain.curves.moved_by(parameters.along(np.eye(len(parameters.names)))[0]):
-            raise ValueError(
-                "second derivatives by numbers of tables and functions are not there; leave them out of wrt"
-            )
-
     @cached_property
     def _lagrangians(self) -> dict[str, Lagrangian]:
         return {kind: Lagrangian(self._system, kind) for kind in ("place", "step", "rate", "motion")}

@@ -117,6 +117,11 @@ class Parameters:
             elif name in self._element_numbers and name not in self._design and name not in self._known:
                 self._outputs.append((self._element_numbers[name], variable.at))
 
+    @property
+    def in_curves(self) -> bool:
+        """Whether they change numbers of tables or functions."""
+        return any(self.system.nb <= place < len(self.system.b) for place, _ in self._outputs)
+
     def _note(self, place: int, value: Any) -> None:
         if isinstance(value, Traced):
             self._outputs.append((place, value.at))

@@ -112,7 +112,7 @@ def main() -> None:
     for key, value in measured(given.quick):
         found[key] = value
         if not given.json:
-            print(f"{key:48s} {value:.2g}", flush=True)
+            print(f"{key:48s} {value:.3g}", flush=True)
     if given.json:
         print(json.dumps(found, indent=2))
 

@@ -138,10 +138,35 @@ def test_what_cannot_be_saved_is_told(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     with pytest.raises(FileExistsError, match="is there and is no saved run"):
         sr.simulate(slider_crank(), until=1.0, save=tmp_path / "mine")
-    with pytest.raises(ValueError, match="leave dense_output"):
-        sr.simulate(slider_crank(), until=1.0, save=tmp_path / "r", dense_output=True)
     with pytest.raises(FileNotFoundError):
         sr.load_run(tmp_path / "none")
     sr.simulate(slider_crank(), until=0.1, save=tmp_path / "r", events=sr.Event(lambda t, q, v: t - 1))
     with pytest.raises(ValueError, match="does not hold its model and options"):
         sr.resume(tmp_path / "r")
+
+
+@pytest.mark.parametrize("method", ["HHT", "Radau"])
+def test_the_whole_motion_and_the_steps_are_gone_on_with(
+    method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A quarter of the steps, then the rest: derivatives and states between are those of a run in one go."""
+    monkeypatch.setattr(march, "PAUSE", 0.0)
+    monkeypatch.setattr(march, "PATIENT", 0.0)
+    monkeypatch.setattr(march, "CHUNK", 40)
+
+    def stop(t: float) -> None:
+        if t > 0.5:
+            raise KeyboardInterrupt
+
+    given = {"until": 2.0, "t_eval": [1.0, 2.0], "method": METHODS[method], "rtol": 1e-7, "keep_steps": True}
+    given |= {"dense_output": True}
+    plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
+    assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"
+    resumed, opened = sr.resume(folder), sr.resume(folder)
+    cost = sr.At("slider.x", 1.0)
+    wanted = sr.sensitivity(plain, cost, wrt=["rod.mass"])["rod.mass"]
+    for run in (resumed, opened):
+        assert np.array_equal(run.sol(0.77).lam, plain.sol(0.77).lam)
+        assert np.array_equal(run.steps.q, plain.steps.q)
+        assert np.array_equal(sr.sensitivity(run, cost, wrt=["rod.mass"])["rod.mass"], wanted)
+    assert len(plain.steps.t) > 80

@@ -280,14 +280,15 @@ class AlphaStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        self.keeping.refuse_saving()
         ready = self._arrays is not None
-        return self._saved() | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
+        found = self._saved() | self.keeping.state()
+        return found | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
         self.matrix.numbers.keep(self.independence.kept)
+        self.keeping.resume(state, self.matrix.numbers.left_out)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}
         if found:
             self.matrix.resume(**found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -69,26 +70,37 @@ class Keeping:
             self._memory.append(np.concatenate([memory[None], record.memory[: taken - 1]]))
         return [getattr(record, name)[:taken] for name in NODE]
 
-    def refuse_saving(self) -> None:
-        """A run whose steps are kept is not saved.
+    def state(self) -> dict[str, Array]:
+        """All that has been collected, for `resume`; nothing where steps are not kept."""
+        if not self.wanted:
+            return {}
+        found = {f"first_{name}": value for name, value in self._first.items()}
+        found |= dict(zip(self._names, self._joined(), strict=True))
+        found |= {"left_out": np.concatenate([self._first_out[None], *self._left_out])}
+        found |= {"memory": np.concatenate([np.zeros((0, len(self._places))), *self._memory])}
+        return {f"kept_{name}": array for name, array in found.items()}
 
-        Raises
-        ------
-        ValueError
-            If steps are kept.
-        """
-        if self.wanted:
-            raise ValueError(
-                "a run whose steps are kept for derivatives cannot be saved; leave keep_steps or save out"
-            )
+    def resume(self, state: Mapping[str, Array], left_out: Array) -> None:
+        """Go on from such a state; `left_out` as for `begin`."""
+        self._out = left_out
+        if not self.wanted:
+            return
+        names = [name[11:] for name in state if name.startswith("kept_first_")]
+        self._first = {name: state[f"kept_first_{name}"] for name in names}
+        self._chunks = [[state[f"kept_{name}"] for name in self._names]]
+        self._first_out, self._left_out = state["kept_left_out"][0], [state["kept_left_out"][1:]]
+        self._memory, self.count = [state["kept_memory"]], len(state["kept_memory"])
+
+    def _joined(self) -> list[Array]:
+        """The columns of all chunks."""
+        empty = [getattr(self._record, name)[:0] for name in self._names]
+        return [np.concatenate(x) for x in zip(empty, *self._chunks, strict=True)]
 
     def steps(self, **told: Any) -> StepsTaken | None:
         """All steps, with the state of the start before them."""
         if not self.wanted:
             return None
-        empty = [getattr(self._record, name)[:0] for name in self._names]
-        columns = (np.concatenate(x) for x in zip(empty, *self._chunks, strict=True))
-        whole = dict(zip(self._names, columns, strict=True))
+        whole = dict(zip(self._names, self._joined(), strict=True))
         for name, value in self._first.items():
             whole[name] = np.concatenate([value[None], whole[name]])
         left_out = np.concatenate([self._first_out[None], *self._left_out])

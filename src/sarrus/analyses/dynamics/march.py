@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -106,6 +106,25 @@ class March:
         self.watches.resume(state)
         self.nearness.resume(state)
         self._written = int(state["written"])
+        self._take_dense(state)
+
+    def _take_dense(self, state: Mapping[str, Array]) -> None:
+        if self.plan.dense and "dense_t" in state:
+            self._dense = [Nodes._make(state[f"dense_{name}"] for name in Nodes._fields)]
+
+    def over(self, state: Mapping[str, Array]) -> Trajectory:
+        """A saved run that has come to its end, with the whole motion and the steps where they were kept."""
+        self.sampler.resume(state)
+        self._take_dense(state)
+        if "kept_t" in state:
+            self.stepper.resume(state)
+        return self._opened()
+
+    def _opened(self) -> Trajectory:
+        """What is in the folder, with what is kept besides."""
+        assert self.plan.store is not None
+        sol = Solution(joined(self._dense), self.sampler) if self._dense else None
+        return replace(load_run(self.plan.store.path, self.system), sol=sol, steps=self.stepper.steps())
 
     def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
         """Hand over what was computed; mark it as safe now and then, at the start, and at the end with what is told."""
@@ -119,11 +138,17 @@ class March:
         now = time.perf_counter()
         if force or told is not None or now - self._marked > self._pause:
             state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
-            state |= self.nearness.state()
+            state |= self.nearness.state() | self._dense_state()
             state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
             (store.mark if told is None else store.finish)(state)
             self._marked = time.perf_counter()
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
+
+    def _dense_state(self) -> dict[str, Array]:
+        if not self._dense:
+            return {}
+        self._dense = [joined(self._dense)]
+        return {f"dense_{name}": array for name, array in self._dense[0]._asdict().items()}
 
     def _told(self) -> dict[str, Any]:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
@@ -198,7 +223,7 @@ class March:
                 self.plan.store.retell(json.dumps(told))
             else:
                 self._save(told)
-            return load_run(self.plan.store.path, self.system)
+            return self._opened()
         samples = self.sampler.room(np.zeros(0))
         if self._samples:
             samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))

@@ -122,8 +122,7 @@ class RadauStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        self.keeping.refuse_saving()
-        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]}
+        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]} | self.keeping.state()
         for kind, matrix in self._matrices().items() if self._arrays is not None else ():
             found |= {f"{kind}_{name}": array for name, array in matrix.state().items()}
         return found
@@ -132,6 +131,7 @@ class RadauStepper(Implicit):
         """Go on from such a state."""
         self._take_over(state)
         self.numbers.keep(self.independence.kept)
+        self.keeping.resume(state, self.numbers.left_out)
         self._last = state["last_a"], state["last_lam"]
         if "real_factors" in state:
             for kind, matrix in self._matrices().items():

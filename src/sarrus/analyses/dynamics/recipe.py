@@ -11,7 +11,7 @@ from typing import Any
 
 from ...algebra import Array
 from ...model import Model
-from ...results import Assembly, Trajectory, load_run
+from ...results import Assembly, Trajectory
 from ...results.saved import Store, recipe_of
 from ...system import System
 from .crossing import Crossing
@@ -64,6 +64,7 @@ def resume(
 ) -> Trajectory:
     """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
 
+    Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if kept.
     Model and options are read from the folder, which runs code that it holds: trust where it comes from.
 
     Parameters
@@ -82,7 +83,7 @@ def resume(
     store, state = Store.reopen(path)
     system = System(recipe.model)
     if _is_over(state):
-        return load_run(path, system)
+        return recipe.march(system, store, None).over(state)
     with reporter(progress, recipe.plan.until) as told:
         return recipe.march(system, store, told).go(recipe.start, state)
 

@@ -70,7 +70,8 @@ def simulate(
     keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha` and `Radau`)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
-        whatever happens, memory does not grow, and `resume` goes on with it; `load_run` opens it
+        whatever happens, memory does not grow (but by what `dense_output` and `keep_steps` keep), and `resume` goes on
+        with it; `load_run` opens it
     progress : true for a bar on the terminal, or a function that is called with the time reached
 
     Returns
@@ -103,10 +104,6 @@ def simulate(
         return nothing(system, "inconsistent", begin.message)
     plan = Plan(times, until, stops, np.zeros(0) if keep_steps else kinks, watched, dense_output)
     recipe = Recipe(system.model, begin, chosen, settings, plan)
-    if save is not None and (dense_output or keep_steps):
-        raise ValueError(
-            "what is saved are the states at t_eval; leave dense_output and keep_steps out, or save"
-        )
     try:
         refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
         with reporter(progress, until) as told:

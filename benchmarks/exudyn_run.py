@@ -1,7 +1,8 @@
-"""One run of Exudyn in its own process: ``python exudyn_run.py PROBLEM STEPS`` prints processor seconds and end.
+"""Exudyn in its own process: reads a model, then runs to be done, one JSON object a line; see `exudyn_told.py`.
 
 Spatial bodies with Euler parameters and generic joints, as in Sarrus; generalized-α with rho_inf = 0.9 and modified
-Newton, one thread, nothing written.
+Newton, one thread, nothing written; the module without range checks. A run is answered by a line that begins with
+RESULT: processor seconds of the solver, the points wanted at the end, the accelerations of all bodies there.
 """
 
 from __future__ import annotations
@@ -9,119 +10,143 @@ from __future__ import annotations
 import json
 import sys
 import time
+import warnings
 from typing import Any
 
-import exudyn as exu
 import numpy as np
-from exudyn import utilities as eu
+
+warnings.simplefilter("ignore")
+sys.exudynFast = True  # type: ignore[attr-defined]
+
+import exudyn as exu  # noqa: E402  after the quick module is asked for
+from exudyn import symbolic  # noqa: E402
+from exudyn import utilities as eu  # noqa: E402
 
 RHO = 0.9
-REVOLUTE, ON_LINE, ON_PLANE = [1, 1, 1, 1, 1, 0], [1, 1, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0]
+SOLVERS = {"dense": exu.LinearSolverType.EXUdense, "sparse": exu.LinearSolverType.EigenSparse}
 
 
 class Build:
-    """Spatial bodies, joints about z and loads."""
+    """The model in Exudyn."""
 
-    def __init__(self) -> None:
+    def __init__(self, told: dict[str, Any]) -> None:
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
-        self.ground = self.mbs.CreateGround()
+        self.bodies = {"ground": self.mbs.CreateGround()}
+        self.alive: list[Any] = []  # symbolic functions must outlive the run
+        for body in told["bodies"]:
+            self.bodies[body["name"]] = self.body(body, told["gravity"])
+        for part in (*told["joints"], *told["forces"]):
+            getattr(self, part["type"])(**{key: value for key, value in part.items() if key != "type"})
+        self.mbs.Assemble()
 
-    def body(
-        self,
-        inertia: list[float],
-        at: list[float],
-        angle: float,
-        v: list[float],
-        w: float,
-        weight: float = 0.0,
-    ) -> Any:
+    def body(self, told: dict[str, Any], gravity: list[float]) -> Any:
         return self.mbs.CreateRigidBody(
-            referencePosition=at,
-            referenceRotationMatrix=eu.RotationMatrixZ(angle),
-            initialVelocity=v,
-            initialAngularVelocity=[0, 0, w],
-            inertia=eu.RigidBodyInertia(mass=1.0, inertiaTensor=np.diag(inertia)),
+            referencePosition=told["position"],
+            referenceRotationMatrix=np.array(told["axes"]),
+            initialVelocity=told["velocity"],
+            initialAngularVelocity=told["angular_velocity"],
+            inertia=eu.RigidBodyInertia(mass=told["mass"], inertiaTensor=np.array(told["inertia"])),
             nodeType=exu.NodeType.RotationEulerParameters,
-            gravity=[0, -weight, 0],
+            gravity=gravity,
         )
 
-    def joint(self, one: Any, other: Any, at: list[float], axes: list[int]) -> None:
-        self.mbs.CreateGenericJoint(
-            bodyNumbers=[one, other], position=at, constrainedAxes=axes, useGlobalFrame=True, show=False
+    def point(self, told: dict[str, Any], turning: bool = False) -> Any:
+        kind = eu.MarkerBodyRigid if turning else eu.MarkerBodyPosition
+        return self.mbs.AddMarker(kind(bodyNumber=self.bodies[told["body"]], localPosition=told["at"]))
+
+    def generic(self, i: dict[str, Any], j: dict[str, Any], fixed: list[int]) -> None:
+        markers = [self.point(i, True), self.point(j, True)]
+        turned = {"rotationMarker0": np.array(i["axes"]), "rotationMarker1": np.array(j["axes"])}
+        self.mbs.AddObject(eu.GenericJoint(markerNumbers=markers, constrainedAxes=fixed, **turned))
+
+    def spherical(self, i: dict[str, Any], j: dict[str, Any]) -> None:
+        self.mbs.AddObject(
+            eu.SphericalJoint(markerNumbers=[self.point(i), self.point(j)], constrainedAxes=[1, 1, 1])
+        )
+
+    def distance(self, i: dict[str, Any], j: dict[str, Any], length: float) -> None:
+        self.mbs.AddObject(
+            eu.DistanceConstraint(markerNumbers=[self.point(i), self.point(j)], distance=length)
+        )
+
+    def tsda(self, i: dict[str, Any], j: dict[str, Any], k: float, c: float, length: float) -> None:
+        law = {"stiffness": k, "damping": c, "referenceLength": length}
+        self.mbs.AddObject(eu.SpringDamper(markerNumbers=[self.point(i), self.point(j)], **law))
+
+    def tyre(self, point: dict[str, Any], k: float, c: float, radius: float) -> None:
+        law = {"stiffness": [0, 0, k], "damping": [0, 0, c], "offset": [0, 0, radius]}
+        flat = self.point({"body": "ground", "at": [0, 0, 0]})
+        self.mbs.AddObject(eu.CartesianSpringDamper(markerNumbers=[flat, self.point(point)], **law))
+
+    def force(self, point: dict[str, Any], force: list[float]) -> None:
+        self.mbs.AddLoad(eu.Force(markerNumber=self.point(point), loadVector=force))
+
+    def torque(self, body: str, torque: list[float]) -> None:
+        at = {"body": body, "at": [0, 0, 0]}
+        self.mbs.AddLoad(eu.Torque(markerNumber=self.point(at, True), loadVector=torque))
+
+    def bump(
+        self, point: dict[str, Any], k: float, c: float, height: float, begins: float, takes: float
+    ) -> None:
+        """k h + c ḣ upwards with h = height sin⁴ π s, s = (t - begins) / takes between 0 and 1."""
+        pi, slope = np.pi, 4 * np.pi * height / takes
+
+        def load(mbs, t, load):  # type: ignore[no-untyped-def]  # the names that Exudyn wants
+            s = (t - begins) / takes
+            yes, no = symbolic.Real(1.0), symbolic.Real(0.0)
+            inside = symbolic.IfThenElse(s * (1.0 - s) > 0.0, yes, no)
+            sine, cosine = symbolic.sin(pi * s), symbolic.cos(pi * s)
+            lift = inside * sine * sine * sine * (k * height * sine + c * slope * cosine)
+            return symbolic.Vector([0.0, 0.0, lift])
+
+        function = eu.CreateSymbolicUserFunction(
+            self.mbs, load, "loadVectorUserFunction", itemTypeName="LoadForceVector"
+        )
+        self.alive.append(function)
+        self.mbs.AddLoad(
+            eu.Force(markerNumber=self.point(point), loadVector=[0, 0, 1], loadVectorUserFunction=function)
         )
 
 
-UPRIGHT, LYING = [1 / 12, 1 / 1200, 1 / 12], [1 / 1200, 1 / 12, 1 / 12]
-Made = tuple[Any, Any, list[float], float]
-
-
-def four_bars(n: int) -> Made:
-    """N four-bar mechanisms; the point B_0 after 10 s."""
-    b = Build()
-    uprights = [b.body(UPRIGHT, [i, 0.5, 0], 0.0, [0.5, 0, 0], -1.0, 9.81) for i in range(n + 1)]
-    for i, upright in enumerate(uprights):
-        b.joint(b.ground, upright, [i, 0, 0], REVOLUTE)
-    for i in range(n):
-        coupler = b.body(LYING, [i + 0.5, 1.0, 0], 0.0, [1.0, 0, 0], 0.0, 9.81)
-        b.joint(uprights[i], coupler, [i, 1, 0], REVOLUTE)
-        b.joint(uprights[i + 1], coupler, [i + 1, 1, 0], ON_LINE)
-    return b.mbs, uprights[0], [0.0, 0.5, 0.0], 10.0
-
-
-def slider_crank() -> Made:
-    """The slider-crank of SUNDIALS; the slider after 10 s."""
-    b, p = Build(), -np.pi / 6
-    crank = b.body([1, 1, 1], [0, 0, 0], np.pi / 2, [0, 0, 0], 0.0)
-    rod = b.body([2, 2, 2], [np.cos(p), 0, 0], p, [0, 0, 0], 0.0)
-    b.joint(b.ground, crank, [0, 0, 0], REVOLUTE)
-    b.joint(crank, rod, [0, 0.5, 0], REVOLUTE)
-    b.joint(b.ground, rod, [np.cos(p), 0, 0], ON_PLANE)
-    b.mbs.CreateSpringDamper(
-        bodyNumbers=[crank, rod],
-        localPosition0=[0.25, 0, 0],
-        localPosition1=[-0.5, 0, 0],
-        referenceLength=1.0,
-        stiffness=1.0,
-        damping=1.0,
-    )
-    b.mbs.CreateForce(bodyNumber=rod, loadVector=[1.0, 0, 0], localPosition=[1.0, 0, 0])
-    return b.mbs, rod, [0.0, 0.0, 0.0], 10.0
-
-
-def chain(n: int) -> Made:
-    """A chain of rods that falls from the horizontal; its first rod's end after 0.5 s."""
-    b = Build()
-    before, first = b.ground, None
-    for i in range(n):
-        rod = b.body(LYING, [i + 0.5, 0, 0], 0.0, [0, 0, 0], 0.0, 9.81)
-        b.joint(before, rod, [i, 0, 0], REVOLUTE)
-        before, first = rod, first or rod
-    return b.mbs, first, [0.5, 0.0, 0.0], 0.5
-
-
-def main(problem: str, steps: int) -> None:
-    name, _, size = problem.partition(":")
-    made = {"four_bars": four_bars, "slider_crank": slider_crank, "chain": chain}[name]
-    mbs, body, point, until = made(*([int(size)] if size else []))
-    mbs.Assemble()
+def run(told: dict[str, Any], wanted: dict[str, Any]) -> dict[str, Any]:
+    """One simulation from the start; what it took, and where it ends."""
+    build = Build(told)
     settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, until
-    settings.timeIntegration.generalizedAlpha.spectralRadius = RHO
-    settings.timeIntegration.newton.useModifiedNewton = True
-    settings.timeIntegration.verboseMode = 0
+    time_integration = settings.timeIntegration
+    time_integration.numberOfSteps, time_integration.endTime = wanted["steps"], wanted["until"]
+    time_integration.generalizedAlpha.spectralRadius = RHO
+    time_integration.newton.useModifiedNewton = True
+    for name, value in wanted.get("newton", {}).items():
+        setattr(time_integration.newton, name, value)
+    time_integration.verboseMode = 0
     settings.solutionSettings.writeSolutionToFile = False
-    settings.linearSolver.solverType = (
-        exu.LinearSolverType.EigenSparse if size and int(size) > 3 else exu.LinearSolverType.EXUdense
-    )
+    settings.linearSolver.solverType = SOLVERS[wanted["solver"]]
     settings.parallel.numberOfThreads = 1
     began = time.process_time()
-    mbs.SolveDynamic(settings)
+    build.mbs.SolveDynamic(settings)
     taken = time.process_time() - began
-    kind, now = exu.OutputVariableType.Position, exu.ConfigurationType.Current
-    end = mbs.GetObjectOutputBody(body, kind, point, now)
-    print("RESULT", json.dumps({"seconds": taken, "steps": steps, "end": list(end[:2])}))
+
+    def output(kind: Any, body: str, at: list[float]) -> list[float]:
+        now = exu.ConfigurationType.Current
+        return list(build.mbs.GetObjectOutputBody(build.bodies[body], kind, at, now))
+
+    kinds = exu.OutputVariableType
+    end = [output(kinds.Position, point["body"], point["at"]) for point in told["points"]]
+    bodies = [body["name"] for body in told["bodies"]]
+    accelerations = [output(kinds.Acceleration, body, [0, 0, 0]) for body in bodies]
+    return {"seconds": taken, "steps": wanted["steps"], "end": end, "accelerations": accelerations}
+
+
+def main() -> None:
+    told = json.loads(sys.stdin.readline())
+    for line in sys.stdin:
+        try:
+            answer = run(told, json.loads(line))
+        except (RuntimeError, ValueError) as trouble:
+            answer = {"trouble": str(trouble)}
+        print("RESULT", json.dumps(answer), flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main()

@@ -65,10 +65,10 @@ def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
             if work.full[j, i] and row_place[i] < 0:
                 largest = max(largest, abs(work.a[j, i]))
         for i in range(n):
-            here = abs(work.a[j, i])
-            if work.full[j, i] and row_place[i] < 0 and largest > 0.0 and here >= LARGE * largest:
-                cost = float((work.in_row[i] - 1) * (work.in_column[j] - 1))
-                if cost < best or (cost == best and here > size * largest):
+            if work.full[j, i] and row_place[i] < 0:
+                here, cost = abs(work.a[j, i]), float((work.in_row[i] - 1) * (work.in_column[j] - 1))
+                fewer = cost < best or (cost == best and here > size * largest)
+                if fewer and largest > 0.0 and here >= LARGE * largest:
                     best, size, row, taken = cost, here / largest, i, work.looked[c]
     return row, taken
 

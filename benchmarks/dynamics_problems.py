@@ -34,6 +34,7 @@ class Problem(NamedTuple):
     others : forces that Exudyn has in its own way, by their names
     longest : the longest step that a method may choose, so that it does not pass by what lasts shortly [s]
     stops : times at which forces have corners, for the reference [s]
+    tolerances : with which methods choose their steps
     """
 
     name: str
@@ -47,6 +48,7 @@ class Problem(NamedTuple):
     others: tuple[dict[str, Any], ...] = ()
     longest: float = np.inf
     stops: tuple[float, ...] = ()
+    tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
     def end(self, run: sr.Trajectory) -> np.ndarray:
         """The points at the end, one after another."""
@@ -77,7 +79,10 @@ def four_bars() -> Problem:
 
     system, known = sr.System(made(40)), (0.180512226686728, 0.983572740582312, 0.0)
     points = [("upright_0", (0.0, 0.5, 0.0))]
-    return Problem("four_bars_40", system, sr.assemble(system), points, 10.0, (1000, 2000, 5000), known)
+    return Problem(
+        "four_bars_40", system, sr.assemble(system), points, 10.0, (1000, 2000, 5000), known,
+        tolerances=(1e-6, 1e-7),
+    )  # fmt: skip
 
 
 def chain(n: int, steps: tuple[int, ...]) -> Problem:

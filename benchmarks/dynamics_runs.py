@@ -15,7 +15,7 @@ import sarrus as sr
 
 REPEATS, ENOUGH = 3, 0.5  # runs in a turn; s, after which one is enough
 ROUNDS = 2  # turns of each code
-SAME = 1.1  # an error that is the same, as a multiple of that with the tightest tolerance
+CHANGE = 0.01  # of the error: what a looser Newton's method may change in the end
 OURS = (1e-8, 1e-7, 1e-6, 1e-5)  # tolerances that decide, with equal steps, how far Newton's method goes
 THEIRS = (  # their default first
     {"relativeTolerance": 1e-8, "absoluteTolerance": 1e-10},
@@ -24,7 +24,6 @@ THEIRS = (  # their default first
 )
 LARGE = 500  # coordinates above which the dense solver of Exudyn is not tried
 METHODS = (sr.HHT(-0.05), sr.GeneralizedAlpha(0.9), sr.GeneralizedAlpha(0.9, stabilized=True), sr.Radau())
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
 
 class Run(NamedTuple):
@@ -34,13 +33,18 @@ class Run(NamedTuple):
     steps: int
     error: float
     told: str
+    end: Any = None  # the points
 
     @property
     def microseconds_a_step(self) -> float:
         return 1e6 * self.seconds / max(self.steps, 1)
 
     def as_dict(self) -> dict[str, Any]:
-        return {**self._asdict(), "microseconds_a_step": self.microseconds_a_step}
+        return {
+            **self._asdict(),
+            "end": np.ravel(self.end).tolist(),
+            "microseconds_a_step": self.microseconds_a_step,
+        }
 
 
 class Compared:
@@ -80,7 +84,7 @@ class Compared:
     def ours(self, method: Any, tol: float) -> Run:
         """One run of Sarrus."""
         run, end, taken = self._simulated(method, tol)
-        return Run(taken, run.nsteps, self.error(end), f"{method!r}, {tol:g}")
+        return Run(taken, run.nsteps, self.error(end), f"{method!r}, {tol:g}", end)
 
     def theirs(self, steps: int, solver: str, newton: dict[str, float]) -> Run:
         """One run of Exudyn."""
@@ -89,7 +93,8 @@ class Compared:
         if "trouble" in found:
             return Run(np.inf, steps, np.inf, found["trouble"])
         told = f"{solver}, Newton's method to {newton['relativeTolerance']:g}"
-        return Run(found["seconds"], steps, self.error(np.concatenate(found["end"])), told)
+        end = np.concatenate(found["end"])
+        return Run(found["seconds"], steps, self.error(end), told, end)
 
     def equal_steps(self, steps: int) -> tuple[Run, Run | None]:
         """Both codes with so many equal steps, in turns, each with the loosest Newton's method that does as well."""
@@ -98,15 +103,16 @@ class Compared:
         other: list[Callable[[], Run]] = []
         if self.peer:
             other = [lambda s=s, n=n: self.theirs(steps, s, n) for n in THEIRS for s in self._solvers]
-        turns = [([quickest(run) for run in mine], [quickest(run) for run in other]) for _ in range(ROUNDS)]
-        both = [[least(tries) for tries in zip(*found, strict=True)] for found in zip(*turns, strict=True)]
-        return as_good(both[0]), as_good(both[1]) if self.peer else None
+        chosen = [as_good([(quickest(run), run) for run in code]) for code in (mine, other) if code]
+        again = [[quickest(run) for _, run in chosen] for _ in range(ROUNDS - 1)]
+        best = [least([first, *(turn[k] for turn in again)]) for k, (first, _) in enumerate(chosen)]
+        return best[0], best[1] if self.peer else None
 
     def variable_steps(self) -> Iterator[Run]:
         """All methods with steps that they choose."""
         if self.reference is not None:
             for method in METHODS:
-                for tol in TOLERANCES:
+                for tol in self.problem.tolerances:
                     yield quickest(lambda m=method, t=tol: self.ours(m, t))
 
     def memory(self) -> float:
@@ -155,7 +161,12 @@ def quickest(run: Callable[[], Run]) -> Run:
     return first if first.seconds > ENOUGH else least([first, *(run() for _ in range(REPEATS - 1))])
 
 
-def as_good(runs: list[Run]) -> Run:
-    """The quickest whose error is not above that of the first tolerance."""
-    limit = SAME * runs[0].error
-    return least([run for run in runs if run.error <= limit or run.told == runs[0].told])
+def as_good(runs: list[tuple[Run, Callable[[], Run]]]) -> tuple[Run, Callable[[], Run]]:
+    """The quickest whose end is that of the first, with the tightest tolerance, but for a part of its error."""
+    first = runs[0][0]
+    limit = CHANGE * (first.error if first.error > 0 else 1e-5)  # m, where there is no reference
+
+    def same(run: Run) -> bool:
+        return run is first or (np.isfinite(run.seconds) and distance(run.end - first.end) <= limit)
+
+    return min((pair for pair in runs if same(pair[0])), key=lambda pair: pair[0].seconds)

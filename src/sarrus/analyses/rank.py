@@ -106,7 +106,7 @@ def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
     if m > DENSE_UP_TO:
         return _null_by_iteration(unit, tolerance)
     used = np.unique(unit.indices)
-    dense = unit[:, used].toarray()
+    dense = (unit if 2 * len(used) > unit.shape[1] else unit[:, used]).toarray()
     values = np.linalg.svd(dense, compute_uv=False)
     values = np.concatenate([values, np.zeros(m - len(values))])
     zero = values <= tolerance * values.max(initial=0.0)

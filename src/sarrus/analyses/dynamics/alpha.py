@@ -15,6 +15,7 @@ from ...results import Assembly, Steps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
+from ..motion import Motion
 from . import alpha_loop as loop
 from .implicit import GROUPS, Implicit, calls, entries
 from .keeping import Keeping
@@ -171,8 +172,9 @@ class AlphaStepper(Implicit):
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state: a and λ of the equations of motion, ã = a, a first step of its own."""
         self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
+        motion = self._motion()
         try:
-            a, lam = self._motion().acceleration(t, q, v)
+            a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
         for place in self._state:
@@ -183,7 +185,7 @@ class AlphaStepper(Implicit):
         numbers, given = self._control.numbers, self.keeping.given()
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0
-        numbers[1] = numbers[4] = given[0] if len(given) else self._first_step()
+        numbers[1] = numbers[4] = given[0] if len(given) else self._first_step(motion)
         self.keeping.begin(self.matrix.numbers.left_out, t=t, q=q, v=v, a=a, x=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
@@ -260,7 +262,7 @@ class AlphaStepper(Implicit):
         relative = noise / (tolerances.atol_v + tolerances.rtol_v * abs(state.v0))
         return float(np.sqrt(np.mean(relative**2))) / loop.NEWTON_SHARE
 
-    def _first_step(self) -> float:
+    def _first_step(self, motion: Motion) -> float:
         """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
@@ -269,7 +271,7 @@ class AlphaStepper(Implicit):
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
         try:
-            a, _ = self._motion().acceleration(self.t + ahead, q, v)
+            a, _ = motion.acceleration(self.t + ahead, q, v)
         except SingularSystem:
             a = state.a0
         tolerances = self.settings.tolerances

@@ -14,6 +14,7 @@ from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
+from ..motion import Motion
 from . import radau_loop as loop
 from .alpha import compiled_parts
 from .alpha_loop import Tolerance
@@ -76,8 +77,9 @@ class RadauStepper(Implicit):
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state."""
         self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
+        motion = self._motion()
         try:
-            a, lam = self._motion().acceleration(t, q, v)
+            a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
         for place in self._state:
@@ -87,7 +89,7 @@ class RadauStepper(Implicit):
         self._last = a.copy(), lam.copy()
         numbers[:] = 0.0
         given = self.keeping.given()
-        numbers[0], numbers[1] = t, given[0] if len(given) else self._first_step()
+        numbers[0], numbers[1] = t, given[0] if len(given) else self._first_step(motion)
         self.keeping.begin(self.numbers.left_out, t=t, q=q, v=v, a=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
@@ -185,14 +187,14 @@ class RadauStepper(Implicit):
         self._show()
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
-    def _first_step(self) -> float:
+    def _first_step(self, motion: Motion) -> float:
         """A step whose estimated error, of order h⁴, is below the tolerance; a change of slope gives the scale."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
         state, ahead = self._state, 1e-5 * self._span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
         try:
-            a, _ = self._motion().acceleration(self.t + ahead, q, v)
+            a, _ = motion.acceleration(self.t + ahead, q, v)
         except SingularSystem:
             a = state.a0
         jerk = (a - state.a0) / ahead / (self.tolerance.atol_v + self.tolerance.rtol_v * abs(state.v0))

@@ -17,6 +17,8 @@ from sarrus import mechanisms
 from sarrus.views import shapes
 from sarrus.views.looks import sketch
 from sarrus.views.meshes import MeshError, read_mesh
+from sarrus.views.meshes.thin import thinned
+from sarrus.views.shapes.rounds import turned
 
 BOX = shapes.box((1.0, 2.0, 3.0)).moved(np.array([0.5, 0.0, 0.0]))
 PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
@@ -196,3 +198,16 @@ def test_visuals_of_a_robot(tmp_path: Path) -> None:
     assert tip.color == "#ff0000"
     assert tip.mesh.vertices.max(axis=0) == pytest.approx([0.1, 0.1, 0.65])
     assert not drawn.notes
+
+
+def test_large_meshes_are_thinned() -> None:
+    """A fine ball keeps its shape with a tenth of its triangles; what is small enough is left as it is."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 160)
+    fine = turned([np.column_stack([np.cos(angles), np.sin(angles)])], around=320)
+    coarse = thinned(fine, 10_000)
+    assert len(fine.faces) > 100_000
+    assert 4_000 < len(coarse.faces) <= 10_000
+    assert np.linalg.norm(coarse.vertices, axis=1) == pytest.approx(1.0, abs=0.02)
+    a, b, c = (coarse.vertices[coarse.faces[:, k]] for k in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(4 / 3 * np.pi, rel=0.02)
+    assert thinned(coarse) is coarse

@@ -85,6 +85,19 @@ def test_arrows_are_applied_forces() -> None:
     assert spring["told"] == "force of spring on slider"
 
 
+def test_weights_are_arrows_on_request(tmp_path: Path) -> None:
+    system = sr.System(replace(run().system.model, gravity=(0, 0, -10)))
+    moved = sr.kinematics(system, np.linspace(0.0, 1.0, 5))
+    for shown, count in ((False, 0), (True, 3)):
+        parts = read(moved.animate(tmp_path / "page.html", count=5, weights=shown))
+        found = [one for one in parts.told["runs"][0]["arrows"] if one["told"].startswith("weight of")]
+        assert len(found) == count
+    (rod,) = [one for one in found if one["name"] == "rod"]
+    mass = next(body.mass for body in system.model.bodies if body.name == "rod")
+    assert parts.array(rod["d"])[:, 2] == pytest.approx(-10 * mass, rel=1e-6)
+    assert parts.array(rod["p"]) == pytest.approx(moved["rod"].position, abs=ROUNDED)
+
+
 def test_all_names_are_there() -> None:
     told = page().told
     model = run().system.model

@@ -5,21 +5,26 @@ from __future__ import annotations
 import json
 import shutil
 import struct
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.transforms import Bbox
 from PIL import Image
 from tests.analyses.driven import turned
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.views import mechanism_figure
 from sarrus.views.camera import camera
-from sarrus.views.film import write_film
+from sarrus.views.film import _ffmpeg, write_film
 from sarrus.views.raster import Canvas
 
+PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
 WHITE, RED, BLUE = np.ones(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
 
 
@@ -94,9 +99,20 @@ def test_a_film_moves(tmp_path: Path) -> None:
         assert abs(np.asarray(film.convert("RGB"), dtype=float) - first).max() > 50
 
 
+def test_an_mp4_film_moves(tmp_path: Path) -> None:
+    """Written by ffmpeg, and read again by it: its frames, and what changes."""
+    file = run().animate(tmp_path / "motion.mp4", speed=2.0)
+    told = [str(_ffmpeg()), "-loglevel", "error", "-i", str(file), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    raw = subprocess.run(told, capture_output=True, check=True).stdout
+    images = np.frombuffer(raw, dtype=np.uint8).astype(int).reshape(-1, 450, 720, 3)
+    assert len(images) == 15
+    assert abs(images[-1] - images[0]).max() > 50
+
+
 def test_mp4_without_ffmpeg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    with pytest.raises(OSError, match="needs the program ffmpeg"):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(OSError, match="needs ffmpeg"):
         write_film([], tmp_path / "motion.mp4", None)
 
 
@@ -148,3 +164,33 @@ def test_glb_turns_up_into_y(tmp_path: Path) -> None:
     turned_z = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
     assert turned_z == pytest.approx([0, 1, 0], abs=1e-7)
     assert "animations" not in glb.told
+
+
+def test_names_in_a_crowded_drawing_do_not_lie_on_each_other() -> None:
+    """As the renderer measures them, not as they were guessed."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure = mechanism_figure(
+        sr.load_urdf(PANDA, mimic="lock", inertia="given", lock=["panda_finger_joint1"])
+    )
+    FigureCanvasAgg(figure).draw()
+    (ax,) = figure.axes
+    boxes = [_shown(text, ax) for text in ax.texts]
+    assert len(boxes) == 12
+    pairs = [(a, b) for n, a in enumerate(boxes) for b in boxes[n + 1 :]]
+    assert not [1 for a, b in pairs if a.overlaps(b)]
+
+
+def _shown(text: Any, ax: Any) -> Any:
+    """The box around the written line of a text in space, a little smaller than its letters."""
+    from mpl_toolkits.mplot3d import proj3d
+
+    x, y, _ = proj3d.proj_transform(*text.get_position_3d(), ax.get_proj())
+    flat = ax.text2D(x, y, text.get_text(), fontsize=text.get_fontsize(), ha=text.get_ha(), va=text.get_va())
+    flat.set_transform(text.get_transform())
+    box = flat.get_window_extent()
+    lines = text.get_text().split("\n")
+    step = box.height / len(lines)
+    first = next(n for n, line in enumerate(lines) if line.strip())
+    flat.remove()
+    return Bbox.from_extents(box.x0, box.y1 - (first + 0.9) * step, box.x1, box.y1 - (first + 0.1) * step)

@@ -68,8 +68,9 @@ def _memory(kind: Any) -> list[int]:
 
 
 def _point(element: Any, side: int, bodies: int) -> Array:
-    """The point of a force element on a body in its axes; the origin if it has none."""
-    name = "s" if bodies == 1 else ("s_i", "s_j")[side] if bodies == 2 else ""
+    """The point of a force element on a body in its axes: of a weight the centre of mass; the origin if it has none."""
+    alone = "center" if hasattr(element, "center") else "s"
+    name = alone if bodies == 1 else ("s_i", "s_j")[side] if bodies == 2 else ""
     return np.asarray(getattr(element, name, np.zeros(3)), dtype=float)
 
 

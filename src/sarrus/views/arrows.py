@@ -33,7 +33,9 @@ class Arrow(NamedTuple):
     most: float = 1.0
 
 
-def arrows(run: Trajectory, at: Frames, reactions: Sequence[str] | bool | None, forces: bool) -> list[Arrow]:
+def arrows(
+    run: Trajectory, at: Frames, reactions: Sequence[str] | bool | None, forces: bool, weights: bool = False
+) -> list[Arrow]:
     """All arrows of a run that are ever seen, those of each kind and unit to one scale.
 
     Parameters
@@ -42,13 +44,14 @@ def arrows(run: Trajectory, at: Frames, reactions: Sequence[str] | bool | None, 
     at : its frames
     reactions : names of joints and drivers, or whether all; left out, all if they are few
     forces : whether springs, loads, tyres and contacts are shown
+    weights : whether the weights of bodies are, at their centres of mass
     """
     system = run.system
     if system is None:
         return []
     found = [arrow for name in _chosen(system, reactions) for arrow in _reaction(run, at, name)]
-    if forces:
-        found += _applied(system, at)
+    if forces or weights:
+        found += _applied(system, at, forces, weights)
     return _to_scale(found)
 
 
@@ -75,14 +78,19 @@ def _reaction(run: Trajectory, at: Frames, name: str) -> Iterator[Arrow]:
     yield Arrow(name, "reaction", told.replace("reaction", "reaction torque"), True, points, torques)
 
 
-def _applied(system: System, at: Frames) -> list[Arrow]:
-    """The force and torque of every force element on each of its moving bodies, but the weight."""
+def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Arrow]:
+    """The force and torque of every force element on each of its moving bodies, and their weights."""
     found: list[Arrow] = []
     for p in system.populations:
         if not issubclass(p.kind, Force):
             continue
         for k, (owner, label) in enumerate(zip(p.owners, p.labels, strict=True)):
-            for load in loads(system, p, k, at) if label != "gravity" else ():
+            weighing = label == "gravity"
+            for load in loads(system, p, k, at) if (weights if weighing else forces) else ():
+                if weighing:
+                    told = f"weight of {load.body}"
+                    found.append(Arrow(load.body, "force", told, False, load.points, load.forces))
+                    continue
                 on = f"{owner} on {load.body}"
                 found.append(Arrow(owner, "force", f"force of {on}", False, load.points, load.forces))
                 found.append(Arrow(owner, "force", f"torque of {on}", True, load.points, load.torques))

@@ -28,9 +28,7 @@ BACKGROUND, INK = np.array([0.933, 0.945, 0.957]), "#23282e"
 LIGHT = np.array([0.35, 0.45, 0.82])  # in axes of the camera: right, up, back
 AMBIENT, GHOST = 0.52, 0.38
 MISSING = 'pictures and films need Pillow: pip install "sarrus[plot]"'
-NO_FFMPEG = (
-    "an .mp4 film needs the program ffmpeg, which is not on the PATH; install it, or write a .gif or .html"
-)
+NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .gif or .html'
 
 
 def write_picture(shown: Sequence[Shown], file: Path, view: str | None = None) -> Path:
@@ -51,7 +49,7 @@ def write_film(shown: Sequence[Shown], file: Path, speed: float | None, view: st
         If an MP4 is wanted and there is no ffmpeg.
     """
     ending = file.suffix.lower()
-    ffmpeg = shutil.which("ffmpeg")
+    ffmpeg = _ffmpeg() if ending == ".mp4" else None
     if ending == ".mp4" and ffmpeg is None:
         raise OSError(NO_FFMPEG)
     studio = _Studio(shown, SIZE, view)
@@ -62,6 +60,15 @@ def write_film(shown: Sequence[Shown], file: Path, speed: float | None, view: st
     else:
         _mp4(images, str(ffmpeg), file)
     return file
+
+
+def _ffmpeg() -> str | None:
+    """The program: that on the PATH, or the one that a Python package carries."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        return shutil.which("ffmpeg")
+    return shutil.which("ffmpeg") or str(get_ffmpeg_exe())
 
 
 def _times(shown: Sequence[Shown], speed: float | None, rate: int) -> Array:

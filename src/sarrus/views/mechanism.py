@@ -12,6 +12,7 @@ from ..algebra import Array
 from ..model import Model, blueprint
 from ..model.blueprint import Blueprint, Placed
 from ..model.words import global_point
+from .labels import part_labels
 from .plots import ORANGE, figure_of
 
 BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
@@ -20,6 +21,7 @@ MOST_NAMES = 16  # of joints and forces
 MARGIN = 0.05  # of the largest extent, around the drawing
 FLAT = 1e-6  # of the largest extent: what is thinner is drawn from the front
 FRONT = {0: (0, 0), 1: (0, -90), 2: (90, -90)}  # elevation and azimuth [deg] of a view along x, y, z
+SHORT = 0.4  # of the largest extent: axes that have room for few numbers
 ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -65,6 +67,7 @@ def mechanism_figure(model: Model) -> Any:
     origins = [_origin(plan, number) for number in centers]
     _fit(ax, [*(mark.place for mark in marks), *origins, *centers.values()])
     ax.set_title(model.name, loc="left", fontsize=11)
+    part_labels(ax)
     return figure
 
 
@@ -113,13 +116,9 @@ def _draw_body(ax: Any, plan: Blueprint, number: int, points: list[Array]) -> No
 
 
 def _write_bodies(ax: Any, plan: Blueprint) -> None:
-    """Write the names of bodies at their origins, those at one place one above the other."""
-    lines: dict[tuple[float, ...], int] = {}
+    """Write the names of bodies above their origins."""
     for number, name in enumerate(plan.bodies, start=1):
-        origin = _origin(plan, number)
-        place = tuple((np.round(origin, 3) + 0.0).tolist())
-        lines[place] = lines.get(place, 0) + 1
-        ax.text(*origin, f" {name}" + "\n" * lines[place], color=_colour(number), fontsize=9)
+        ax.text(*_origin(plan, number), f" {name}\n", color=_colour(number), fontsize=9)
 
 
 def _draw_joints(ax: Any, marks: list[Mark]) -> None:
@@ -173,6 +172,9 @@ def _fit(ax: Any, places: list[Array]) -> None:
     pad[flat] = 3 * MARGIN * largest
     for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low - pad, high + pad, strict=True):
         set_limits(a, b)
+    for axis, extent in zip((ax.xaxis, ax.yaxis, ax.zaxis), high - low + 2 * pad, strict=True):
+        if extent < SHORT * largest:
+            axis.get_major_locator().set_params(nbins=2)
     front = 0 < len(flat) < 3
     ax.set_box_aspect(high - low + 2 * pad, zoom=1.1 if len(flat) == 1 else 0.95)
     _label(ax)

@@ -85,6 +85,7 @@ def animate(
     traces: Iterable[Trace] = (),
     reactions: Sequence[str] | bool | None = None,
     forces: bool = True,
+    weights: bool = False,
     arrows: bool = False,
     speed: float | None = None,
     names: bool = False,
@@ -103,6 +104,7 @@ def animate(
     traces : bodies, by name (their centres of mass), and points whose paths are drawn
     reactions : names of joints and drivers whose reactions are arrows, or whether all; left out, all if they are few
     forces : whether springs, loads, tyres and contacts are arrows
+    weights : whether the weights of bodies are arrows too
     arrows : whether arrows are on at first; the page has switches
     speed : at first, times that of life; by default 1, or slow enough to be seen
     names : whether names of bodies are on at first
@@ -125,7 +127,7 @@ def animate(
     told = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
     if len(told) != len(runs):
         raise ValueError(f"there are {len(runs)} runs, but {len(told)} labels; give one for each")
-    wanted = ([], False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces)
+    wanted = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
     shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, told, strict=True)]
     if ending == ".glb":
         return _glb(shown[0], file)

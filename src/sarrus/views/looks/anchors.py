@@ -10,6 +10,7 @@ import numpy as np
 from ...algebra import Array
 from ...model import Model
 from ...model.blueprint import Blueprint, Placed
+from ...model.joints.coupling import Coupling
 from ...model.marker import Framed
 from ...model.pose import GROUND_POSE, Poses
 from ...model.registry import kind_name
@@ -30,14 +31,15 @@ class Anchor(NamedTuple):
 
 
 def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
-    """The anchors of all joints, or of all forces, that are somewhere."""
+    """The anchors of all joints, or of all forces, that are somewhere, which couplings are not."""
     numbers = {name: n for n, name in enumerate((GROUND, *plan.bodies))}
     poses: Poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in model.bodies}}
     placed: dict[str, list[Placed]] = {}
     for one in plan.placed:
         placed.setdefault(one.owner, []).append(one)
     parts: Any = model.sections()[section]
-    found = (_anchor(part, numbers, poses, placed.get(part.name, [])) for part in parts)
+    somewhere = (part for part in parts if not isinstance(part, Coupling))
+    found = (_anchor(part, numbers, poses, placed.get(part.name, [])) for part in somewhere)
     return [anchor for anchor in found if anchor is not None]
 
 

@@ -13,11 +13,14 @@ from ...algebra import Array
 from ...euler import A
 from ...model import Model, ModelError, blueprint
 from ...model.blueprint import Blueprint
+from ...model.joints.coupling import Coupling
 from ...model.show import quote
 from ...model.solid import GROUND
 from ..meshes import Colored, MeshError
+from ..shapes import Mesh
 from .anchors import Anchor, anchors, centers, points_of
 from .body import Outline, body_meshes
+from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
 from .given import given_meshes
 from .joint import RAILS, Room, joint_parts
@@ -91,6 +94,8 @@ class _Drawing:
         self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
         self.masses = centers(plan)
         self.notes: list[str] = []
+        self.holds = {anchor.name: self._hold(anchor) for anchor in self.joints}
+        self.wheels = wheels(model.joints, self.holds)
         self.given = self._given()
         gravity = np.array(model.gravity, dtype=float)
         weight = np.linalg.norm(gravity)
@@ -100,7 +105,7 @@ class _Drawing:
         self.room = Room(self.unit, self.size, self.up, dict(self._travels()))
 
     def sketch(self) -> Sketch:
-        drawn = [*self._bodies(), *self._joints(), *self._forces()]
+        drawn = [*self._bodies(), *self._joints(), *self._couplings(), *self._forces()]
         return Sketch(
             self.model.name,
             self.plan.bodies,
@@ -139,7 +144,11 @@ class _Drawing:
             for piece in self.given.get(name, ()):
                 yield Part(name, "body", told, number, piece.mesh, piece.color or color)
             if number and name not in self.given:
-                for mesh, opacity in body_meshes(self._outline(number), self.unit, self.size):
+                outline = self._outline(number)
+                if number in self.wheels and len(outline.points) == 1:
+                    yield Part(name, "body", told, number, hub(self.wheels[number], self.room), color)
+                    continue
+                for mesh, opacity in body_meshes(outline, self.unit, self.size):
                     yield Part(name, "body", told, number, mesh, color, opacity)
 
     def _outline(self, number: int) -> Outline:
@@ -164,6 +173,22 @@ class _Drawing:
         """Whether both bodies of a joint have shapes of their own, which show the joint too."""
         names = (GROUND, *self.plan.bodies)
         return all(names[body] in self.given for body in anchor.bodies)
+
+    def _couplings(self) -> Iterator[Part]:
+        for part in self.model.joints:
+            if isinstance(part, Coupling):
+                yield from coupling_parts(part, self.holds, self.room)
+
+    def _hold(self, anchor: Anchor) -> Hold:
+        """Where a joint holds its second body, or its first if the second is the ground."""
+        side = 1 if anchor.bodies[1] else 0
+        body, point = anchor.bodies[side], anchor.points[side]
+        origin, axes = self._global(body, np.zeros(3), self.plan.q), self._axes(body, self.plan.q)
+
+        def local(mesh: Mesh) -> Mesh:
+            return mesh.moved(-origin).moved(np.zeros(3), axes.T)
+
+        return Hold(anchor.name, body, origin + axes @ point, axes @ anchor.axes[side], local)
 
     def _forces(self) -> Iterator[Part | Span]:
         for anchor in self.forces:

@@ -11,6 +11,7 @@ from .dae import read_dae
 from .gltf import read_gltf
 from .obj import read_obj
 from .stl import read_stl
+from .thin import thinned
 
 READERS: dict[str, Callable[[Path], list[Colored]]] = {
     ".stl": read_stl,
@@ -23,7 +24,7 @@ READERS: dict[str, Callable[[Path], list[Colored]]] = {
 
 @lru_cache(maxsize=64)
 def read_mesh(file: Path) -> list[Colored]:
-    """Return the parts of a mesh file.
+    """Return the parts of a mesh file, large ones thinned.
 
     Raises
     ------
@@ -34,7 +35,7 @@ def read_mesh(file: Path) -> list[Colored]:
     if reader is None:
         raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}; convert it")
     try:
-        return reader(file)
+        return [Colored(thinned(mesh), color) for mesh, color in reader(file)]
     except FileNotFoundError:
         raise MeshError(f"{file}: does not exist; check the path") from None
     except OSError as trouble:

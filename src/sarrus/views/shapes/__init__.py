@@ -1,7 +1,7 @@
 """Triangle meshes that drawings are made of: balls, rods, plates, coils, and how they are placed."""
 
 from .mesh import Mesh, joined, normals
-from .plates import bar, box, hull, plate
+from .plates import bar, box, hull, plate, toothed
 from .rounds import arrow, ball, coil, cone, disc, rim, ring, rod, spiral, tube, wheel
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "ring",
     "rod",
     "spiral",
+    "toothed",
     "tube",
     "wheel",
 ]

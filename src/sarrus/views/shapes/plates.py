@@ -1,4 +1,4 @@
-"""Flat and convex bodies: boxes, plates with given corners, links with round ends, hulls of points."""
+"""Flat and convex bodies: boxes, plates with given corners, toothed wheels, links with round ends, hulls of points."""
 
 from __future__ import annotations
 
@@ -22,6 +22,19 @@ def plate(outline: Array, low: float, high: float) -> Mesh:
     bottom, top = (np.column_stack([outline, np.full(n, z)]) for z in (low, high))
     fan = np.array([(0, k, k + 1) for k in range(1, n - 1)])
     return joined([Mesh(bottom, fan[:, ::-1]), Mesh(top, fan), *_sides(bottom, top)])
+
+
+def toothed(radius: float, height: float, teeth: int, low: float, high: float) -> Mesh:
+    """A toothed wheel about z: pitch radius, height of the teeth, from z = low to high."""
+    steps = np.linspace(0.0, 2 * np.pi, 4 * teeth, endpoint=False)
+    reach = radius + 0.5 * height * np.tile([1.0, 1.0, -1.0, -1.0], teeth)
+    outline = reach[:, None] * np.column_stack([np.cos(steps), np.sin(steps)])
+    n = len(outline)
+    bottom, top = (
+        np.column_stack([np.vstack([outline, [0.0, 0.0]]), np.full(n + 1, z)]) for z in (low, high)
+    )
+    fan = np.array([(n, k, (k + 1) % n) for k in range(n)])
+    return joined([Mesh(bottom, fan[:, ::-1]), Mesh(top, fan), *_sides(bottom[:n], top[:n])])
 
 
 def _sides(bottom: Array, top: Array) -> list[Mesh]:

@@ -1,0 +1,127 @@
+"""What couplings look like: gears as toothed wheels, a rack with its pinion, collars on joints that others follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.joints.coupler import Coupler
+from ...model.joints.coupling import Coupling
+from ...model.joints.gear import Gear
+from ...model.joints.rack_and_pinion import RackAndPinion
+from ..shapes import Mesh, box, disc, joined, ring, toothed
+from .joint import Room
+from .part import DARK, MOTOR, STEEL, Part
+
+PARALLEL = 0.999  # cosine
+PITCH = 1.3  # thicknesses from one tooth to the next
+FEWEST = 8  # teeth
+WIDTH = 1.1  # thicknesses
+
+
+class Hold(NamedTuple):
+    """Where a joint holds its moving body: the body's number, its point and axes in space, and the way to its frame."""
+
+    name: str
+    body: int
+    point: Array
+    axes: Array
+    local: Callable[[Mesh], Mesh]
+
+
+def coupling_parts(part: Coupling, holds: dict[str, Hold], room: Room) -> Iterator[Part]:
+    """Yield what a coupling of two joints looks like; nothing if one of them is nowhere."""
+    i, j = held(part, holds)
+    if i is None or j is None:
+        return
+    if isinstance(part, Gear):
+        yield from _gears(part, i, j, room)
+    elif isinstance(part, RackAndPinion):
+        yield from _rack(part, i, j, room)
+    elif isinstance(part, Coupler):
+        told = f"coupler, {part.joint_j} = {part.ratio:g} times {part.joint_i}"
+        collar = ring(1.9 * room.unit, 0.7 * room.unit)
+        for hold in (i, j):
+            yield Part(part.name, "joint", told, hold.body, _at(hold, collar), MOTOR)
+
+
+def held(part: Coupling, holds: dict[str, Hold]) -> tuple[Hold | None, Hold | None]:
+    """Where the two joints of a coupling are, the pinion's first."""
+    found: Any = part
+    names = (found.pinion, found.rack) if isinstance(part, RackAndPinion) else (found.joint_i, found.joint_j)
+    first, second = (holds.get(name.partition(".")[0]) for name in names)
+    return first, second
+
+
+def wheels(parts: Iterable[Any], holds: dict[str, Hold]) -> dict[int, Hold]:
+    """The bodies that are drawn with a toothed wheel, by number."""
+    found: dict[int, Hold] = {}
+    for part in parts:
+        if isinstance(part, Gear | RackAndPinion):
+            i, j = held(part, holds)
+            turning = (i,) if isinstance(part, RackAndPinion) else (i, j)
+            found |= {one.body: one for one in turning if one is not None and j is not None}
+    return found
+
+
+def hub(hold: Hold, room: Room) -> Mesh:
+    """What is left to draw of a body that is a wheel and no more."""
+    return _at(hold, disc(1.5 * room.unit, -1.1 * room.unit, 1.1 * room.unit))
+
+
+def radii(ratio: float, i: Hold, j: Hold, room: Room) -> tuple[float, float]:
+    """Radii [m] of two wheels, as the ratio has them; they touch where parallel axes turn in opposite senses."""
+    between = j.point - i.point
+    across = between - (between @ i.axes[:, 2]) * i.axes[:, 2]
+    apart, parallel = float(np.linalg.norm(across)), abs(i.axes[:, 2] @ j.axes[:, 2]) > PARALLEL
+    opposite = ratio * (i.axes[:, 2] @ j.axes[:, 2]) < 0
+    whole = apart if parallel and opposite and apart > 2 * room.unit else 8 * room.unit
+    return whole * abs(ratio) / (1 + abs(ratio)), whole / (1 + abs(ratio))
+
+
+def _gears(part: Gear, i: Hold, j: Hold, room: Room) -> Iterator[Part]:
+    told = f"gear, angle of {j.name} = {part.ratio:g} times that of {i.name}"
+    for hold, radius, color in zip((i, j), radii(part.ratio, i, j, room), (STEEL, DARK), strict=True):
+        yield Part(part.name, "joint", told, hold.body, _at(hold, _wheel(radius, room)), color)
+
+
+def _rack(part: RackAndPinion, pinion: Hold, rack: Hold, room: Room) -> Iterator[Part]:
+    told = f"rack and pinion, {part.radius:g} m for a radian"
+    radius = abs(part.radius)
+    yield Part(part.name, "joint", told, pinion.body, _at(pinion, _wheel(radius, room)), STEEL)
+    way, axle = rack.axes[:, 2], pinion.axes[:, 2]
+    out = np.cross(way, axle) * np.sign(part.radius)  # ω × (r out) is along the way
+    axes = np.column_stack([way, np.cross(out, way), out])
+    count = max(FEWEST, int(4 * radius / (PITCH * room.unit)))
+    teeth = [
+        box((0.5 * PITCH * room.unit, WIDTH * room.unit, 0.6 * room.unit)).moved(
+            np.array([(n - (count - 1) / 2) * PITCH * room.unit, 0.0, 0.0])
+        )
+        for n in range(count)
+    ]
+    back = box((count * PITCH * room.unit, WIDTH * room.unit, 0.8 * room.unit)).moved(
+        np.array([0.0, 0.0, 0.7 * room.unit])
+    )
+    place = pinion.point + radius * out
+    yield Part(
+        part.name, "joint", told, rack.body, rack.local(joined([back, *teeth]).moved(place, axes)), DARK
+    )
+
+
+def _wheel(radius: float, room: Room) -> Mesh:
+    """A toothed wheel about z, on a hub."""
+    teeth = max(FEWEST, round(2 * np.pi * radius / (PITCH * room.unit)))
+    half = 0.5 * WIDTH * room.unit
+    return joined(
+        [
+            toothed(radius, 0.35 * room.unit, teeth, -half, half),
+            disc(0.9 * room.unit, -1.6 * half, 1.6 * half),
+        ]
+    )
+
+
+def _at(hold: Hold, mesh: Mesh) -> Mesh:
+    return hold.local(mesh.moved(hold.point, hold.axes))

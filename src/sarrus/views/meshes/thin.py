@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...algebra import Array
 from ..shapes import Mesh
 
 MOST = 20_000  # triangles that a browser turns with ease, and that a page holds in less than half a megabyte
-FINEST, COARSEST = 512, 4  # cells along the longest side
+FINEST, COARSEST = 300, 4  # cells along the longest side
 
 
 def thinned(mesh: Mesh, most: int = MOST) -> Mesh:
@@ -15,24 +16,28 @@ def thinned(mesh: Mesh, most: int = MOST) -> Mesh:
 
     A corner moves by less than the diagonal of a cell; triangles that have lost their area are left out.
     """
-    cells = FINEST
-    found = mesh
+    cells, found = FINEST, mesh
     while len(found.faces) > most and cells >= COARSEST:
         found = _clustered(mesh, cells)
-        cells = int(cells / 1.3)
+        cells = int(
+            0.97 * cells * min((most / max(len(found.faces), 1)) ** 0.5, 1.0)
+        )  # faces grow with its square
     return found
 
 
 def _clustered(mesh: Mesh, cells: int) -> Mesh:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     size = float((high - low).max()) / cells or 1.0
-    keys = np.floor((mesh.vertices - low) / size).astype(np.int64)
-    _, owner, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    owner = owner.reshape(-1)
-    sums = np.zeros((len(count), 3))
-    np.add.at(sums, owner, mesh.vertices)
+    keys = _one_number(np.floor((mesh.vertices - low) / size).astype(np.int64), cells + 1)
+    _, owner, count = np.unique(keys, return_inverse=True, return_counts=True)
+    sums = np.column_stack([np.bincount(owner, column) for column in mesh.vertices.T])
     faces = owner[mesh.faces]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    _, first = np.unique(_one_number(np.sort(faces, axis=1), len(count)), return_index=True)
     return Mesh(sums / count[:, None], faces[np.sort(first)])
+
+
+def _one_number(triples: Array, base: int) -> Array:
+    """Triples of whole numbers below ``base`` as one number each."""
+    return (triples[:, 0] * base + triples[:, 1]) * base + triples[:, 2]

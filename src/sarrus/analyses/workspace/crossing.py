@@ -29,7 +29,8 @@ class Crossing(NamedTuple):
     x : unknowns of the point that was examined
     side : +1 or -1: the outputs stay on the side of c or -c, a barrier; 0: they can go to both sides
     terms : -lam_i sigma_i of the active limits, then the eigenvalues of the form
-    sure : false where further limits are reached by coincidence, which are not in the terms
+    sure : false where further limits are reached by coincidence, which are not in the terms, or where some terms
+        vanish, as for a freedom that moves none of the outputs; the others then tell the side
     """
 
     x: Array
@@ -72,5 +73,6 @@ def examine(stratum: Stratum, x: Array) -> Crossing:
     pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs
     terms = np.concatenate([pushes, np.linalg.eigvalsh(form)])
     small = VANISHES * abs(terms).max(initial=0.0)
-    side = 1 if np.all(terms > small) else -1 if np.all(terms < -small) else 0
-    return Crossing(x, side, terms, _alone(stratum, q))
+    telling = terms[abs(terms) > small]
+    side = 0 if not len(telling) else 1 if np.all(telling > 0) else -1 if np.all(telling < 0) else 0
+    return Crossing(x, side, terms, _alone(stratum, q) and (side == 0 or len(telling) == len(terms)))

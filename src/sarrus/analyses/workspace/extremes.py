@@ -25,6 +25,7 @@ from .seeds import Start, random_start
 from .stratum import Stratum
 
 ONE = 1e-7  # free of units: nearer values are one
+MOST_ALIKE = 8  # positions with one value and the same active limits that are kept
 TRIES = 20
 
 
@@ -82,11 +83,15 @@ class Search:
         self.complete = self.in_a_row >= repeats
 
     def _is_new(self, start: Start) -> bool:
-        n = self.problem.n
-        if any(apart(one.x[:n], start.x[:n]) < SAME for one in self.found):
+        """Whether it is another position; one of a family of positions with the same value tells nothing new."""
+        n, value = self.problem.n, self._value(start.x[: self.problem.n])
+        alike = [one for one in self.found if one.key == start.key]
+        if any(apart(one.x[:n], start.x[:n]) < SAME for one in alike):
             return False
-        self.found.append(start)
-        return True
+        family = [one for one in alike if abs(self._value(one.x[:n]) - value) < ONE]
+        if len(family) < MOST_ALIKE:
+            self.found.append(start)
+        return not family
 
     def _value(self, q: Array) -> float:
         return float(self.problem.values(q)[self.problem.m + self.problem.outputs[0]])

@@ -8,7 +8,7 @@ import sarrus as sr
 
 DEGREE = np.pi / 180
 Limits = dict[object, tuple[float | None, float | None]]
-Case = tuple[sr.System, tuple[object, object], Limits]
+Case = tuple[sr.System, tuple[object, ...], Limits]
 
 
 def arm(lengths: list[float]) -> tuple[sr.System, sr.Point]:
@@ -141,3 +141,63 @@ def delta() -> tuple[sr.System, sr.Point]:
         joints.append(sr.Distance(f"rod_{n}", arm.point(0.3, 0, 0), tool.point(0, 0, 0), length=0.6))
         arms.append(arm)
     return sr.System(sr.Model("delta", bodies=[x, y, tool, *arms], joints=joints)), tool.point(0, 0, 0)
+
+
+def spatial_arm(
+    places: list[tuple[float, ...]], axes: list[tuple[float, ...]], tip: tuple[float, ...]
+) -> Case:
+    """Hinges in space at given places with given axes, and the tip's place."""
+    bodies = [sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=at) for n, at in enumerate(places, 1)]
+    chain = [sr.ground, *bodies]
+    joints = [
+        sr.Revolute(f"q{n + 1}", chain[n], chain[n + 1], point=places[n], axis=axes[n])
+        for n in range(len(places))
+    ]
+    own = np.subtract(tip, places[-1])
+    system = sr.System(sr.Model("spatial arm", bodies=bodies, joints=joints))
+    return system, bodies[-1].point(*own)["x", "y", "z"], {}
+
+
+def elbow_arm() -> Case:
+    """Yaw, pitch and elbow with limits: links of 0.45 and 0.40 m, the shoulder 0.1 m beside the axis, 0.5 m high."""
+    system, tip, _ = spatial_arm(
+        [(0, 0, 0), (0.1, 0, 0.5), (0.55, 0, 0.5)], [(0, 0, 1), (0, -1, 0), (0, -1, 0)], (0.95, 0, 0.5)
+    )
+    limits = {"q1": (-160, 160), "q2": (20, 90), "q3": (-120, -10)}
+    return system, tip, {name: (low * DEGREE, high * DEGREE) for name, (low, high) in limits.items()}
+
+
+def puma() -> Case:
+    """The wrist's centre of a PUMA 560, its first three hinges without limits: a shell around the shoulder."""
+    a2, a3, d4, d = 0.4318, 0.0203, 0.4331, 0.1497
+    return spatial_arm(
+        [(0, 0, 0), (0, d, 0), (a2, d, 0)], [(0, 0, 1), (0, -1, 0), (0, -1, 0)], (a2 + a3, d, d4)
+    )
+
+
+def translated(
+    legs: dict[tuple[tuple[float, ...], tuple[float, ...]], tuple[float, float]],
+) -> Case:
+    """A body that is moved without turning by three slides, with limited lengths to points of the ground."""
+    x, y = (sr.Body(name, mass=1, inertia=(1, 1, 1)) for name in "xy")
+    tool = sr.Body("tool", mass=1, inertia=(1, 1, 1), position=(0, 0, 1))
+    joints = [
+        sr.Translational("slide_x", sr.ground, x, point=(0, 0, 0), axis=(1, 0, 0)),
+        sr.Translational("slide_y", x, y, point=(0, 0, 0), axis=(0, 1, 0)),
+        sr.Translational("slide_z", y, tool, point=(0, 0, 0), axis=(0, 0, 1)),
+    ]
+    limits: Limits = {
+        sr.Length(sr.ground.point(*foot), tool.point(*corner), f"leg {n}"): pair
+        for n, ((foot, corner), pair) in enumerate(legs.items(), start=1)
+    }
+    system = sr.System(sr.Model("translated", bodies=[x, y, tool], joints=joints))
+    return system, tool.point(0, 0, 0)["x", "y", "z"], limits
+
+
+def gough() -> Case:
+    """A platform on six legs with a fixed orientation."""
+    feet = [(np.cos(a * DEGREE), np.sin(a * DEGREE), 0.0) for a in (10, 110, 130, 230, 250, 350)]
+    corners = [
+        (0.6 * np.cos(a * DEGREE), 0.6 * np.sin(a * DEGREE), 0.0) for a in (50, 70, 170, 190, 290, 310)
+    ]
+    return translated(dict.fromkeys(zip(feet, corners, strict=True), (0.95, 1.45)))

@@ -11,6 +11,32 @@ from ..algebra import Array
 
 
 @dataclass(frozen=True)
+class Loop:
+    """A closed part of a slice's boundary.
+
+    Attributes
+    ----------
+    part : number of the connected part that it bounds
+    hole : whether it bounds a hole
+    points : (k, 2), the last the same as the first, the region on their left
+    corners : where runs of one cause begin
+    causes : of these runs, such as "q1.angle lowest" or "singularity"; of the whole loop, if there is no corner
+    """
+
+    part: int
+    hole: bool
+    points: Array = field(repr=False)
+    corners: tuple[int, ...]
+    causes: tuple[str, ...]
+
+    @property
+    def kind(self) -> tuple[bool, tuple[str, ...]]:
+        """Whether it is a hole, and its causes in their order from the first by name."""
+        turned = [self.causes[k:] + self.causes[:k] for k in range(len(self.causes))]
+        return self.hole, min(turned)
+
+
+@dataclass(frozen=True)
 class Slice:
     """What two outputs can reach while the third keeps a value.
 
@@ -18,15 +44,24 @@ class Slice:
     ----------
     height : value of the third output
     area, area_error : of what can be reached
-    components : for each connected part its closed polylines (k, 2), the outer one first
+    loops : its boundary
+    barriers : (k, 2) lines inside that motion can meet from one side only
     success : whether nothing was lost
+    starts : points of its curves, from which its neighbours begin
     """
 
     height: float
     area: float
     area_error: float
-    components: tuple[tuple[Array, ...], ...] = field(repr=False)
+    loops: tuple[Loop, ...] = field(repr=False)
+    barriers: tuple[Array, ...] = field(repr=False)
     success: bool
+    starts: tuple[Any, ...] = field(default=(), repr=False, compare=False)
+
+    @property
+    def kind(self) -> tuple[tuple[bool, tuple[str, ...]], ...]:
+        """Which loops there are and what makes them; it changes at critical heights."""
+        return tuple(sorted(loop.kind for loop in self.loops))
 
 
 @dataclass(frozen=True)
@@ -38,18 +73,23 @@ class WorkspaceVolume:
     name : of the system; `outputs` the three functions
     ranges : intervals of the third output
     slices : by rising height
-    volume, volume_error : by integration over slices; the error is an estimate from half of them
-    vertices, triangles : (nv, 3) and (nt, 3) of a surface through the slices' boundaries
+    critical : heights between which slices are of one kind
+    volume, volume_error : by integration over slices between critical heights; the error is an estimate
+    vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
+    causes, cause_of : what makes the boundary, and which of them (nt,) makes each triangle
     """
 
     name: str
     outputs: tuple[str, str, str]
     ranges: tuple[tuple[float, float], ...]
+    critical: tuple[float, ...]
     slices: tuple[Slice, ...] = field(repr=False)
     volume: float
     volume_error: float
     vertices: Array = field(repr=False)
     triangles: Array = field(repr=False)
+    causes: tuple[str, ...] = field(repr=False)
+    cause_of: Array = field(repr=False)
     status: Literal["mapped", "incomplete"]
     message: str
 

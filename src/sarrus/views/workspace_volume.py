@@ -35,9 +35,8 @@ def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
         style = {"color": BLUE, "alpha": 0.35, "linewidth": 0.0, "shade": True}
         ax.plot_trisurf(x, y, found.triangles, z, **style)
     for one in found.slices[:: max(1, len(found.slices) // SHOWN)]:
-        for part in one.components:
-            for loop in part:
-                ax.plot(*loop.T, np.full(len(loop), one.height), color=BLUE, linewidth=0.8)
+        for loop in one.loops:
+            ax.plot(*loop.points.T, np.full(len(loop.points), one.height), color=BLUE, linewidth=0.8)
     names = zip((ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), found.outputs, strict=True)
     for set_label, name in names:
         set_label(name)

@@ -56,8 +56,10 @@ def formulate(
     kept = _independent(system, positions, free)
     idle = locks(rough, [q / rough.scale for q in positions])
     locked = range(len(table), len(table) + len(idle))
+    anywhere = Problem(system, table, outputs, normal, {}, {}, free, (), size) if targets else rough
+    drawn = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(anywhere, seed=7), strict=False)]
     targets |= dict.fromkeys(locked, 0.0)
-    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, positions)
+    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, drawn)
 
 
 def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:

@@ -35,7 +35,7 @@ class Problem:
     kept : rows of Φ that are independent (and no driver's)
     locked : places of functions that hold idle freedoms; they are among the fixed ones
     size : L [m]
-    positions : random ones (nq,), by which axes are found that stay parallel
+    positions : random ones (nq,) with nothing held fixed, by which axes are found that stay parallel
 
     Attributes
     ----------

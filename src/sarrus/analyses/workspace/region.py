@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,30 @@ from .problem import Problem
 
 BULGE = 64 / 140  # area under tau³ (1 - tau)³ over its height in the middle, the shape of a quintic's error
 LOOSE = 3e-4  # free of units: how far polylines may be from their curves
+CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
+
+Cause = tuple[
+    tuple[tuple[int, int], ...], bool
+]  # limits that are active; whether the mechanism is singular, too
+
+
+class Loop(NamedTuple):
+    """A closed part of the boundary: points, where runs of one cause begin, and the causes of the runs."""
+
+    line: Array
+    corners: tuple[int, ...]
+    causes: tuple[frozenset[Cause], ...]
+
+
+class _Edge(NamedTuple):
+    """A piece of the boundary, run through with the region on its left."""
+
+    line: Array
+    start: int
+    end: int
+    first: Array
+    last: Array
+    causes: frozenset[Cause]
 
 
 class Region:
@@ -63,7 +88,7 @@ class Region:
         owners = {n for k in np.flatnonzero(self.bounds) for n, *_ in self.division.pieces[k].owners}
         return sum(_error(self.branches[n], tally) for n in owners)
 
-    def components(self) -> list[tuple[float, float, list[Array]]]:
+    def components(self) -> list[tuple[float, float, list[Loop]]]:
         """Area, perimeter and loops of the parts that hang together, the largest first."""
         group = self._groups()
         found = []
@@ -87,20 +112,32 @@ class Region:
         left, right = self.sides[k].tolist()
         return int(left if self.can[left] else right)
 
-    def _loops(self, edges: list[int]) -> list[Array]:
-        """Boundary pieces joined to closed polylines, the region on their left, the longest first."""
-        leaving: dict[int, list[tuple[Array, int]]] = {}
+    def _loops(self, edges: list[int]) -> list[Loop]:
+        """Boundary pieces joined to closed loops, the region on their left, the longest first."""
+        leaving: dict[int, list[_Edge]] = {}
         for k in edges:
-            piece = self.division.pieces[k]
-            forward = self.can[self.sides[k, 0]]
-            line = piece.arc.polyline if forward else piece.arc.polyline[::-1]
-            start, end = (piece.start, piece.end) if forward else (piece.end, piece.start)
-            leaving.setdefault(start, []).append((line, end))
+            edge = self._edge(k)
+            leaving.setdefault(edge.start, []).append(edge)
         loops = []
         while any(leaving.values()):
             node = next(n for n, lines in leaving.items() if lines)
             loops.append(_loop(leaving, node))
-        return sorted(loops, key=len, reverse=True)
+        return sorted(loops, key=lambda loop: len(loop.line), reverse=True)
+
+    def _edge(self, k: int) -> _Edge:
+        piece = self.division.pieces[k]
+        first, last = piece.arc.slope(0.0), piece.arc.slope(piece.arc.end)
+        line, causes = piece.arc.polyline, self._causes(k)
+        if self.can[self.sides[k, 0]]:
+            return _Edge(line, piece.start, piece.end, first, last, causes)
+        return _Edge(line[::-1], piece.end, piece.start, -last, -first, causes)
+
+    def _causes(self, k: int) -> frozenset[Cause]:
+        """What makes a piece of the boundary: limits that are reached, and whether it is a singularity."""
+        owners = {n for n, *_ in self.division.pieces[k].owners}
+        telling = {n for n in owners if self.crossings[n].side} or owners
+        strata = [self.branches[n].stratum for n in telling]
+        return frozenset((stratum.active, stratum.dimension > 1) for stratum in strata)
 
     def kind_of(self, k: int, owner: int) -> CurveKind:
         """What a curve is along a piece."""
@@ -190,12 +227,22 @@ def _may_touch(p: Array, piece: Piece) -> bool:
     return bool(np.all((p > low - LOOSE) & (p < high + LOOSE)))
 
 
-def _loop(leaving: dict[int, list[tuple[Array, int]]], node: int) -> Array:
-    lines = []
+def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
+    """Edges walked along from a node until it is met again; runs of one cause without a corner are one."""
+    edges: list[_Edge] = []
     while leaving.get(node):
-        line, node = leaving[node].pop()
-        lines.append(line)
-    return np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
+        edges.append(leaving[node].pop())
+        node = edges[-1].end
+    places = np.cumsum([0, *(len(edge.line) - 1 for edge in edges)]).tolist()
+    new = [n for n, edge in enumerate(edges) if not _goes_on(edges[n - 1], edge)]
+    line = np.concatenate([edges[0].line[:1], *(edge.line[1:] for edge in edges)])
+    return Loop(line, tuple(places[n] for n in new), tuple(edges[n].causes for n in new or [0]))
+
+
+def _goes_on(before: _Edge, after: _Edge) -> bool:
+    a, b = before.last, after.first
+    sizes = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return before.causes == after.causes and (sizes == 0 or float(a @ b) > np.cos(CORNER) * sizes)
 
 
 def _error(branch: Branch, tally: Tally) -> float:
@@ -215,7 +262,9 @@ def _error(branch: Branch, tally: Tally) -> float:
     return total
 
 
-def component_of(part: tuple[float, float, list[Array]], units: Array) -> Component:
+def component_of(part: tuple[float, float, list[Loop]], units: Array) -> Component:
     """A component in real units."""
     area, perimeter, loops = part
-    return Component(area * float(units.prod()), perimeter * float(units[0]), tuple(x * units for x in loops))
+    return Component(
+        area * float(units.prod()), perimeter * float(units[0]), tuple(loop.line * units for loop in loops)
+    )

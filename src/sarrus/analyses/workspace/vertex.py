@@ -169,7 +169,7 @@ def _with(narrow: Stratum, stratum: Stratum, x: Array, limit: tuple[int, int]) -
 def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active, tally: Tally) -> Iterator[Half]:
     for limit in sorted(key):
         other = strata(key - {limit})
-        x = point.x if other.key == stratum.key else _balanced(other, point.x[: stratum.n])
+        x = point.x if other.key == stratum.key else balanced(other, point.x[: stratum.n])
         try:
             here = point if other.key == stratum.key else _regular(other, x, tally)
         except NoPoint:
@@ -179,7 +179,7 @@ def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active, tall
             yield Half(other.key, here if rate > 0 else turned(here), ("limit", limit))
 
 
-def _balanced(stratum: Stratum, q: Array) -> Array:
+def balanced(stratum: Stratum, q: Array) -> Array:
     """q with multipliers that balance: the left null vector of all gradients."""
     J = stratum.problem.jacobian(q)
     gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])

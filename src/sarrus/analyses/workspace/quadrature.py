@@ -1,0 +1,233 @@
+"""The integral of slices' areas over their height, and the heights at which slices change their kind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import BarycentricInterpolator
+
+from ...algebra import Array
+from ...results.workspace_volume import Slice
+from .slicing import Slicer
+
+NEAR = 1e-4  # of the whole range: so near to a critical height it is located
+SHORT = 30  # times that: the kinds of slices are not looked at in pieces that are shorter
+SCAN = 16  # intervals of theta at which a range is looked at first
+FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
+SLOW = 0.2  # by which what is missed shrinks with twice as many slices: slower pieces are cut
+SAFE = 3.0  # times the error that is extrapolated
+
+
+@dataclass(eq=False)
+class Piece:
+    """Heights between two critical ones, with the number of intervals of theta."""
+
+    low: float
+    high: float
+    count: int = FIRST
+
+    def heights(self, count: int) -> list[float]:
+        """Of the slices inside, for so many intervals; those of half as many are among them, bit by bit."""
+        middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low)
+        return [middle - half * math.cos(theta) for theta in thetas(count)]
+
+    def slopes(self, count: int) -> Array:
+        """d(height)/d(theta) there."""
+        return 0.5 * (self.high - self.low) * np.sin(thetas(count))
+
+
+def thetas(count: int) -> list[float]:
+    """Inner points of the rule of Clenshaw and Curtis on 0 ... pi."""
+    return [0.5 * math.pi * (1 - math.cos(math.pi * k / count)) for k in range(1, count)]
+
+
+def weights(count: int) -> Array:
+    """Of the rule of Clenshaw and Curtis on 0 ... pi at its inner points."""
+    k = np.arange(1, count // 2)
+    angle = np.pi * np.arange(1, count) / count
+    last = np.cos(count * angle) / (count**2 - 1)
+    terms = (2 * np.cos(2 * np.outer(angle, k)) / (4 * k**2 - 1)).sum(axis=1)
+    return np.asarray(0.5 * np.pi * 2 / count * (1 - terms - last))
+
+
+class Integral:
+    """The volume below and above critical heights, piece by piece.
+
+    Parameters
+    ----------
+    slicer : makes slices
+    ranges : of the height
+    expected : heights at which something may change
+    rtol : relative error that is wanted
+    most : slices
+
+    Attributes
+    ----------
+    critical : heights at which slices change their kind
+    value, error : so far
+    """
+
+    def __init__(
+        self,
+        slicer: Slicer,
+        ranges: Sequence[tuple[float, float]],
+        expected: Sequence[float],
+        rtol: float,
+        most: int,
+    ) -> None:
+        self.slicer, self.ranges, self.expected, self.rtol, self.most = slicer, ranges, expected, rtol, most
+        self.pieces = [Piece(low, high, SCAN) for low, high in ranges]
+        self.critical: list[float] = []
+        self.value, self.error = 0.0, np.inf
+        self._near = NEAR * max((high - low for low, high in ranges), default=0.0)
+
+    def run(self) -> None:
+        """Cut and refine until the error is small enough or there are too many slices."""
+        waiting = list(self.pieces)
+        while waiting:
+            self.slicer.at(z for piece in waiting for z in piece.heights(piece.count))
+            waiting = self._cut_where_kinds_change(waiting)
+            if not waiting:
+                waiting = self._refined()
+        self._estimate()
+        self.slicer.at(z for low, high in self.ranges for z in _inside(low, high))
+
+    def groups(self) -> list[list[list[Slice]]]:
+        """For every range, for every piece between critical heights, its slices by rising height."""
+        cuts = sorted(self.critical)
+        return [
+            [self._between(a, b) for a, b in pairwise([low, *(z for z in cuts if low < z < high), high])]
+            for low, high in self.ranges
+        ]
+
+    def _between(self, low: float, high: float) -> list[Slice]:
+        return [self.slicer.known[z] for z in sorted(self.slicer.known) if low < z < high]
+
+    def _spare(self) -> int:
+        return self.most - len(self.slicer.known)
+
+    def _estimate(self) -> dict[Piece, float]:
+        """Value and error of the whole; the error of every piece."""
+        errors = {piece: self._error(piece) for piece in self.pieces}
+        self.value = sum(
+            float(weights(piece.count) @ self._rates(piece, piece.count)) for piece in self.pieces
+        )
+        self.error = sum(errors.values()) + sum(self._of_slices(piece) for piece in self.pieces)
+        return errors
+
+    def _rates(self, piece: Piece, count: int) -> Array:
+        """dV/d(theta) of a piece at its inner points."""
+        areas = [one.area for one in self.slicer.at(piece.heights(count))]
+        return np.asarray(areas * piece.slopes(count))
+
+    def _of_slices(self, piece: Piece) -> float:
+        errors = [one.area_error for one in self.slicer.at(piece.heights(piece.count))]
+        return float(weights(piece.count) @ (errors * piece.slopes(piece.count)))
+
+    def _missed(self, piece: Piece, count: int) -> Array:
+        """How far interpolation of half as many slices misses the others, as parts of the integral."""
+        rates = self._rates(piece, count)
+        return np.asarray(weights(count) * abs(rates - _interpolated(rates[1::2], count)))
+
+    def _error(self, piece: Piece) -> float:
+        """By how much the last slices were missed, less as that shrinks; signs cannot cancel in it."""
+        last = float(self._missed(piece, piece.count).sum())
+        if piece.count == FIRST:
+            return last
+        before = float(self._missed(piece, piece.count // 2).sum())
+        return last * min(1.0, SAFE * last / before) if before > 0 else last
+
+    def _refined(self) -> list[Piece]:
+        """Pieces with more slices where the error is too large; none where all is well."""
+        errors = self._estimate()
+        wanted = self.rtol * abs(self.value)
+        if self.error <= wanted or self._spare() <= 0:
+            return []
+        share = 0.5 * wanted / len(self.pieces)
+        worst = [
+            piece for piece in self.pieces if errors[piece] > share and piece.high - piece.low > self._near
+        ]
+        return [new for piece in worst for new in self._finer(piece)]
+
+    def _finer(self, piece: Piece) -> list[Piece]:
+        """Twice as many slices; where that helps little, because of a kink, the piece is cut there."""
+        missed = self._missed(piece, piece.count)
+        slow = piece.count > FIRST and missed.sum() > SLOW * self._missed(piece, piece.count // 2).sum()
+        if piece.count < LAST and not slow:
+            piece.count *= 2
+            return [piece]
+        kink = piece.heights(piece.count)[int(np.argmax(missed))]
+        return self._replace(piece, [piece.low, kink, piece.high], FIRST)
+
+    def _replace(self, piece: Piece, ends: Sequence[float], count: int) -> list[Piece]:
+        new = [Piece(a, b, count) for a, b in pairwise(ends)]
+        self.pieces.remove(piece)
+        self.pieces += new
+        return new
+
+    def _cut_where_kinds_change(self, pieces: Iterable[Piece]) -> list[Piece]:
+        """New pieces, where the slices of a piece are of different kinds."""
+        near = self._near
+        brackets = [
+            pair
+            for piece in pieces
+            for pair in self._changes(self._between(piece.low + near, piece.high - near))
+            if piece.high - piece.low > SHORT * near
+        ]
+        found = self._located(brackets)
+        self.critical = sorted({*self.critical, *found})
+        new: list[Piece] = []
+        for piece in list(self.pieces):
+            inner = [z for z in found if piece.low < z < piece.high]
+            if inner:
+                new += self._replace(piece, [piece.low, *inner, piece.high], FIRST)
+        return new
+
+    def _changes(self, slices: Sequence[Slice]) -> list[tuple[float, float]]:
+        return [(a.height, b.height) for a, b in pairwise(slices) if a.kind != b.kind]
+
+    def _located(self, brackets: list[tuple[float, float]]) -> list[float]:
+        """Where slices change their kind, by bisection; expected heights are tried first."""
+        near = self._near
+        found: list[float] = []
+        while brackets:
+            wide = [pair for pair in brackets if pair[1] - pair[0] > 2.5 * near and self._spare() > 0]
+            found += [self._place(*pair) for pair in brackets if pair not in wide]
+            probes = {pair: self._probes(*pair, near) for pair in wide}
+            self.slicer.at(z for some in probes.values() for z in some)
+            brackets = [
+                change
+                for (low, high), some in probes.items()
+                for change in self._changes([self.slicer.known[z] for z in (low, *some, high)])
+            ]
+        return sorted(set(found))
+
+    def _probes(self, low: float, high: float, near: float) -> list[float]:
+        expected = self._expected(low + near, high - near)
+        if not expected:
+            return [0.5 * (low + high)]
+        z = expected[len(expected) // 2]
+        return [z - near, z + near]
+
+    def _expected(self, low: float, high: float) -> list[float]:
+        return [z for z in self.expected if low < z < high]
+
+    def _place(self, low: float, high: float) -> float:
+        expected = self._expected(low, high)
+        return expected[0] if expected else 0.5 * (low + high)
+
+
+def _inside(low: float, high: float) -> tuple[float, float]:
+    """Heights close to the ends of a range."""
+    return low + NEAR * (high - low), high - NEAR * (high - low)
+
+
+def _interpolated(values: Array, count: int) -> Array:
+    """The polynomial in theta through every other inner point and zero at the ends, at all inner points."""
+    nodes = np.array([0.0, *thetas(count // 2), np.pi])
+    known = np.concatenate([[0.0], values, [0.0]])
+    return np.asarray(BarycentricInterpolator(nodes, known)(np.array(thetas(count))))

@@ -1,0 +1,179 @@
+"""Slices of a workspace of three outputs, each started from its neighbours' curves, here or on an executor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import Any, NamedTuple
+
+from ...algebra import Array
+from ...model import Model
+from ...results.workspace_volume import Loop, Slice
+from ...system import System
+from .formulate import formulate
+from .mapping import WorkspaceMap
+from .newton import Tally
+from .problem import Problem
+from .region import Cause, Region
+from .seeds import Start, onto
+from .settle import allowed, settle
+from .stratum import Active, Stratum
+from .vertex import balanced
+
+FIRST_REPEATS, REPEATS = 30, 10  # starts in a row without news: of the first slice, of those with neighbours
+PER_TASK = 4  # slices that are handed to a worker at once
+TRIES = 3  # for a slice of which a curve was lost, with shorter steps each time
+SHORTER = 0.6
+
+Starts = tuple[tuple[Active, Array], ...]
+
+
+class Asked(NamedTuple):
+    """What is sliced: everything that a worker needs, and a height at which the problem can be set up."""
+
+    model: Model
+    output: tuple[Any, ...]
+    limits: Any
+    fixed: Mapping[Any, float]
+    seed: int
+    longest: float
+    middle: float
+
+
+class Slicer:
+    """Slices by height; those that are known are kept.
+
+    The numbers do not depend on the executor: every slice starts from the nearest ones that were known when it was
+    asked for.
+
+    Attributes
+    ----------
+    known : by height
+    """
+
+    def __init__(self, system: System, asked: Asked, executor: Executor | None) -> None:
+        self._asked, self._executor = asked, executor
+        self._problem = _formulated(system, asked) if executor is None else None
+        self.known: dict[float, Slice] = {}
+
+    def at(self, heights: Iterable[float]) -> list[Slice]:
+        """Slices at some heights, in their order."""
+        wanted = list(heights)
+        new = [height for height in dict.fromkeys(wanted) if height not in self.known]
+        if new and not self.known:
+            self._map([new.pop(len(new) // 2)])
+        self._map(new)
+        return [self.known[height] for height in wanted]
+
+    def _map(self, heights: Sequence[float]) -> None:
+        tasks = [(height, self._near(height)) for height in heights]
+        if self._executor is None or self._problem is not None:
+            assert self._problem is not None
+            found = _sliced(self._problem, self._asked, tasks)
+        else:
+            parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
+            found = [
+                one for some in self._executor.map(_work, [self._asked] * len(parts), parts) for one in some
+            ]
+        self.known |= {one.height: one for one in found}
+
+    def _near(self, height: float) -> Starts:
+        """Starts from the nearest known slices on both sides."""
+        below = max((h for h in self.known if h < height), default=None)
+        above = min((h for h in self.known if h > height), default=None)
+        return tuple(start for h in (below, above) if h is not None for start in self.known[h].starts)
+
+
+def _work(asked: Asked, tasks: Sequence[tuple[float, Starts]]) -> list[Slice]:
+    """Slices in a worker, which makes its own system."""
+    return _sliced(_formulated(System(asked.model), asked), asked, tasks)
+
+
+def _formulated(system: System, asked: Asked) -> Problem:
+    fixed = {**asked.fixed, asked.output[2]: asked.middle}
+    return formulate(system, asked.output[:2], limits=asked.limits, fixed=fixed)
+
+
+def _sliced(problem: Problem, asked: Asked, tasks: Sequence[tuple[float, Starts]]) -> list[Slice]:
+    place = [k for k in problem.fixed if k not in problem.locked][-1]
+    return [_slice(problem.held_at(place, height), asked, height, starts) for height, starts in tasks]
+
+
+def _slice(problem: Problem, asked: Asked, height: float, starts: Starts) -> Slice:
+    found = _mapped(problem, asked.seed, asked.longest, starts)
+    for n in range(1, TRIES):
+        if found.branches and found.is_closed:
+            break
+        found = _mapped(problem, asked.seed + n, asked.longest * SHORTER**n, starts)
+    return _as_slice(height, found)
+
+
+def _mapped(problem: Problem, seed: int, longest: float, starts: Starts) -> WorkspaceMap:
+    map_ = WorkspaceMap.of(problem, seed, REPEATS if starts else FIRST_REPEATS, longest)
+    for start in _moved(problem, starts):
+        map_.explorer.start(*start)
+        for _ in map_.explorer:
+            pass
+    return map_.run()
+
+
+def _moved(problem: Problem, starts: Starts) -> Iterator[Start]:
+    """Points of neighbours' curves and their corners, moved to this slice."""
+    for key, x in starts:
+        found = _corner(problem, key, x) if len(x) == problem.n else _on_curve(problem, key, x)
+        if (
+            found is not None
+            and allowed(problem, found.x[: problem.n])
+            and problem.built(found.x[: problem.n])
+        ):
+            yield found
+
+
+def _on_curve(problem: Problem, key: Active, x: Array) -> Start | None:
+    moved = onto(Stratum(problem, key), x, Tally())
+    return None if moved is None else Start(key, moved)
+
+
+def _corner(problem: Problem, key: Active, q: Array) -> Start | None:
+    """A point at which two curves with a limit each meet, as one of the first."""
+    whole = Stratum(problem, key)
+    moved = settle(problem, q, whole.rows, whole.goal)
+    if moved is None:
+        return None
+    one = Stratum(problem, key - {min(key)})
+    return Start(one.key, balanced(one, moved))
+
+
+def _as_slice(height: float, map_: WorkspaceMap) -> Slice:
+    if not map_.branches:
+        return Slice(height, 0.0, 0.0, (), (), False)
+    found, region = map_.result(), map_.region()
+    starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
+    starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
+    barriers = tuple(curve.u for curve in found.of_kind("barrier") if not curve.again)
+    loops = tuple(_loops(region))
+    return Slice(height, found.area, found.area_error, loops, barriers, map_.is_closed, tuple(starts))
+
+
+def _loops(region: Region) -> Iterator[Loop]:
+    units = region.problem.units[region.problem.outputs]
+    for number, (_, _, loops) in enumerate(region.components()):
+        for loop in loops:
+            causes = tuple(_told(region.problem, cause) for cause in loop.causes)
+            yield Loop(number, _turns(loop.line) < 0, loop.line * units, loop.corners, causes)
+
+
+def _turns(line: Array) -> float:
+    x, y = line.T
+    return float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
+
+
+def _told(problem: Problem, causes: frozenset[Cause]) -> str:
+    """Causes in words."""
+    told = []
+    for active, singular in causes:
+        names = [
+            f"{problem.table[problem.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in active
+        ]
+        told.append(", ".join([*(["singularity"] if singular else []), *names]))
+    return " or ".join(sorted(told))

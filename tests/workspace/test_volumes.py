@@ -1,0 +1,119 @@
+"""Volumes and surfaces of spatial mechanisms, beside closed forms and independent quadratures."""
+
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+from .mechanisms import Case, delta, elbow_arm, gough, orthogonal_arm, puma, translated
+
+GOUGH = 0.1449207748148  # spheres cut by planes to arcs, these by Gauss-Kronrod quadrature between critical heights
+
+
+def shell() -> Case:
+    return translated({((0, 0, 0), (0, 0, 0)): (0.5, 1.0)})
+
+
+def tip_of(case: tuple[sr.System, sr.Point]) -> Case:
+    system, tip = case
+    return system, tip["x", "y", "z"], {}
+
+
+@pytest.fixture(scope="module")
+def ball() -> sr.WorkspaceVolume:
+    system, output, limits = shell()
+    return sr.workspace_volume(system, output, limits=limits, rtol=1e-4)
+
+
+def test_volume_of_a_shell(ball: sr.WorkspaceVolume) -> None:
+    """Slices are annuli and discs; where one kind follows the other, the area has a kink."""
+    exact = 4 / 3 * np.pi * (1 - 0.125)
+    assert ball.success
+    assert ball.ranges == (pytest.approx((-1.0, 1.0)),)
+    assert ball.critical == pytest.approx([-0.5, 0.5], abs=1e-9)
+    assert abs(ball.volume - exact) < ball.volume_error < 1e-4 * exact
+    for one in ball.slices:
+        area = np.pi * (1 - one.height**2 - max(0.25 - one.height**2, 0))
+        assert one.area == pytest.approx(area, rel=1e-6)
+        assert abs(one.area - area) < 3 * one.area_error + 1e-9
+    assert "volume" in str(ball)
+
+
+def test_surface_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
+    """Closed, seen from outside everywhere, on two spheres, each with its cause."""
+    assert open_edges(ball) == 0
+    assert ball.enclosed() == pytest.approx(ball.volume, rel=0.01)
+    radius = np.linalg.norm(ball.vertices, axis=1)
+    on = np.min(abs(radius[:, None] - (0.5, 1.0)), axis=1)
+    assert np.quantile(on, 0.95) < 2e-3
+    for name, expected in (("leg 1 lowest", 0.5), ("leg 1 highest", 1.0)):
+        mine = ball.triangles[ball.cause_of == ball.causes.index(name)]
+        assert abs(radius[mine] - expected).max() < 2e-3
+    ball.to_obj(tmp_path / "shell.obj")
+    assert (tmp_path / "shell.obj").read_text().count("\nv ") == len(ball.vertices)
+    assert len(ball.plot().collections) >= 1
+
+
+def open_edges(found: sr.WorkspaceVolume) -> int:
+    """Edges that have not as many triangles on one side as on the other."""
+    edges: Counter[tuple[int, int]] = Counter()
+    for a, b, c in found.triangles.tolist():
+        for one, other in ((a, b), (b, c), (c, a)):
+            edges[one, other] += 1
+            edges[other, one] -= 1
+    return sum(map(abs, edges.values()))
+
+
+@pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_numbers_do_not_depend_on_the_executor(pool: type, ball: sr.WorkspaceVolume) -> None:
+    system, output, limits = shell()
+    with pool(2) as executor:
+        there = sr.workspace_volume(system, output, limits=limits, executor=executor, rtol=1e-4)
+    assert there.volume == ball.volume
+    assert np.array_equal(there.vertices, ball.vertices)
+
+
+def test_a_range_that_is_cut() -> None:
+    """Half of a shell is closed by an annulus."""
+    system, output, limits = shell()
+    found = sr.workspace_volume(system, output, limits=limits, between=(0.0, 2.0), rtol=1e-4)
+    exact = 2 / 3 * np.pi * (1 - 0.125)
+    assert found.volume == pytest.approx(exact, rel=1e-5)
+    assert open_edges(found) == 0
+    assert found.enclosed() == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("output", "options", "told"),
+    [(("tool.x", "tool.y"), {}, "of three outputs"), (("tool.x",) * 3, {"rtol": 0.0}, "rtol must be")],
+)
+def test_misuse(output: tuple[str, ...], options: dict[str, float], told: str) -> None:
+    system, _, limits = shell()
+    with pytest.raises(sr.SarrusError, match=told):
+        sr.workspace_volume(system, output, limits=limits, **options)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("case", "between", "exact"),
+    [
+        (gough(), (0, 2), GOUGH),
+        (elbow_arm(), None, 1.1964247358662679),
+        (puma(), None, 2.714578265407),
+        (tip_of(orthogonal_arm()), None, 350.751924309),
+        (tip_of(delta()), (-1, 0), 0.6921399),
+    ],
+    ids=["gough", "elbow arm", "puma", "orthogonal arm", "delta"],
+)
+def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, exact: float) -> None:
+    """Known from spheres, from Pappus' theorem, from a shell, and from nested quadratures."""
+    system, output, limits = case
+    found = sr.workspace_volume(system, output, limits=limits, between=between, rtol=1e-6)
+    assert found.success, found.message
+    assert found.volume == pytest.approx(exact, rel=1e-6)
+    assert abs(found.volume - exact) < found.volume_error + 1e-7 * exact
+    assert open_edges(found) == 0

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from .polygons import inside
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,12 @@ class Slice:
     def kind(self) -> tuple[tuple[bool, tuple[str, ...]], ...]:
         """Which loops there are and what makes them; it changes at critical heights."""
         return tuple(sorted(loop.kind for loop in self.loops))
+
+    def holds(self, u: ArrayLike) -> bool:
+        """Whether a point (2,) can be reached; nearer to the boundary than its polyline it may err."""
+        return bool(
+            inside([loop.points for loop in self.loops], np.atleast_2d(np.asarray(u, dtype=float)))[0]
+        )
 
 
 @dataclass(frozen=True)

@@ -110,13 +110,17 @@ class WorkspaceMap:
         q = next(self.samples, None)
         if q is None:
             return False
+        self.begin_at(q)
+        return True
+
+    def begin_at(self, q: Array) -> None:
+        """Look for a new curve from an admissible position; it becomes open in the explorer."""
         self.starts += 1
         self.met.append(q)
         by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
         start = self.ray(q) if by_ray else random_start(self.problem, q, self.random, self.explorer.tally)
         if start is not None:
             self.in_a_row = 0 if self.explorer.start(*start) else self.in_a_row + 1
-        return True
 
     def ray(self, q: Array) -> Start | None:
         """The end of a ray in a random direction."""

@@ -16,16 +16,25 @@ from .newton import Tally
 from .problem import Problem
 from .region import Cause, Region
 from .seeds import Start, onto
-from .settle import allowed, settle
+from .settle import allowed, constrained, settle
 from .stratum import Active, Stratum
 from .vertex import balanced
 
-FIRST_REPEATS, REPEATS = 30, 10  # starts in a row without news: of the first slice, of those with neighbours
+FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
+NEAREST = 8  # random positions, moved to a slice, from which it begins
 PER_TASK = 4  # slices that are handed to a worker at once
 TRIES = 3  # for a slice of which a curve was lost, with shorter steps each time
 SHORTER = 0.6
 
 Starts = tuple[tuple[Active, Array], ...]
+
+
+class Task(NamedTuple):
+    """A slice that is to be made: its height, points of its neighbours' curves, random positions near it."""
+
+    height: float
+    starts: Starts
+    positions: tuple[Array, ...]
 
 
 class Asked(NamedTuple):
@@ -49,10 +58,20 @@ class Slicer:
     Attributes
     ----------
     known : by height
+
+    Parameters
+    ----------
+    positions : random ones with their heights
     """
 
-    def __init__(self, system: System, asked: Asked, executor: Executor | None) -> None:
-        self._asked, self._executor = asked, executor
+    def __init__(
+        self,
+        system: System,
+        asked: Asked,
+        positions: Sequence[tuple[float, Array]],
+        executor: Executor | None,
+    ) -> None:
+        self._asked, self._positions, self._executor = asked, positions, executor
         self._problem = _formulated(system, asked) if executor is None else None
         self.known: dict[float, Slice] = {}
 
@@ -66,7 +85,7 @@ class Slicer:
         return [self.known[height] for height in wanted]
 
     def _map(self, heights: Sequence[float]) -> None:
-        tasks = [(height, self._near(height)) for height in heights]
+        tasks = [Task(height, self._near(height), self._met(height)) for height in heights]
         if self._executor is None or self._problem is not None:
             assert self._problem is not None
             found = _sliced(self._problem, self._asked, tasks)
@@ -77,14 +96,22 @@ class Slicer:
             ]
         self.known |= {one.height: one for one in found}
 
-    def _near(self, height: float) -> Starts:
-        """Starts from the nearest known slices on both sides."""
+    def around(self, height: float) -> list[Slice]:
+        """The nearest known slices on both sides."""
         below = max((h for h in self.known if h < height), default=None)
         above = min((h for h in self.known if h > height), default=None)
-        return tuple(start for h in (below, above) if h is not None for start in self.known[h].starts)
+        return [self.known[h] for h in (below, above) if h is not None]
+
+    def _near(self, height: float) -> Starts:
+        return tuple(start for one in self.around(height) for start in one.starts)
+
+    def _met(self, height: float) -> tuple[Array, ...]:
+        """Random positions that are nearest by their heights."""
+        order = sorted(self._positions, key=lambda one: abs(one[0] - height))
+        return tuple(q for _, q in order[:NEAREST])
 
 
-def _work(asked: Asked, tasks: Sequence[tuple[float, Starts]]) -> list[Slice]:
+def _work(asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
     """Slices in a worker, which makes its own system."""
     return _sliced(_formulated(System(asked.model), asked), asked, tasks)
 
@@ -94,27 +121,43 @@ def _formulated(system: System, asked: Asked) -> Problem:
     return formulate(system, asked.output[:2], limits=asked.limits, fixed=fixed)
 
 
-def _sliced(problem: Problem, asked: Asked, tasks: Sequence[tuple[float, Starts]]) -> list[Slice]:
+def _sliced(problem: Problem, asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
     place = [k for k in problem.fixed if k not in problem.locked][-1]
-    return [_slice(problem.held_at(place, height), asked, height, starts) for height, starts in tasks]
+    return [_slice(problem.held_at(place, task.height), asked, task) for task in tasks]
 
 
-def _slice(problem: Problem, asked: Asked, height: float, starts: Starts) -> Slice:
-    found = _mapped(problem, asked.seed, asked.longest, starts)
+def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
+    found = _mapped(problem, asked.seed, asked.longest, task)
     for n in range(1, TRIES):
         if found.branches and found.is_closed:
             break
-        found = _mapped(problem, asked.seed + n, asked.longest * SHORTER**n, starts)
-    return _as_slice(height, found)
+        found = _mapped(problem, asked.seed + n, asked.longest * SHORTER**n, task)
+    return _as_slice(task.height, found)
 
 
-def _mapped(problem: Problem, seed: int, longest: float, starts: Starts) -> WorkspaceMap:
-    map_ = WorkspaceMap.of(problem, seed, REPEATS if starts else FIRST_REPEATS, longest)
-    for start in _moved(problem, starts):
+def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
+    map_ = WorkspaceMap.of(problem, seed, REPEATS if task.starts else FIRST_REPEATS, longest)
+    for start in _moved(problem, task.starts):
         map_.explorer.start(*start)
-        for _ in map_.explorer:
-            pass
+        _followed(map_)
+    for q in _settled(problem, task.positions):
+        map_.begin_at(q)
+        _followed(map_)
     return map_.run()
+
+
+def _followed(map_: WorkspaceMap) -> None:
+    for _ in map_.explorer:
+        pass
+
+
+def _settled(problem: Problem, positions: Sequence[Array]) -> Iterator[Array]:
+    """Admissible positions near others that are not in this slice."""
+    rows, goal = constrained(problem)
+    for q in positions:
+        moved = settle(problem, q, rows, goal)
+        if moved is not None and allowed(problem, moved) and problem.built(moved):
+            yield moved
 
 
 def _moved(problem: Problem, starts: Starts) -> Iterator[Start]:

@@ -6,17 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
+from ...algebra import Array
 from ...model import SarrusError
 from ...results.workspace_volume import WorkspaceVolume
 from ...system import System
 from .extremes import workspace_range
-from .formulate import Limits
+from .formulate import Limits, formulate
 from .loft import loft
 from .measures import measures
 from .quadrature import Integral
+from .sample import Samples
 from .slicing import Asked, Slicer
 from .trace import LONGEST
 
+WALK = 5  # positions of a random walk from each assembled one
 RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 
 
@@ -29,6 +32,7 @@ def workspace_volume(
     between: tuple[float, float] | None = None,
     rtol: float = 1e-4,
     most: int = 600,
+    samples: int = 150,
     executor: Executor | None = None,
     seed: int = 0,
     longest: float = LONGEST,
@@ -47,6 +51,7 @@ def workspace_volume(
     between : lowest and highest value of the third output; by default all that it can reach
     rtol : error of the volume, relative
     most : slices; no more are made, and the error that is left is told
+    samples : random admissible positions, which must lie inside
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
 
     Returns
@@ -67,16 +72,19 @@ def workspace_volume(
     ranges = tuple(_cut(reach.intervals, between))
     middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
     asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle)
-    slicer = Slicer(system, asked, executor)
+    positions = list(_positions(system, asked, samples))
+    slicer = Slicer(system, asked, [(z, q) for _, z, q in positions], executor)
     expected = sorted({one.value for one in reach.critical})
     integral = Integral(slicer, ranges, expected, rtol, most)
     integral.run()
+    outside = _outside(slicer, positions, ranges)
     found = sorted(slicer.known.values(), key=lambda one: one.height)
     surface = loft(integral.groups())
     lost = sum(not one.success for one in found)
-    status: Any = "incomplete" if lost or not found else "mapped"
+    status: Any = "incomplete" if lost or outside or not found else "mapped"
     labels: Any = tuple(one.name for one in measures(system, names))
     told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
+    told += f"; of {len(positions)} random admissible positions {outside or 'none'} lay outside"
     return WorkspaceVolume(
         system.name,
         labels,
@@ -88,6 +96,35 @@ def workspace_volume(
         *surface,
         status,
         told,
+    )
+
+
+def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:
+    """Random admissible positions: the first two outputs, the third one, and the scaled coordinates."""
+    problem = formulate(system, asked.output, limits=asked.limits, fixed=asked.fixed)
+    outputs, units, samples = (
+        problem.m + problem.outputs,
+        problem.units[problem.outputs],
+        Samples(problem, asked.seed),
+    )
+    while count > 0 and (q := next(samples, None)) is not None:
+        for there in (q, *samples.walks(q, min(WALK, count) - 1)):
+            u = problem.values(there)[outputs] * units
+            yield u[:2], float(u[2]), there
+            count -= 1
+
+
+def _outside(
+    slicer: Slicer, positions: Iterable[tuple[Array, float, Array]], ranges: Iterable[tuple[float, float]]
+) -> int:
+    """How many positions lie neither in the slices above or below nor in their own, which is made if need be."""
+    doubtful = [
+        (u, z)
+        for u, z, _ in positions
+        if any(low < z < high for low, high in ranges) and not any(one.holds(u) for one in slicer.around(z))
+    ]
+    return sum(
+        not one.holds(u) for (u, _), one in zip(doubtful, slicer.at(z for _, z in doubtful), strict=True)
     )
 
 

@@ -69,20 +69,22 @@ def open_edges(found: sr.WorkspaceVolume) -> int:
 
 
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
-def test_numbers_do_not_depend_on_the_executor(pool: type, ball: sr.WorkspaceVolume) -> None:
+def test_numbers_do_not_depend_on_the_executor(pool: type) -> None:
     system, output, limits = shell()
+    options = {"between": (0.6, 1.0), "rtol": 0.05, "samples": 20}
+    here = sr.workspace_volume(system, output, limits=limits, **options)
     with pool(2) as executor:
-        there = sr.workspace_volume(system, output, limits=limits, executor=executor, rtol=1e-4)
-    assert there.volume == ball.volume
-    assert np.array_equal(there.vertices, ball.vertices)
+        there = sr.workspace_volume(system, output, limits=limits, executor=executor, **options)
+    assert there.volume == here.volume
+    assert np.array_equal(there.vertices, here.vertices)
 
 
 def test_a_range_that_is_cut() -> None:
     """Half of a shell is closed by an annulus."""
     system, output, limits = shell()
-    found = sr.workspace_volume(system, output, limits=limits, between=(0.0, 2.0), rtol=1e-4)
+    found = sr.workspace_volume(system, output, limits=limits, between=(0.0, 2.0), rtol=1e-3)
     exact = 2 / 3 * np.pi * (1 - 0.125)
-    assert found.volume == pytest.approx(exact, rel=1e-5)
+    assert found.volume == pytest.approx(exact, rel=1e-3)
     assert open_edges(found) == 0
     assert found.enclosed() == pytest.approx(exact, rel=0.01)
 

@@ -85,6 +85,7 @@ class WorkspaceVolume:
     volume, volume_error : by integration over slices between critical heights; the error is an estimate
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : what makes the boundary, and which of them (nt,) makes each triangle
+    model : the mechanism, to be drawn
     """
 
     name: str
@@ -100,6 +101,7 @@ class WorkspaceVolume:
     cause_of: Array = field(repr=False)
     status: Literal["mapped", "incomplete"]
     message: str
+    model: Any = field(default=None, repr=False, compare=False)
 
     @property
     def success(self) -> bool:
@@ -119,6 +121,12 @@ class WorkspaceVolume:
         from importlib import import_module
 
         return import_module("sarrus.views").plot_workspace_volume(self, ax)
+
+    def view(self, file: Any = None, **options: Any) -> Any:
+        """Show the surface with the mechanism in the browser; see `sarrus.views.view_workspace`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").view_workspace(self, file, **options)
 
     def enclosed(self) -> float:
         """The volume inside of the triangles, by the divergence theorem: nearly `volume`."""

@@ -11,6 +11,7 @@ from .shows import animate, view
 from .studies import plot_study
 from .tables import paper_tables
 from .workspace import plot_input_singularities, plot_workspace, workspace_report
+from .workspace_surface import view_workspace
 from .workspace_volume import plot_workspace_volume
 
 __all__ = [
@@ -39,5 +40,6 @@ __all__ = [
     "plot_workspace_volume",
     "tornado_figure",
     "view",
+    "view_workspace",
     "workspace_report",
 ]

@@ -58,14 +58,23 @@ def view(
         If the file has an ending that cannot be written, or q the wrong length.
     """
     said = model.model if isinstance(model, System) else model
-    here = _position(said, q)
-    still = Shown(said.name, sketch(said, here), Frames(np.zeros(1), here, np.zeros_like(here)))
+    return put(still(said, q), file, names=names, frames=frames)
+
+
+def still(model: Model, q: Array | None) -> Shown:
+    """A mechanism at a position, by default the model's own."""
+    here = _position(model, q)
+    return Shown(model.name, sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here)))
+
+
+def put(shown: Shown, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
+    """What stands still as a page, a picture or a file for other programs, by the ending of the file."""
     ending = _ending(file, (".html", ".glb", ".png"))
     if ending == ".glb":
-        return _glb(still, file)
+        return _glb(shown, file)
     if ending == ".png":
-        return write_picture([still], Path(str(file)))
-    return _given(write_page([still], names=names, frames=frames), file)
+        return write_picture([shown], Path(str(file)))
+    return _given(write_page([shown], names=names, frames=frames), file)
 
 
 def _position(model: Model, q: Array | None) -> Array:

@@ -15,10 +15,11 @@ from ...results.workspace_volume import Slice
 from .slicing import Slicer
 
 NEAR = 1e-4  # of the whole range: so near to a critical height it is located
+AROUND = 5  # times that: an expected height at this distance is taken
 SHORT = 30  # times that: the kinds of slices are not looked at in pieces that are shorter
 SCAN = 16  # intervals of theta at which a range is looked at first
 FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
-SLOW = 0.2  # by which what is missed shrinks with twice as many slices: slower pieces are cut
+SLOW = 0.3  # by which what is missed shrinks with twice as many slices: slower pieces are cut
 SAFE = 3.0  # times the error that is extrapolated
 
 
@@ -156,7 +157,7 @@ class Integral:
     def _finer(self, piece: Piece) -> list[Piece]:
         """Twice as many slices; where that helps little, because of a kink, the piece is cut there."""
         missed = self._missed(piece, piece.count)
-        slow = piece.count > FIRST and missed.sum() > SLOW * self._missed(piece, piece.count // 2).sum()
+        slow = piece.count > 2 * FIRST and missed.sum() > SLOW * self._missed(piece, piece.count // 2).sum()
         if piece.count < LAST and not slow:
             piece.count *= 2
             return [piece]
@@ -217,8 +218,10 @@ class Integral:
         return [z for z in self.expected if low < z < high]
 
     def _place(self, low: float, high: float) -> float:
-        expected = self._expected(low, high)
-        return expected[0] if expected else 0.5 * (low + high)
+        """A height in a narrow bracket; an expected one near it, around which small curves may have been missed."""
+        middle = 0.5 * (low + high)
+        expected = self._expected(low - AROUND * self._near, high + AROUND * self._near)
+        return min(expected, key=lambda z: abs(z - middle), default=middle)
 
 
 def _inside(low: float, high: float) -> tuple[float, float]:

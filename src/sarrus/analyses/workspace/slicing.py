@@ -23,8 +23,12 @@ from .vertex import balanced
 FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 PER_TASK = 4  # slices that are handed to a worker at once
-TRIES = 3  # for a slice of which a curve was lost, with shorter steps each time
-SHORTER = 0.6
+TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as shares of the range
+    (1.0, 0.0),
+    (0.5, 0.0),
+    (0.5, 1e-5),
+    (0.5, -1e-5),
+)
 
 Starts = tuple[tuple[Active, Array], ...]
 
@@ -38,7 +42,7 @@ class Task(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is sliced: everything that a worker needs, and a height at which the problem can be set up."""
+    """What is sliced: everything that a worker needs, a height to set up with, the range."""
 
     model: Model
     output: tuple[Any, ...]
@@ -47,6 +51,7 @@ class Asked(NamedTuple):
     seed: int
     longest: float
     middle: float
+    span: float
 
 
 class Slicer:
@@ -122,17 +127,19 @@ def _formulated(system: System, asked: Asked) -> Problem:
 
 
 def _sliced(problem: Problem, asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
-    place = [k for k in problem.fixed if k not in problem.locked][-1]
-    return [_slice(problem.held_at(place, task.height), asked, task) for task in tasks]
+    return [_slice(problem, asked, task) for task in tasks]
 
 
 def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
-    found = _mapped(problem, asked.seed, asked.longest, task)
-    for n in range(1, TRIES):
+    """A slice; where curves are lost, as close to a critical height, one that is a little higher or lower."""
+    place = [k for k in problem.fixed if k not in problem.locked][-1]
+    for n, (share, shift) in enumerate(TRIES):
+        moved = shift * asked.span
+        here = problem.held_at(place, task.height + moved)
+        found = _mapped(here, asked.seed + n, asked.longest * share, task)
         if found.branches and found.is_closed:
             break
-        found = _mapped(problem, asked.seed + n, asked.longest * SHORTER**n, task)
-    return _as_slice(task.height, found)
+    return _as_slice(task.height, found, abs(moved))
 
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
@@ -187,7 +194,7 @@ def _corner(problem: Problem, key: Active, q: Array) -> Start | None:
     return Start(one.key, balanced(one, moved))
 
 
-def _as_slice(height: float, map_: WorkspaceMap) -> Slice:
+def _as_slice(height: float, map_: WorkspaceMap, moved: float) -> Slice:
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
     found, region = map_.result(), map_.region()
@@ -195,7 +202,8 @@ def _as_slice(height: float, map_: WorkspaceMap) -> Slice:
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
     barriers = tuple(curve.u for curve in found.of_kind("barrier") if not curve.again)
     loops = tuple(_loops(region))
-    return Slice(height, found.area, found.area_error, loops, barriers, map_.is_closed, tuple(starts))
+    error = found.area_error + moved * found.perimeter
+    return Slice(height, found.area, error, loops, barriers, map_.is_closed, tuple(starts))
 
 
 def _loops(region: Region) -> Iterator[Loop]:

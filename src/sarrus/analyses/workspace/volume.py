@@ -71,7 +71,8 @@ def workspace_volume(
     reach = workspace_range(system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS)
     ranges = tuple(_cut(reach.intervals, between))
     middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
-    asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle)
+    span = max((high - low for low, high in ranges), default=1.0)
+    asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span)
     positions = list(_positions(system, asked, samples))
     slicer = Slicer(system, asked, [(z, q) for _, z, q in positions], executor)
     expected = sorted({one.value for one in reach.critical})
@@ -96,6 +97,7 @@ def workspace_volume(
         *surface,
         status,
         told,
+        system.model,
     )
 
 

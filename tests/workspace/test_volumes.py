@@ -1,7 +1,9 @@
 """Volumes and surfaces of spatial mechanisms, beside closed forms and independent quadratures."""
 
+import json
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +58,19 @@ def test_surface_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
     ball.to_obj(tmp_path / "shell.obj")
     assert (tmp_path / "shell.obj").read_text().count("\nv ") == len(ball.vertices)
     assert len(ball.plot().collections) >= 1
+
+
+def test_page_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
+    """Each cause is a part of the surface in its own colour, seen through; the page needs no network."""
+    page = ball.view(tmp_path / "shell.html").read_text(encoding="utf-8")
+    told = json.loads(page.split('id="scene">')[1].split("</script>")[0])
+    parts = {part["name"]: part for part in told["sketches"][0]["parts"] if part["opacity"] < 1}
+    assert {"leg 1 lowest", "leg 1 highest"} <= parts.keys()
+    assert len({part["color"] for part in parts.values()}) == len(parts)
+    assert "tool" in told["sketches"][0]["bodies"]
+    angles = replace(ball, outputs=("a.angle", "b.angle", "c.angle"))
+    with pytest.raises(sr.SarrusError, match="no coordinates"):
+        angles.view(tmp_path / "angles.html")
 
 
 def open_edges(found: sr.WorkspaceVolume) -> int:

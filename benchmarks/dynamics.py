@@ -29,6 +29,7 @@ from dynamics_runs import Compared  # noqa: E402
 
 import sarrus as sr  # noqa: E402
 
+FEW = (1e-4, 1e-6)  # tolerances that are tried in a hurry
 LONG = (100, 1000, 10000)  # bodies of the chains that are looked at alone
 
 
@@ -143,7 +144,7 @@ def main() -> None:
     for make in problems(chosen.quick):
         problem = make()
         if problem.name.startswith(chosen.only or ""):
-            few = problem._replace(steps=problem.steps[:2]) if chosen.quick else problem
+            few = problem._replace(steps=problem.steps[:2], tolerances=FEW) if chosen.quick else problem
             found.append(Compared(few, chosen.exudyn).found())
     if not chosen.only:
         chains = [long_chain(n) for n in (LONG[:2] if chosen.quick else LONG)]

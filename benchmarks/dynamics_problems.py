@@ -48,7 +48,7 @@ class Problem(NamedTuple):
     others: tuple[dict[str, Any], ...] = ()
     longest: float = np.inf
     stops: tuple[float, ...] = ()
-    tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+    tolerances: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 
     def end(self, run: sr.Trajectory) -> np.ndarray:
         """The points at the end, one after another."""

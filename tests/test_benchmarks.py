@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).resolve().parent.parent / "benchmarks"
@@ -98,3 +99,14 @@ def test_sensitivity() -> None:
     assert found["hmmwv.parameters"] > 500
     assert 0 < found["hmmwv.direct_ratio_per_parameter"] < 0.5
     assert found["sundials_crank.gradient_error"] < 5e-3
+
+
+def test_dynamics() -> None:
+    """Without Exudyn: all problems run, to their references, and the chains are measured."""
+    found = figures("dynamics.py", "--quick")
+    for one in found["problems"]:
+        assert all(np.isfinite(row["sarrus"]["seconds"]) for row in one["equal_steps"])
+        assert one["reference_to"] < 1e-6
+        assert min(run["error"] for run in one["sarrus_alone"]) < 1e-3
+    assert [chain["bodies"] for chain in found["chains"]] == [100, 1000]
+    assert {"hmmwv_share_of_python", "chain_step_and_body_growth"} <= set(found["ratios"])

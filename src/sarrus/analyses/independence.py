@@ -15,7 +15,8 @@ from ..results import Assembly
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .factored import SingularSystem
-from .rank import independent_rows, rank_of, row_lengths
+from .once import once
+from .rank import components, independent_rows, rank_of, row_lengths
 from .saddle import Saddle
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
@@ -44,7 +45,7 @@ class Independence:
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
-        rank = rank_of(system.Phi_q(q, t))
+        rank = rank_of(system.Phi_q(q, t), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
         self.kept: Array | None = None
         self.known = self._null.shape[1]
@@ -73,7 +74,7 @@ class Independence:
         """
         if self.kept is None or not self._poor(t, q):
             return False
-        null = rank_of(self._system.Phi_q(q, t)).null
+        null = rank_of(self._system.Phi_q(q, t), parts=_components(self._system)).null
         if null.shape != self._null.shape:
             return False
         self._null = null
@@ -124,3 +125,9 @@ class Independence:
                 f"{self._system.name} has redundant constraints that contradict each other as soon as it moves, "
                 f"first of all {row}; it is stuck in this position, or its velocity leaves the way that it can go"
             )
+
+
+@once
+def _components(system: System) -> tuple[Array, int]:
+    """Which equations share coordinates, directly or by others."""
+    return components(system.pattern("Phi_q"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import qr
@@ -38,10 +39,24 @@ class Rank:
     smallest: float
 
 
-def rank_of(J: csr_array, tolerance: float = TOLERANCE) -> Rank:
-    """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration."""
+class Sparse(Protocol):
+    """What has a pattern by rows."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def indptr(self) -> Array: ...
+    @property
+    def indices(self) -> Array: ...
+
+
+def rank_of(J: csr_array, tolerance: float = TOLERANCE, parts: tuple[Array, int] | None = None) -> Rank:
+    """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration.
+
+    `parts` are the `components` of its pattern, if they are known.
+    """
     unit = unit_rows(J)
-    labels, count = _components(unit)
+    labels, count = parts or components(J)
     nulls, smallest = [], np.inf
     for n in range(count):
         rows = np.flatnonzero(labels == n)
@@ -91,11 +106,11 @@ def independent_rows(null: Array, last: Array) -> Array:
     return np.setdiff1d(np.arange(len(null)), dropped)
 
 
-def _components(unit: csr_array) -> tuple[Array, int]:
-    """The component of each row: rows that share a column belong together."""
-    m, n = unit.shape
-    pointers = np.concatenate([unit.indptr, np.full(n, unit.indptr[-1])])
-    graph = csr_array((np.ones(len(unit.indices)), m + unit.indices, pointers), shape=(m + n, m + n))
+def components(J: Sparse) -> tuple[Array, int]:
+    """The component of each row, and how many there are: rows that share a column belong together."""
+    m, n = J.shape
+    pointers = np.concatenate([J.indptr, np.full(n, J.indptr[-1])])
+    graph = csr_array((np.ones(len(J.indices)), m + J.indices, pointers), shape=(m + n, m + n))
     labels = connected_components(graph, directed=False)[1][:m]
     names, labels = np.unique(labels, return_inverse=True)
     return labels, len(names)

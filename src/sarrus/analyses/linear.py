@@ -12,10 +12,9 @@ from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
-from .._jit import sparse_lu
 from .._jit.driver import compiled_function
 from ..algebra import Array
-from . import pivot_order
+from . import pivot_order, sparse_lu
 
 LEAST = (0.2, 0.05, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
 SMALL = 400  # unknowns, up to which pivots are chosen while the matrix is held dense
@@ -31,8 +30,9 @@ class SingularMatrix(ArithmeticError):
 @cache
 def compiled() -> dict[str, Any]:
     """The compiled functions of `sparse_lu`."""
-    names = ("symbolic", "refactor", "solve", "solve_transposed")
-    made = {name: compiled_function(getattr(sparse_lu, name)) for name in names}
+    made = {name: compiled_function(getattr(sparse_lu, name)) for name in ("rise", "transposed")}
+    names = ("compressed", "postorder", "symbolic", "slots", "refactor", "solve", "solve_transposed")
+    made |= {name: compiled_function(getattr(sparse_lu, name), **made) for name in names}
     parts = ("fill", "fewest", "pivot_of", "eliminate")
     steps = {name.upper(): compiled_function(getattr(pivot_order, name)) for name in parts}
     return {**made, "order": compiled_function(pivot_order.order, **steps)}
@@ -46,6 +46,11 @@ class SparseLU:
     indptr, indices : the pattern by columns, rows rising
     data : the numbers of a typical matrix, real or complex, from which the pivot order is chosen
 
+    Attributes
+    ----------
+    row_place, column_order, pointers, rows, diagonal, factors : see `sparse_lu`
+    slots : where in `factors` each number of the matrix is written before it is factored
+
     Raises
     ------
     SingularMatrix
@@ -54,17 +59,13 @@ class SparseLU:
 
     def __init__(self, indptr: Array, indices: Array, data: Array) -> None:
         self.n = len(indptr) - 1
-        self._indptr, self._indices = indptr, indices
+        self._indptr, self._indices = (x.astype(np.int32, copy=False) for x in (indptr, indices))
         self.repivot(data)
 
     def repivot(self, data: Array) -> None:
         """Choose the pivot order anew for these numbers, and factor them."""
-        rows_to, columns = self._order(data)
-        self.row_place, self.column_order = rows_to, columns
-        self._arrange()
-        functions = compiled()
-        self.pointers, self.rows, self.diagonal = functions["symbolic"](self.n, self.indptr, self.indices)
-        self.factors, self.work = np.zeros(len(self.rows), data.dtype), np.zeros(self.n, data.dtype)
+        self._arrange(*self._order(data))
+        self.factors = np.zeros(len(self.rows), data.dtype)
         if not self._refactor(data) > 0.0:
             raise SingularMatrix("the matrix is singular to working precision")
 
@@ -75,11 +76,16 @@ class SparseLU:
         """With a pivot order and factors that were found before."""
         made = cls.__new__(cls)
         made.n, made._indptr, made._indices = len(indptr) - 1, indptr, indices
-        made.row_place, made.column_order = row_place, column_order
-        made._arrange()
-        made.pointers, made.rows, made.diagonal = compiled()["symbolic"](made.n, made.indptr, made.indices)
-        made.factors, made.work = factors.copy(), np.zeros(made.n, factors.dtype)
+        made._arrange(row_place, column_order)
+        made.factors = factors.copy()
         return made
+
+    def _arrange(self, row_place: Array, column_order: Array) -> None:
+        """The pattern of the factors in a pivot order."""
+        self.row_place, self.column_order = (x.astype(np.uint32) for x in (row_place, column_order))
+        given = (self.n, self._indptr, self._indices, self.row_place, self.column_order)
+        self.pointers, self.rows, self.diagonal = compiled()["symbolic"](*given)
+        self.slots = compiled()["slots"](*given, self.pointers, self.rows)
 
     def _order(self, data: Array) -> tuple[Array, Array]:
         """Row places and column order: of small matrices by Markowitz's rule, else of the sparsest of some."""
@@ -87,10 +93,11 @@ class SparseLU:
             return self._by_markowitz(data)
         found = list(self._candidates(data))
         places, columns, _ = min(found, key=lambda candidate: candidate[2])
-        return places, columns
+        to = compiled()["postorder"](self.n, self._indptr, self._indices, places, columns)
+        return to[places], columns[np.argsort(to)]
 
     def _by_markowitz(self, data: Array) -> tuple[Array, Array]:
-        places, columns = np.empty(self.n, np.int64), np.empty(self.n, np.int64)
+        places, columns = np.empty(self.n, np.int32), np.empty(self.n, np.int32)
         if not compiled()["order"](self._indptr, self._indices, data, places, columns):
             raise SingularMatrix("the matrix is singular to working precision")
         return places, columns
@@ -108,22 +115,16 @@ class SparseLU:
         permuted = csc_array((data.copy(), to[self._indices], self._indptr), shape=whole.shape)
         permuted.sort_indices()
         lu = _superlu(permuted, "MMD_AT_PLUS_A", symmetric=True)
-        yield lu.perm_r[to].astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
+        yield lu.perm_r[to], np.argsort(lu.perm_c).astype(np.int32), lu.nnz
         if lu.nnz > SPARSE * len(data):
             lu = _superlu(whole, "COLAMD", symmetric=False)
-            yield lu.perm_r.astype(np.int64), np.argsort(lu.perm_c).astype(np.int64), lu.nnz
-
-    def _arrange(self) -> None:
-        """The pattern in pivot order, and where each number goes."""
-        counts = np.diff(self._indptr)[self.column_order]
-        self.indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-        starts = self._indptr[:-1][self.column_order]
-        self.source = np.repeat(starts - self.indptr[:-1], counts) + np.arange(len(self._indices))
-        self.indices = self.row_place[self._indices[self.source]]
+            yield lu.perm_r, np.argsort(lu.perm_c).astype(np.int32), lu.nnz
 
     def _refactor(self, data: Array) -> float:
-        arguments = (self.pointers, self.rows, self.diagonal, self.indptr, self.indices)
-        return float(compiled()["refactor"](*arguments, data[self.source], self.factors, self.work))
+        self.factors[:] = 0.0
+        self.factors[self.slots] = data
+        self.work = np.empty(self.n, self.factors.dtype)
+        return float(compiled()["refactor"](self.pointers, self.rows, self.diagonal, self.factors, self.work))
 
     def factor(self, data: Array) -> None:
         """Factor a matrix with these numbers, with new pivots if the old ones no longer fit.
@@ -175,7 +176,7 @@ def _large_diagonal(matrix: csc_array) -> Array | None:
         numbers = np.where(size >= least, size, 0.0)
         large = csr_array((numbers, rows.indices, rows.indptr), shape=rows.shape, copy=True)
         large.eliminate_zeros()
-        to: Array = maximum_bipartite_matching(large, perm_type="column").astype(np.int64)
+        to: Array = maximum_bipartite_matching(large, perm_type="column")
         if np.all(to >= 0):
             return to
     return None

@@ -13,21 +13,20 @@ from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...results import Assembly, Steps, StepsTaken
 from ...system import System
-from ..factored import SingularSystem
+from ..factored import DENSE_BELOW, SingularSystem
 from ..linear import SingularMatrix
-from ..motion import Motion
 from . import alpha_loop as loop
-from .implicit import GROUPS, Implicit, calls, entries
+from .implicit import GROUPS, Accelerations, Implicit, calls, entries
 from .keeping import Keeping
 from .march import CHUNK
 from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
-from .placed import compiled_solver
+from .placed import PRECISE, PlacedMatrix, compiled_solver
 from .prescribed import Prescribed
 from .started import independence_at
 from .stepper import Settings, Tally
 
-ROOM = 1_000_000  # numbers of the record of one chunk of steps, at most
+ROOM = 300_000  # numbers of the record of one chunk of steps, at most
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
 REASONS = {
@@ -186,6 +185,7 @@ class AlphaStepper(Implicit):
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0
         numbers[1] = numbers[4] = given[0] if len(given) else self._first_step(motion)
+        self._renew_pivots()
         self.keeping.begin(self.matrix.numbers.left_out, t=t, q=q, v=v, a=a, x=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
@@ -212,6 +212,14 @@ class AlphaStepper(Implicit):
             np.concatenate(x) for x in zip(first, self.keeping.collect(taken, memory), strict=True)
         )
 
+    def _forget_pivots(self) -> None:
+        self._arrays, self.matrix.placed = None, None
+
+    @property
+    def host(self) -> PlacedMatrix | None:
+        """See `Stepper`."""
+        return self.matrix
+
     def _why_small(self) -> str:
         return REASONS[float(self._control.numbers[8])]
 
@@ -237,14 +245,41 @@ class AlphaStepper(Implicit):
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
         state, h = self._state, self._control.numbers[1]
-        self._evaluate({"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam0})
-        self._weigh(self.matrix.weights, *loop.weights_of(self.scheme, h))
         try:
-            self.matrix.choose_pivots()
+            self._factor(self.t, (state.q0, state.v0, state.a0, state.lam0), loop.weights_of(self.scheme, h))
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
         self._control.numbers[2] = 0.0
         self._show_matrix()
+
+    def _factor(self, t: float, state: tuple[Array, ...], weights: tuple[float, float]) -> None:
+        """Factor the matrix at a state for a scheme's β' and γ'."""
+        self._evaluate(dict(zip(("q", "v", "a", "lam"), state, strict=True)) | {"t": t})
+        self._weigh(self.matrix.weights, *weights)
+        self.matrix.factor(PRECISE)
+
+    def _motion(self) -> Accelerations:
+        """Large systems have their first accelerations from the matrix of the method, small ones by LAPACK."""
+        return self if self.matrix.n >= DENSE_BELOW else super()._motion()
+
+    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """a (nq,) and lam (m,) of the equations of motion at a state.
+
+        Raises
+        ------
+        SingularSystem
+            If they do not exist.
+        """
+        system, kept = self.system, self.matrix.numbers.left_out == 0.0
+        try:
+            self._factor(t, (q, v, np.zeros(system.nq), np.zeros(system.m)), (0.0, 0.0))
+        except SingularMatrix as trouble:
+            raise SingularSystem(str(trouble)) from None
+        force = system.Q(q, v, t, b=self.b) + system.S(q, v, b=self.b)
+        found = self.matrix.solve(np.concatenate([force, kept * system.gamma(q, v, t, b=self.b)]))
+        if not np.all(np.isfinite(found)):
+            raise SingularSystem("the matrix is singular to working precision")
+        return found[: system.nq], found[system.nq :]
 
     def _evaluate(self, operands: dict[str, Any]) -> None:
         """The numbers of all operators of the matrix."""
@@ -262,7 +297,7 @@ class AlphaStepper(Implicit):
         relative = noise / (tolerances.atol_v + tolerances.rtol_v * abs(state.v0))
         return float(np.sqrt(np.mean(relative**2))) / loop.NEWTON_SHARE
 
-    def _first_step(self, motion: Motion) -> float:
+    def _first_step(self, motion: Accelerations) -> float:
         """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)

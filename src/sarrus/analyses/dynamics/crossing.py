@@ -25,6 +25,7 @@ from ..motion import Motion
 from ..projection import Projection
 from ..rank import rank_of
 from .nodes import Nodes
+from .placed import PlacedMatrix
 from .stepper import Settings, Stepper, Tally, Trouble
 
 ROOM = 120  # states that are kept in mind, each THIN times as far from the last one as the next
@@ -91,6 +92,11 @@ class Crossing:
     def tally(self) -> Tally:
         """What has been done."""
         return self._inner.tally
+
+    @property
+    def host(self) -> PlacedMatrix | None:
+        """See `Stepper`."""
+        return self._inner.host
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state, see `Stepper`."""

@@ -53,6 +53,8 @@ class IDA:
 class IDAStepper:
     """IDA at work on one system, see `Stepper`."""
 
+    host = None  # it keeps no matrix of the equations of motion for others
+
     def __init__(self, system: System, start: Assembly, settings: Settings) -> None:
         self.system, self.settings, self.t, self.tally = system, settings, 0.0, Tally()
         self.independence = independence_at(system, start)

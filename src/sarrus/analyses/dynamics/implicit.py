@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -54,6 +54,13 @@ def entries(system: System, kinds: Iterable[str]) -> dict[str, Any]:
     return found | {"remember": entry_of(system, "remembered")}
 
 
+class Accelerations(Protocol):
+    """What solves the equations of motion, see `Motion`."""
+
+    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """a (nq,) and lam (m,) at a state."""
+
+
 class Implicit:
     """An implicit method at work, see `Stepper`: the part that does not depend on the method."""
 
@@ -72,12 +79,16 @@ class Implicit:
         """Why steps became too small."""
         raise NotImplementedError
 
+    def _forget_pivots(self) -> None:
+        """The order of the pivots does not fit any more."""
+        self._arrays = None
+
     def _look(self, status: int, taken: int) -> None:
         """What comes of a call of the loop."""
         self._vain = 0 if taken else self._vain + 1
         state = self._state
         if status == loop.REPIVOT:
-            self._arrays = None
+            self._forget_pivots()
             if self._vain > 1:  # new pivots did not help: a shorter step may
                 self._control.numbers[1] *= 0.25
             if self._vain > PATIENCE:
@@ -86,7 +97,8 @@ class Implicit:
             sentence = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
             raise self._explained(state.q0, state.v0, Trouble("step too small", sentence))
 
-    def _motion(self) -> Motion:
+    def _motion(self) -> Accelerations:
+        """What solves the equations of motion at a start."""
         motion = Motion(self.system, self.independence.kept)
         motion.b[:] = self.b
         return motion

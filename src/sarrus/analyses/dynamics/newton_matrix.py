@@ -35,7 +35,12 @@ def newton_matrix(system: System) -> PlacedMatrix:
     return PlacedMatrix(Numbers(system, NUMBERS), system.nq + system.m, alpha_parts(system.nq))
 
 
-def motion_matrix(system: System) -> PlacedMatrix:
-    """[M, Φ_qᵀ; Φ_q, 0]."""
-    parts = [Part("M", 0, 0), *constraint_parts(system.nq)]
-    return PlacedMatrix(Numbers(system, ("M", LEFT_OUT, "Phi_q")), system.nq + system.m, parts)
+def motion_matrix(system: System, host: PlacedMatrix | None = None) -> PlacedMatrix:
+    """[M, Φ_qᵀ; Φ_q, 0]; a matrix in whose pattern it stands may be its `host`."""
+    numbers = Numbers(system, ("M", LEFT_OUT, "Phi_q"))
+    return PlacedMatrix(numbers, system.nq + system.m, motion_parts(system.nq), host=host)
+
+
+def motion_parts(nq: int) -> list[Part]:
+    """Where operators stand in the matrix of the equations of motion."""
+    return [Part("M", 0, 0), *constraint_parts(nq)]

@@ -48,6 +48,8 @@ class ODE:
 class ODEStepper:
     """An explicit solver at work on one system, see `Stepper`."""
 
+    host = None  # it keeps no matrix of the equations of motion for others
+
     def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:
         self.system, self._name, self._settings = system, name, settings
         self.t, self.tally, self._tiny = 0.0, Tally(), 0

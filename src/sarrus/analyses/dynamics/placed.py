@@ -28,6 +28,8 @@ UNIT, LEFT_OUT = (
     "unit",
     "left_out",
 )  # diagonal blocks (nq, nq) of ones, and (m, m) with 1 for equations left out
+PRECISE = 1e-3  # pivot over column, above which an order of pivots chosen for other numbers is as good as new
+STRETCH = 5000  # numbers that are summed before the next part takes its turn
 FACTORS = ("row_place", "column_order", "factors", "weights")
 
 
@@ -46,9 +48,6 @@ class Placed(NamedTuple):
     parts: Any
     places: Any
     weights: Any
-    data: Any
-    indptr: Any
-    indices: Any
     pointers: Any
     rows: Any
     diagonal: Any
@@ -74,6 +73,7 @@ class Numbers:
         self.system, self.names, self.like = system, tuple(names), tuple((like or {}).items())
         starts, self.row_of = numbering(system, self.names, self.like)
         self.values = np.zeros(starts[-1])
+        self.start = dict(zip(names, starts, strict=False))
         self.views = {n: self.values[starts[k] : starts[k + 1]] for k, n in enumerate(names)}
         self.left_out = self.views[LEFT_OUT]
         if UNIT in self.views:
@@ -99,29 +99,62 @@ class Numbers:
 class PlacedMatrix:
     """The pattern of a matrix (n, n), and its factors; `kind` is the type of its weights, real or complex.
 
+    Parts that also stand in another matrix, a `host`, need neither a pattern nor an analysis of their own: they take
+    the order of its pivots, if it fits them.
+
     Attributes
     ----------
     numbers, weights : what it is assembled of
     placed : the matrix as compiled code takes it, or None before pivots are chosen
     """
 
-    def __init__(self, numbers: Numbers, n: int, parts: Sequence[Part], kind: type = float) -> None:
-        self.numbers, self.n = numbers, n
-        layout = layout_of(numbers.system, numbers.names, numbers.like, n, tuple(parts))
-        self.parts, self._place, self._indptr, self._indices = layout
+    def __init__(
+        self,
+        numbers: Numbers,
+        n: int,
+        parts: Sequence[Part],
+        kind: type = float,
+        host: PlacedMatrix | None = None,
+    ) -> None:
+        self.numbers, self.n, self._host, self._kinds = numbers, n, host, tuple(parts)
+        self._layout: Layout
+        if host is None:
+            self._layout = layout_of(numbers.system, n, numbers.like, self._kinds)
+            first = self._layout.first
+        else:
+            self._layout = host._layout
+            first = tuple(self._layout.first[host._kinds.index(part)] for part in self._kinds)
+        names = [part.name for part in self._kinds]
+        starts, sizes = [numbers.start[n] for n in names], [len(numbers.views[n]) for n in names]
+        self.parts = np.column_stack([starts, sizes, first]).astype(np.int64)
         self.weights: Array = np.ones(len(parts), dtype=kind)
         self.placed: Placed | None = None
 
     def assembled(self) -> Array:
         """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
-        data = np.zeros(len(self._indices), dtype=self.weights.dtype)
-        compiled_solver()["ASSEMBLE"](self.parts, self._place, self.weights, self.numbers.values, data)
+        data = np.zeros(len(self._layout.indices), dtype=self.weights.dtype)
+        assemble = compiled_solver()["ASSEMBLE"]
+        assemble(self.parts, self._layout.place, self.weights, self.numbers.values, data)
         return data
 
     def pattern(self) -> csc_array:
         """1 wherever a number may stand (n, n)."""
-        places = self._indices.astype(np.int32), self._indptr.astype(np.int32)
-        return csc_array((np.ones(len(self._indices)), *places), shape=(self.n, self.n))
+        places = self._layout.indices, self._layout.indptr
+        return csc_array((np.ones(len(places[0])), *places), shape=(self.n, self.n))
+
+    def factor(self, least: float) -> Placed:
+        """Factor the numbers and weights that are there now; with new pivots, if old ones can be trusted less.
+
+        Raises
+        ------
+        SingularMatrix
+            If the matrix is singular.
+        """
+        placed = self.placed or self._lodged()
+        if placed and compiled_solver()["refactor"](self.numbers.values, placed) > least:
+            self.placed = placed
+            return placed
+        return self.choose_pivots()
 
     def choose_pivots(self) -> Placed:
         """Choose the pivot order for the numbers and weights that are there now, and factor.
@@ -132,7 +165,7 @@ class PlacedMatrix:
             If the matrix is singular.
         """
         self.placed = None
-        return self._show(SparseLU(self._indptr, self._indices, self.assembled()))
+        return self._show(SparseLU(self._layout.indptr, self._layout.indices, self.assembled()))
 
     def solve(self, right: Array) -> Array:
         """x of A x = right, with the factors at hand."""
@@ -147,40 +180,41 @@ class PlacedMatrix:
     def resume(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> None:
         """Take over such a state."""
         self.weights[:] = weights
-        self._show(SparseLU.ordered(self._indptr, self._indices, row_place, column_order, factors))
+        pattern = self._layout.indptr, self._layout.indices
+        self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
+
+    def _lodged(self) -> Placed | None:
+        """With the order of the host, and room for factors."""
+        if self._host is None or self._host.placed is None:
+            return None
+        found = self._host.placed
+        return found._replace(parts=self.parts, weights=self.weights, factors=np.zeros_like(found.factors))
 
     def _show(self, lu: SparseLU) -> Placed:
-        arranged = np.empty(len(self._indices), dtype=np.int64)
-        arranged[lu.source] = np.arange(len(self._indices))
         self.placed = Placed(
-            self.parts, arranged[self._place], self.weights, np.zeros_like(lu.factors, shape=len(self._indices)),
-            lu.indptr, lu.indices, lu.pointers, lu.rows, lu.diagonal, lu.factors, lu.work, lu.row_place,
-            lu.column_order,
+            self.parts, lu.slots[self._layout.place], self.weights, lu.pointers, lu.rows, lu.diagonal, lu.factors,
+            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order,
         )  # fmt: skip
         return self.placed
 
 
 class Layout(NamedTuple):
-    """Where the numbers of all parts go; `parts` tells of each the first number, how many, and the first place."""
+    """The pattern by columns, the place of every number of all parts in it, and where those of each part begin."""
 
-    parts: Array
-    place: Array
     indptr: Array
     indices: Array
+    place: Array
+    first: tuple[int, ...]
 
 
 @once
-def layout_of(
-    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...], n: int, parts: tuple[Part, ...]
-) -> Layout:
-    """The pattern of all matrices (n, n) of a system with these numbers and parts."""
-    starts = dict(zip(names, numbering(system, names, like)[0], strict=False))
-    entries = [_entries(system, part, dict(like)) for part in parts]
-    counts = [len(rows) for rows, _ in entries]
-    unique, place = np.unique(np.concatenate([c * n + r for r, c in entries]), return_inverse=True)
-    indptr = np.searchsorted(unique // n, np.arange(n + 1)).astype(np.int64)
-    told = np.column_stack([[starts[p.name] for p in parts], counts, np.cumsum(counts) - counts])
-    return Layout(told.astype(np.int64), place, indptr, (unique % n).astype(np.int64))
+def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: tuple[Part, ...]) -> Layout:
+    """The pattern of all matrices (n, n) of a system with these parts."""
+    found = [_entries(system, part, dict(like)) for part in parts]
+    rows, columns = (np.concatenate(axis) for axis in zip(*found, strict=True))
+    first = np.cumsum([0, *(len(own) for own, _ in found)])[:-1]
+    indptr, indices, place = factors()["compressed"](n, rows, columns)
+    return Layout(indptr, indices, place, tuple(first.tolist()))
 
 
 @once
@@ -197,17 +231,17 @@ def _entries(system: System, part: Part, like: dict[str, str]) -> tuple[Array, A
     rows, columns = entries_of(system, like.get(part.name, part.name))
     if part.transposed:
         rows, columns = columns, rows
-    return rows + part.row, columns + part.column
+    return rows + np.int32(part.row), columns + np.int32(part.column)
 
 
 def entries_of(system: System, name: str) -> tuple[Array, Array]:
     """Rows and columns of an operator's numbers."""
     if name in (UNIT, LEFT_OUT):
-        along = np.arange(system.nq if name == UNIT else system.m)
+        along = np.arange(system.nq if name == UNIT else system.m, dtype=np.int32)
         return along, along
     pattern = system.pattern(name)
-    rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr)).astype(np.int64)
-    return rows, pattern.indices.astype(np.int64)
+    rows = np.repeat(np.arange(pattern.shape[0], dtype=np.int32), np.diff(pattern.indptr))
+    return rows, pattern.indices.astype(np.int32)
 
 
 @cache
@@ -221,20 +255,26 @@ def compiled_solver() -> dict[str, Any]:
 
 
 def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
-    """Sum the weighted numbers of all parts into the numbers of the matrix."""
-    data[:] = 0.0
-    for s in range(len(parts)):
-        for k in range(parts[s, 1]):
-            data[places[parts[s, 2] + k]] += weights[s] * values[parts[s, 0] + k]
+    """Sum the weighted numbers of all parts into the numbers of the matrix.
+
+    A stretch of each part in turn: bodies come in one order in all parts, so that large matrices are passed only once.
+    """
+    for k in range(len(data)):
+        data[k] = 0.0
+    stretches = 1 + len(places) // STRETCH
+    for n in range(stretches):
+        for s in range(len(parts)):
+            first, count, at, weight = parts[s, 0], parts[s, 1], parts[s, 2], weights[s]
+            begin, end = count * n // stretches, count * (n + 1) // stretches
+            numbers, where = values[first + begin : first + end], places[at + begin : at + end]
+            for k in range(len(numbers)):
+                data[where[k]] += weight * numbers[k]
 
 
 def refactor(values: Any, placed: Any) -> Any:
     """Assemble and factor a matrix; returns how far its pivots can be trusted."""
-    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.data)
-    return REFACTOR(
-        placed.pointers, placed.rows, placed.diagonal, placed.indptr, placed.indices, placed.data, placed.factors,
-        placed.work,
-    )  # fmt: skip
+    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.factors)
+    return REFACTOR(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
 
 
 def backsolve(placed: Any, right: Any, solution: Any) -> None:

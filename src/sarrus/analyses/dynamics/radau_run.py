@@ -14,15 +14,14 @@ from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
-from ..motion import Motion
 from . import radau_loop as loop
 from .alpha import compiled_parts
 from .alpha_loop import Tolerance
-from .implicit import GROUPS, Implicit, calls, entries
+from .implicit import GROUPS, Accelerations, Implicit, calls, entries
 from .keeping import Keeping
-from .newton_matrix import constraint_parts
+from .newton_matrix import motion_parts
 from .nodes import Nodes
-from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix, compiled_solver
+from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix, compiled_solver
 from .stabilized_matrix import MATRICES, newton_parts, weigh
 from .started import independence_at
 from .stepper import Settings, Tally
@@ -149,6 +148,11 @@ class RadauStepper(Implicit):
         shown = (numbers.values, *numbers.of(MATRICES), numbers.row_of, numbers.left_out)
         self._arrays = loop.Matrices(*shown, *placed)
 
+    @property
+    def host(self) -> PlacedMatrix | None:
+        """See `Stepper`."""
+        return self.motion
+
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
         told = self.settings.tolerances.greatest()
@@ -159,7 +163,7 @@ class RadauStepper(Implicit):
         self.numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         self.real = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m))
         self.pair = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m), complex)
-        self.motion = PlacedMatrix(self.numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
+        self.motion = PlacedMatrix(self.numbers, nq + m, motion_parts(nq))
         self.numbers.keep(self.independence.kept)
 
     def _renew_equations(self) -> None:
@@ -187,7 +191,7 @@ class RadauStepper(Implicit):
         self._show()
         self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
 
-    def _first_step(self, motion: Motion) -> float:
+    def _first_step(self, motion: Accelerations) -> float:
         """A step whose estimated error, of order h⁴, is below the tolerance; a change of slope gives the scale."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)

@@ -19,7 +19,7 @@ from . import sample_loop as loop
 from .entries import entry_of
 from .newton_matrix import motion_matrix
 from .nodes import Nodes
-from .placed import FACTORS, compiled_solver
+from .placed import FACTORS, PRECISE, PlacedMatrix, compiled_solver
 
 GROUPS = {
     "inertia": ("M",),
@@ -56,15 +56,18 @@ class Sampler:
     system : System
     independence : which equations are solved, where some are dependent
     b : the numbers of the elements
+    host : a matrix in whose pattern that of the equations of motion stands, if there is one
 
     Attributes
     ----------
     unsettled : times at which the equations of motion could not be solved: states there are as interpolated
     """
 
-    def __init__(self, system: System, independence: Independence, b: Array) -> None:
+    def __init__(
+        self, system: System, independence: Independence, b: Array, host: PlacedMatrix | None = None
+    ) -> None:
         self.system, self.independence, self.b = system, copy(independence), b.copy()
-        self.matrix = motion_matrix(system)
+        self.matrix = motion_matrix(system, host)
         self.matrix.numbers.keep(independence.kept)
         self.unsettled: list[float] = []
         entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("potentials",), ("remembered",))]
@@ -165,7 +168,7 @@ class Sampler:
         for name in ("M", "Phi_q"):
             self.matrix.numbers.evaluate((name,), self.b, {"t": t, "q": q})
         try:
-            self.matrix.choose_pivots()
+            self.matrix.factor(PRECISE)
         except (SingularMatrix, ValueError):
             return False
         self._show_matrix()

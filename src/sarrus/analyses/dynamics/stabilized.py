@@ -11,7 +11,7 @@ from ..._jit.driver import compiled_function
 from . import alpha_loop, radau_loop
 from . import stabilized_loop as loop
 from .alpha import KINDS, AlphaStepper, compiled_parts
-from .implicit import GROUPS, calls, entries
+from .implicit import GROUPS, Implicit, calls, entries
 from .placed import compiled_solver
 from .stabilized_matrix import START, stabilized_matrix, weigh
 
@@ -41,6 +41,9 @@ def compiled_advance() -> Any:
 
 class StabilizedStepper(AlphaStepper):
     """HHT or generalized-α at work on the stabilized equations of one system, see `AlphaStepper`."""
+
+    host = None  # M and Φ_q stand elsewhere than in the equations of motion
+    _motion = Implicit._motion
 
     def _make(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m

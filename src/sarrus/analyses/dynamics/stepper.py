@@ -11,6 +11,7 @@ import numpy as np
 from ...algebra import Array
 from ..independence import Independence
 from .nodes import Nodes
+from .placed import PlacedMatrix
 from .tolerance import Tolerances
 
 HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected before it
@@ -95,6 +96,10 @@ class Stepper(Protocol):
     b: Array
     independence: Independence
     tally: Tally
+
+    @property
+    def host(self) -> PlacedMatrix | None:
+        """A matrix in whose pattern that of the equations of motion stands, if there is one."""
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state; the past is forgotten. The run goes on until a time, if nothing comes between.

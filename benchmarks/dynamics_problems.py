@@ -81,7 +81,7 @@ def four_bars() -> Problem:
     points = [("upright_0", (0.0, 0.5, 0.0))]
     return Problem(
         "four_bars_40", system, sr.assemble(system), points, 10.0, (1000, 2000, 5000), known,
-        tolerances=(1e-6, 1e-7),
+        tolerances=(1e-6,),
     )  # fmt: skip
 
 

@@ -38,6 +38,13 @@ def test_the_code_of_the_guide_runs() -> None:
     assert "attraction" in ModelForce.kinds
 
 
+def test_the_code_of_the_guide_to_constraints_runs() -> None:
+    text = GUIDE.with_name("own-constraint.md").read_text(encoding="utf-8")
+    scope = run("\n".join(part.split("```")[0] for part in text.split("```python\n")[1:]))
+    assert scope["report"]
+    assert "in_bowl" in Joint.kinds
+
+
 def test_the_model_file_of_the_guide_is_read(tmp_path: Path) -> None:
     run("\n".join(blocks("python")[:2]))
     bodies = "name: m\nbodies:\n  bob: {mass: 1.0, inertia: [1, 1, 1]}\n"

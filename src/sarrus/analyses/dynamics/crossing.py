@@ -30,7 +30,11 @@ from .stepper import Settings, Stepper, Tally, Trouble
 
 ROOM = 120  # states that are kept in mind, each THIN times as far from the last one as the next
 THIN = 1.1
-CLOSE = 0.3  # of the smallest singular value at the start: further away no position is looked for
+CLOSE, AWAY = (
+    0.3,
+    1e-4,
+)  # of the smallest singular value at the start: from so far before a position it is gone over
+SHORT, RECENT = 1e-2, 24  # of the longest among recent steps: one that may be on the way to a position
 FURTHER = (
     1.5  # each state from which the step is tried is so many times as far from the last as the one before
 )
@@ -66,7 +70,7 @@ class Crossing:
 
     def __init__(self, stepper: Stepper, system: System, settings: Settings) -> None:
         self._inner, self._system, self._settings = stepper, system, settings
-        self._until = 0.0
+        self._until, self._shortest = 0.0, np.inf
         self._past = Past(np.zeros(0), np.zeros((0, system.nq)), np.zeros((0, system.nq)))
 
     @property
@@ -100,22 +104,39 @@ class Crossing:
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state, see `Stepper`."""
-        self._until, self._past = until, Past(*(x[:0] for x in self._past))
+        self._until, self._shortest, self._past = until, np.inf, Past(*(x[:0] for x in self._past))
         self._inner.restart(t, q, v, until)
 
     def advance(self, stop: float, limit: int) -> Nodes:
-        """Steps towards a time, and over a singular position where the method cannot go on; see `Stepper`."""
-        try:
-            with np.errstate(all="ignore"):  # multipliers grow without bounds
-                nodes = self._inner.advance(stop, limit)
-        except Trouble as trouble:
-            with np.errstate(all="ignore"):
-                landing = self._landing(stop)
-            if landing is None:
-                raise trouble from None
-            nodes = self._land(landing)
+        """Steps towards a time, and over a singular position where they become ever shorter; see `Stepper`."""
+        with np.errstate(all="ignore"):  # multipliers grow without bounds
+            nodes = self._next(stop, limit)
         self._bear_in_mind(nodes)
         return nodes
+
+    def _next(self, stop: float, limit: int) -> Nodes:
+        """The method's own steps, or the one over a position."""
+        landing = self._landing(stop) if self._is_shortening() else None
+        if landing is None:
+            try:
+                return self._inner.advance(stop, limit)
+            except Trouble:
+                landing = self._landing(stop)
+                if landing is None:
+                    raise
+        return self._land(landing)
+
+    def _is_shortening(self) -> bool:
+        """Whether the last step is so much shorter than the longest before it, and than when this was last so."""
+        if len(self._past.t) < 2:
+            return False
+        h = np.diff(self._past.t[-RECENT:])
+        if h[-1] > SHORT * h.max():
+            self._shortest = np.inf
+        if h[-1] > SHORT * min(h.max(), self._shortest):
+            return False
+        self._shortest = float(h[-1])
+        return True
 
     def steps(self) -> object:
         """The steps kept for derivatives, or None."""
@@ -124,12 +145,12 @@ class Crossing:
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
         past = {f"past_{name}": array for name, array in self._past._asdict().items()}
-        return {**self._inner.state(), **past, "past_until": np.array(self._until)}
+        return {**self._inner.state(), **past, "past_numbers": np.array([self._until, self._shortest])}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._inner.resume(state)
-        self._until = float(state["past_until"])
+        self._until, self._shortest = (float(x) for x in state["past_numbers"])
         self._past = Past(*(state[f"past_{name}"] for name in Past._fields))
 
     def _bear_in_mind(self, nodes: Nodes) -> None:
@@ -172,7 +193,7 @@ class Crossing:
             value = rank.smallest if rank.null.shape[1] == known.known else 0.0
             if value > CLOSE * known.smallest:
                 return
-            if near is not None and value > near[1]:
+            if near is not None and value > max(near[1], AWAY * known.smallest):
                 yield row, (near[0] - t) * value / (value - near[1])
             near = t, value
 

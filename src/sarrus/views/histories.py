@@ -88,6 +88,9 @@ def _label(name: str, unit: str, rate: bool) -> str:
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
     """Draw the rate of a coordinate over the coordinate, with the start as a dot.
 
+    A periodic motion closes, a damped one winds inwards to its rest, and a stop or impact shows as a jump straight down
+    or up.
+
     Parameters
     ----------
     run : Trajectory
@@ -117,6 +120,10 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
 
 def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     """Draw kinetic, potential and total energy over time.
+
+    The potential is that of gravity, linear springs and bushings. Without other forces, dampers and drivers the total
+    is a level line: its drift is the error of the method, or its numerical damping. What other forces do is seen as a
+    change of the total.
 
     Parameters
     ----------
@@ -149,6 +156,9 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
 def plot_violation(run: Trajectory, ax: Any = None) -> Any:
     """Draw how far constraints are violated over time, on a logarithmic scale: positions, and velocities if known.
 
+    A method that solves the index-3 equations keeps positions to its tolerance and lets velocities be off by more; the
+    stabilized ones and those that project keep both. A curve that climbs says that the run is not to be trusted there.
+
     Parameters
     ----------
     run : Trajectory
@@ -176,6 +186,9 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
 
 def plot_steps(run: Trajectory, ax: Any = None) -> Any:
     """Draw the length of every step that was accepted, over time, on a logarithmic scale.
+
+    Where it falls by orders of magnitude, a force is stiff or jumps, or the mechanism passes a singular position; the
+    title has the number of steps that were tried in vain.
 
     Parameters
     ----------
@@ -209,6 +222,9 @@ def plot_sensitivities(
     found: StateDerivatives, run: Trajectory, coordinate: str, ax: Any = None, *, most: int = 8
 ) -> Any:
     """Draw the derivatives of a coordinate over time, with respect to the numbers of the largest influence.
+
+    Those of a coordinate that oscillates grow with time wherever a number changes the frequency: what is seen then is a
+    shift of phase, not of size.
 
     Parameters
     ----------

@@ -16,6 +16,9 @@ NOTICED = 0.05  # of the largest share
 def modes_table(found: Modes) -> str:
     """One line per mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
 
+    Up to three bodies are named, those whose translation [m] and rotation [rad] add to the largest sum; ``free`` stands
+    for a motion that nothing brings back.
+
     Parameters
     ----------
     found : Modes
@@ -46,6 +49,9 @@ def _moving(found: Modes, mode: int) -> list[str]:
 
 def plot_modes(found: Modes, ax: Any = None) -> Any:
     """Draw the eigenvalues in the upper half of the complex plane; those of growing motions stand out.
+
+    Left of the axis motions decay, the faster the farther; on it they go on for ever. A pair that has met the real
+    axis no longer oscillates.
 
     Parameters
     ----------

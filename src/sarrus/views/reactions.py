@@ -9,7 +9,10 @@ from .plots import BLUE, GREY, ORANGE, _tidy, figure_of
 
 
 def plot_reaction(found: Reaction, axes: Any = None) -> Any:
-    """Draw force and torque along the joint's axes f, g, h.
+    """Draw force and torque along the joint's axes f, g, h, as they act on its second body.
+
+    h is the axis of a hinge or slide, so the force along it is a thrust, and the torque about it that of a driver: an
+    ideal hinge has none.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from exudyn_told import Exudyn, Told
 
 import sarrus as sr
 
-REPEATS, ENOUGH = 3, 0.1  # runs in a turn; s, after which one is enough
+REPEATS, ENOUGH = 15, 0.1  # most runs in a turn; s, after which there is none more
 ROUNDS = 2  # turns of each code
 MORE = 1.05  # steps, where as many are wanted as an error asks for
 CHANGE = 0.01  # of the error: what a looser Newton's method may change in the end
@@ -97,17 +97,23 @@ class Compared:
         end = np.concatenate(found["end"])
         return Run(found["seconds"], steps, self.error(end), told, end)
 
-    def equal_steps(self, steps: int) -> tuple[Run, Run | None]:
-        """Both codes with so many equal steps, in turns, each with the loosest Newton's method that does as well."""
+    def equal_steps(self, steps: int) -> tuple[Run, Run | None, Run | None]:
+        """Both codes with so many equal steps, in turns, each with the loosest Newton's method that does as well.
+
+        The third is the first run of Exudyn with its own tolerances.
+        """
         method = sr.GeneralizedAlpha(0.9, step=self.problem.until / steps)
         mine: list[Callable[[], Run]] = [lambda t=t: self.ours(method, t) for t in OURS]
         other: list[Callable[[], Run]] = []
         if self.peer:
             other = [lambda s=s, n=n: self.theirs(steps, s, n) for n in THEIRS for s in self._solvers]
-        chosen = [as_good([(quickest(run), run) for run in code]) for code in (mine, other) if code]
+        tried = [[(quickest(run), run) for run in code] for code in (mine, other) if code]
+        chosen = [as_good(code) for code in tried]
         again = [[quickest(run) for _, run in chosen] for _ in range(ROUNDS - 1)]
         best = [least([first, *(turn[k] for turn in again)]) for k, (first, _) in enumerate(chosen)]
-        return best[0], best[1] if self.peer else None
+        if not self.peer:
+            return best[0], None, None
+        return best[0], best[1], least(run for run, _ in tried[1][: len(self._solvers)])
 
     def variable_steps(self) -> Iterator[Run]:
         """All methods with steps that they choose."""
@@ -132,10 +138,15 @@ class Compared:
         self.ours(sr.GeneralizedAlpha(0.9, step=p.until / p.steps[0]), OURS[0])  # compiled, or found
         rows = [(steps, *self.equal_steps(steps)) for steps in p.steps]
         equal = [
-            {"steps": steps, "sarrus": mine.as_dict(), "exudyn": other and other.as_dict()}
-            for steps, mine, other in rows
+            {
+                "steps": steps,
+                "sarrus": mine.as_dict(),
+                "exudyn": _dict(other),
+                "exudyn_as_it_comes": _dict(usual),
+            }
+            for steps, mine, other, usual in rows
         ]
-        alone = [run for row in rows for run in self._as_exact(*row)]
+        alone = [run for row in rows for run in self._as_exact(*row[:3])]
         free = [run.as_dict() for run in (*alone, *self.variable_steps())]
         if self.peer:
             self.peer.close()
@@ -151,6 +162,10 @@ class Compared:
         return [quickest(lambda t=t: self.ours(method, t)) for t in OURS[1:3]]
 
 
+def _dict(run: Run | None) -> dict[str, Any] | None:
+    return run.as_dict() if run else None
+
+
 def distance(apart: Any) -> float:
     """The largest over all points."""
     return float(np.linalg.norm(np.reshape(apart, (-1, 3)), axis=1).max())
@@ -161,9 +176,11 @@ def least(runs: Iterable[Run]) -> Run:
 
 
 def quickest(run: Callable[[], Run]) -> Run:
-    """The quickest of some runs, one after another."""
-    first = run()
-    return first if first.seconds > ENOUGH else least([first, *(run() for _ in range(REPEATS - 1))])
+    """The quickest of some runs, one after another, which warms the caches for both codes."""
+    found = [run()]
+    while len(found) < REPEATS and sum(one.seconds for one in found) < ENOUGH:
+        found.append(run())
+    return least(found)
 
 
 def as_good(runs: list[tuple[Run, Callable[[], Run]]]) -> tuple[Run, Callable[[], Run]]:

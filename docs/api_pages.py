@@ -18,6 +18,7 @@ CHAPTERS = {
     "views": ("views", "Pictures"),
     "io": ("import", "Import"),
 }
+INNER = {"primitives", "coordinates", "relations", "frames", "friction", "resolve"}  # how parts are made of elements
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 
 
@@ -89,14 +90,15 @@ def _clean(text: str) -> str:
 
 
 def _members(what: type) -> Iterator[tuple[str, Any]]:
-    """Public methods and properties with a docstring, those of base classes within the package included."""
+    """Public methods and properties with a docstring, those of base classes included; not how parts are made inside."""
     seen: set[str] = set()
     for base in what.__mro__:
         if base.__module__.startswith("sarrus."):
             for name, member in vars(base).items():
                 plain = getattr(member, "__func__", member)
                 good = inspect.isfunction(plain) or isinstance(plain, property)
-                if good and not name.startswith("_") and name not in seen and plain.__doc__:
+                known = name.startswith("_") or name in seen or (name in INNER and _home(what) == "model")
+                if good and not known and plain.__doc__:
                     seen.add(name)
                     yield name, plain
 

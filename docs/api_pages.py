@@ -18,7 +18,14 @@ CHAPTERS = {
     "views": ("views", "Pictures"),
     "io": ("import", "Import"),
 }
-INNER = {"primitives", "coordinates", "relations", "frames", "friction", "resolve"}  # how parts are made of elements
+INNER = {
+    "primitives",
+    "coordinates",
+    "relations",
+    "frames",
+    "friction",
+    "resolve",
+}  # how parts are made of elements
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 
 

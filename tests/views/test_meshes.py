@@ -161,6 +161,12 @@ def test_a_model_file_names_its_mesh(tmp_path: Path) -> None:
     assert block.mesh.vertices.max(axis=0) == pytest.approx([0.5, 0.5, 0.76])
 
 
+def test_a_shape_of_another_kind_is_refused_by_name() -> None:
+    wrong: object = (sr.Shape("box.stl"),)
+    with pytest.raises(sr.ModelError, match=r'body "rod".*shape must be a sarrus\.Shape, but is a tuple'):
+        sketch(with_shape(wrong))  # type: ignore[arg-type]
+
+
 def test_a_missing_mesh_is_an_error_with_the_body() -> None:
     with pytest.raises(sr.ModelError, match=r'body "rod".*none\.stl: does not exist; check the path'):
         sketch(with_shape(sr.Shape("none.stl")))

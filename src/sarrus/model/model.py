@@ -9,6 +9,7 @@ from typing import Any
 
 from .body import Body
 from .drivers import Driver
+from .errors import ModelError
 from .expression import Expression
 from .findings import Findings
 from .forces import Force
@@ -16,7 +17,7 @@ from .formulas import Formulas
 from .joints import Joint
 from .origin import Origin, Path
 from .quantity import Vector
-from .shape import Look
+from .shape import Look, Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +86,10 @@ class Model:
         found = []
         for body in self.bodies:
             with findings.about("bodies", body.name):
+                shape: object = body.shape
+                if not isinstance(shape, Shape | None):
+                    told = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}; give one"
+                    raise ModelError(told, field="shape")
                 if body.shape is not None:
                     found.append(body.shape.look(body.name, self._folder(body.name)))
         findings.raise_first()

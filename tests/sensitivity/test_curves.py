@@ -60,14 +60,18 @@ MOTION = [f"motor.motion.{n}" for n in (1, 2, 3)]
 NAMES = [*MOTION, *(f"load.factor.{n}.y" for n in range(1, 6)), *(f"spring.k.{n}.y" for n in range(1, 5))]
 
 
-@cache
-def swung() -> sr.Trajectory:
-    return sr.simulate(sr.System(arm()), until=1.0, rtol=1e-5, atol=1e-7, keep_steps=True)
+METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 
 
 @cache
-def found(method: str) -> np.ndarray:
-    return sr.sensitivity(swung(), RESPONSES, NAMES, method=method).matrix
+def swung(method: str = "HHT") -> sr.Trajectory:
+    settings = {"rtol": 1e-5, "atol": 1e-7, "keep_steps": True, "method": METHODS[method]}
+    return sr.simulate(sr.System(arm()), until=1.0, t_eval=[1.0], **settings)
+
+
+@cache
+def found(way: str, method: str = "HHT") -> np.ndarray:
+    return sr.sensitivity(swung(method), RESPONSES, NAMES, method=way).matrix
 
 
 def test_they_are_numbers_of_the_model() -> None:
@@ -80,17 +84,23 @@ def test_they_are_numbers_of_the_model() -> None:
     assert written_numbers(changed)["load.factor.1.y"] == 7.0
 
 
-def test_forward_and_backward_agree() -> None:
-    assert np.count_nonzero(swung().steps.removed) > 5  # changes of the step size remove defects
-    scale = abs(found("adjoint")).max(axis=1, keepdims=True)
-    assert np.all(abs(found("direct") - found("adjoint")) < 1e-10 * scale)
+@pytest.mark.parametrize("method", METHODS)
+def test_forward_and_backward_agree(method: str) -> None:
+    scale = abs(found("adjoint", method)).max(axis=1, keepdims=True)
+    assert np.all(abs(found("direct", method) - found("adjoint", method)) < 1e-10 * scale)
 
 
+def test_changes_of_the_step_size_remove_defects() -> None:
+    assert np.count_nonzero(swung().steps.removed) > 5
+
+
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NAMES)
-def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
-    wanted, at = differenced(swung(), RESPONSES, name, 2e-3, sr.HHT()), NAMES.index(name)
-    limits = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7]) * abs(found("adjoint")).max(axis=1)
-    assert np.all(abs(found("adjoint")[:, at] - wanted) < limits)
+def test_gradients_are_those_of_differenced_simulations(name: str, method: str) -> None:
+    wanted = differenced(swung(method), RESPONSES, name, 2e-3, METHODS[method])
+    own = found("adjoint", method)
+    limits = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7]) * abs(own).max(axis=1)
+    assert np.all(abs(own[:, NAMES.index(name)] - wanted) < limits)
 
 
 def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:

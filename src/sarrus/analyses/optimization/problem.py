@@ -263,7 +263,7 @@ class Point:
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-        total = inner(nodes, self._chain(parameters).along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+        total = inner(nodes, self._chain().along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
         return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
     def gradient_of_sum(self, weights: Array) -> Array:
@@ -271,7 +271,7 @@ class Point:
         parameters, evaluation = self._parameters(), self.evaluation()
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
-        by = self._chain(parameters).gradients(
+        by = self._chain().gradients(
             Nodes(*(getattr(nodes, kind) @ column for kind in ("q", "v", "a", "lam")))
         )
         found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column)
@@ -311,11 +311,9 @@ class Point:
         every = np.eye(len(parameters.names))
         b, q, v, c = parameters.along(every)
         named = dict(zip(parameters.names, every, strict=True))
-        return list(evaluation.signals), evaluation.signals_along(
-            self._chain(parameters).along(b, q, v), b, c, named
-        )
+        return list(evaluation.signals), evaluation.signals_along(self._chain().along(b, q, v), b, c, named)
 
-    def _chain(self, parameters: Parameters) -> AnyChain:
+    def _chain(self) -> AnyChain:
         steps = self.run.steps
         assert steps is not None
-        return chain_of(self.system, steps, parameters)
+        return chain_of(self.system, steps)

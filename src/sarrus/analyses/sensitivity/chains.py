@@ -13,19 +13,9 @@ from .radau_chain import RadauChain
 AnyChain: TypeAlias = Chain | RadauChain
 
 
-def chain_of(system: System, steps: StepsTaken, parameters: Parameters) -> AnyChain:
-    """The chain of a run, for first derivatives.
-
-    Raises
-    ------
-    ValueError
-        For numbers of tables and functions where the steps are Radau's.
-    """
+def chain_of(system: System, steps: StepsTaken) -> AnyChain:
+    """The chain of a run, for first derivatives."""
     if isinstance(steps, RadauSteps):
-        if parameters.in_curves:
-            raise ValueError(
-                "derivatives by numbers of tables and functions need a run with HHT() or GeneralizedAlpha()"
-            )
         return RadauChain(system, steps)
     assert isinstance(steps, Steps)
     return Chain(system, steps)

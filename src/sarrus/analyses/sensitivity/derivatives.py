@@ -59,7 +59,7 @@ def sensitivity(
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     wanted = as_responses(responses)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
-    chain = chain_of(run.system, steps, parameters)
+    chain = chain_of(run.system, steps)
     found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters)
     titles = tuple(response.title for response in wanted)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
@@ -78,9 +78,7 @@ def state_derivatives(
     """
     steps = kept(run)
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
-    found = chain_of(run.system, steps, parameters).along(
-        *parameters.along(np.eye(len(parameters.names)))[:3]
-    )
+    found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
     return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
 
 

@@ -9,6 +9,7 @@ from ...results import RadauSteps
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
 from .chain import Gradients, Nodes
+from .radau_curves import RadauCurves
 from .radau_sweep import RadauSweep
 from .radau_sweep_loop import Bars, Given
 
@@ -19,23 +20,28 @@ class RadauChain:
     def __init__(self, system: System, steps: RadauSteps) -> None:
         self.system, self.steps = system, steps
         self.assembly = AssemblyDerivatives(system, steps.start)
+        self.curves = RadauCurves(system, steps)
 
     def along(self, db: Array, dq: Array, dv: Array) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
         found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
         q, v = (np.ascontiguousarray(x) for x in self.assembly.along(db, dq=dq, dv=dv))
         bars = Bars(q, v, np.ascontiguousarray(db, dtype=float))
-        RadauSweep(self.system, self.steps, k, db).forward(bars, _given(found))
+        sources = self.curves.sources(db) if self.curves.moved_by(db) else None
+        RadauSweep(self.system, self.steps, k, db).forward(bars, _given(found), sources)
         return found
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
         k, nq = given.q.shape[2], self.system.nq
         bars = Bars(np.zeros((nq, k)), np.zeros((nq, k)), np.zeros((len(self.system.b), k)))
-        RadauSweep(self.system, self.steps, k).backward(bars, _given(given))
+        sweep = RadauSweep(self.system, self.steps, k)
+        kept = sweep.kept() if self.curves else None
+        sweep.backward(bars, _given(given), kept)
+        by_b = bars.b if kept is None else bars.b + self.curves.gradient(kept)
         found = [self.assembly.gradient(bars.q[:, n], bars.v[:, n]) for n in range(k)]
         b, q, v = (np.array([one[n] for one in found]).T for n in range(3))
-        return Gradients(bars.b + b, q, v)
+        return Gradients(by_b + b, q, v)
 
 
 def _given(nodes: Nodes) -> Given:

@@ -23,8 +23,8 @@ from ..dynamics.placed import (
     entries_of,
     leave_out,
 )
+from . import columns_loop
 from . import radau_sweep_loop as loop
-from . import sweep_loop
 
 GROUPS: dict[
     str, tuple[tuple[str, ...], int, int]
@@ -49,10 +49,13 @@ OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
-SHARED = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed")
-FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "move", "stage_by_b", "forward_step",
-             "backward_step", "factor_node", "quiet", "node_by_b", "forward_node", "backward_node", "forward",
+COLUMNS = ("factor_kept", "add", "add_transposed", "by_numbers", "by_numbers_transposed", "eliminate",
+           "eliminate_transposed", "solve", "solve_transposed")  # fmt: skip
+FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "subtract", "move", "stage_by_b",
+             "forward_step", "backward_step", "factor_node", "quiet",
+             "node_by_b", "forward_node", "backward_node", "forward",
              "backward")  # fmt: skip
+NOTHING_BESIDE = loop.Beside(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)))
 
 
 @cache
@@ -60,11 +63,9 @@ def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
     known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
     known |= compiled_solver()
-    known |= {name: compiled_function(getattr(sweep_loop, name)) for name in SHARED}
-    for name in FUNCTIONS:
-        function = getattr(loop, name)
-        used = {part: value for part, value in known.items() if part in function.__code__.co_names}
-        known[name] = compiled_function(function, **used)
+    for source, names in ((columns_loop, COLUMNS), (loop, FUNCTIONS)):
+        for name in names:
+            known[name] = compiled_function(getattr(source, name), **known)
     return known
 
 
@@ -94,18 +95,29 @@ class RadauSweep:
         self._node = PlacedMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
         self._tables = self._make_tables(b_dot)
 
-    def forward(self, bars: loop.Bars, given: loop.Given) -> None:
-        """From the start to the end; the derivatives at all nodes are written."""
-        self._go("forward", 0, loop.NODE, bars, given)
+    def forward(self, bars: loop.Bars, given: loop.Given, sources: loop.Beside | None = None) -> None:
+        """From the start to the end; the derivatives at all nodes are written.
 
-    def backward(self, bars: loop.Bars, given: loop.Given) -> None:
-        """From the end, whose gradients and those of all other nodes are given, to the start."""
-        self._go("backward", len(self.steps), loop.NODE, bars, given)
+        `sources` are changes of the equations besides those by the numbers of elements.
+        """
+        self._go("forward", 0, loop.NODE, bars, given, sources or NOTHING_BESIDE)
 
-    def _go(self, name: str, n: int, stage: int, bars: loop.Bars, given: loop.Given) -> None:
+    def backward(self, bars: loop.Bars, given: loop.Given, kept: loop.Beside | None = None) -> None:
+        """From the end, whose gradients and those of all other nodes are given, to the start.
+
+        `kept` takes what is solved for.
+        """
+        self._go("backward", len(self.steps), loop.NODE, bars, given, kept or NOTHING_BESIDE)
+
+    def kept(self) -> loop.Beside:
+        """Room for what is solved for in every step and at every node."""
+        count, size, k = len(self.steps), self.system.nq + self.system.m, self._columns
+        return loop.Beside(np.zeros((count, 6 * size, k)), np.zeros((count + 1, size, k)))
+
+    def _go(self, name: str, n: int, stage: int, *arrays: Any) -> None:
         while 0 <= n <= len(self.steps):
             self._choose_pivots(name, n, stage)
-            n, stage = (int(x) for x in self._run(name, n, stage, bars, given))
+            n, stage = (int(x) for x in self._run(name, n, stage, *arrays))
 
     def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
         scheme = self.steps.scheme
@@ -124,7 +136,9 @@ class RadauSweep:
         at = {k: np.ascontiguousarray(getattr(self.steps, k)[n]) for k in ("q", "v", "a", "lam")}
         self._evaluate(tables.at_node, {"t": float(self.steps.t[n]), **at})
         loop.step_weights(scheme, h, self._step.weights)
-        self._tables = tables._replace(step=self._step.choose_pivots(), node=self._node.choose_pivots())
+        placed = {"step": self._step.choose_pivots(), "node": self._node.choose_pivots()}
+        room = {f"{name}_data": np.zeros_like(matrix.factors) for name, matrix in placed.items()}
+        self._tables = tables._replace(**placed, **room)
 
     def _evaluate(self, views: Any, operands: dict[str, Any]) -> None:
         for kind in ("jacobian", "inertia", "stiffness", "gamma_v"):
@@ -147,11 +161,23 @@ class RadauSweep:
             np.array(entries_of(system, _operator(name))) for name in loop.Places._fields
         )
         numbers, by_b = _numbers(system, b_dot)
-        room = [np.zeros((6 * (nq + m), k)) for _ in range(3)] + [np.zeros((nq + m, k)) for _ in range(3)]
+        room = [np.zeros(shape) for n in (6 * (nq + m), nq + m) for shape in ((n, k), (n, k), (3, n, k))]
         views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q)]
         at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
         return loop.Tables(
-            None, step.values, None, node.values, stages, at_node, places, numbers, by_b, *views, *room
+            None,
+            step.values,
+            None,
+            None,
+            node.values,
+            None,
+            stages,
+            at_node,
+            places,
+            numbers,
+            by_b,
+            *views,
+            *room,
         )
 
 

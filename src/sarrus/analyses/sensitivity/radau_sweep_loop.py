@@ -34,13 +34,14 @@ M_A_B: Any = None
 S_B: Any = None
 Q_B: Any = None
 GAMMA_B: Any = None
-refactor: Any = None
+factor_kept: Any = None
 leave_out: Any = None
-solve_columns: Any = None
-solve_columns_transposed: Any = None
-times: Any = None
-times_transposed: Any = None
+solve: Any = None
+solve_transposed: Any = None
+add: Any = None
+add_transposed: Any = None
 by_numbers: Any = None
+by_numbers_transposed: Any = None
 TRUSTED = 1e-6  # pivot over column, below which the order of the pivots is chosen anew
 STEP, NODE = 0, 1  # what is done next
 
@@ -112,7 +113,7 @@ class Places(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """The operators by b: which entry each number is, and which are an operator's; see `sweep_loop.by_numbers`."""
+    """The operators by b: which entry each number is, and which are an operator's; see `columns_loop.by_numbers`."""
 
     b_values: Any
     b_rows: Any
@@ -156,14 +157,16 @@ class Entries(NamedTuple):
 class Tables(NamedTuple):
     """All that does not change from step to step: matrices, operators' numbers, and room to work.
 
-    step, node : the placed matrices, and the values from which they are assembled
+    step, node : the placed matrices, the values from which they are assembled, and room for their numbers
     left_out, node_left_out : 1 for equations that others imply, parts of both values
     """
 
     step: Any
     step_values: Any
+    step_data: Any
     node: Any
     node_values: Any
+    node_data: Any
     stages: Any
     at_node: Any
     places: Any
@@ -186,6 +189,17 @@ class Bars(NamedTuple):
     q: Any
     v: Any
     b: Any
+
+
+class Beside(NamedTuple):
+    """Forwards, changes of the equations besides; backwards, room for what is solved for; or none.
+
+    step : of the stages of each step (n, 6 (nq + m), columns)
+    node : of the equations of motion at each node (n + 1, nq + m, columns)
+    """
+
+    step: Any
+    node: Any
 
 
 class Given(NamedTuple):
@@ -222,7 +236,7 @@ def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: 
         leave_out(stage.Phi_q, places.Phi_q[0], tables.left_out)
         leave_out(stage.gamma_v, places.gamma_v[0], tables.left_out)
     step_weights(scheme, h, tables.step.weights)
-    return refactor(tables.step_values, tables.step)
+    return factor_kept(tables.step_values, tables.step, tables.step_data)
 
 
 def step_weights(scheme: Any, h: Any, weights: Any) -> None:
@@ -294,12 +308,14 @@ def stage_by_b(
 def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transposed: Any) -> None:
     """Add an operator by b, whose rows begin at a place of the equations, to these or, transposed, to the numbers."""
     if transposed:
-        by_numbers(numbers, n, weight, x, at, out, 0, True)
+        by_numbers_transposed(numbers, n, weight, x[at:], out)
     else:
-        by_numbers(numbers, n, weight, x, 0, out, at, False)
+        by_numbers(numbers, n, weight, x, out[at:])
 
 
-def forward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any) -> Any:
+def forward_step(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
+) -> Any:
     """The change of q and v over step n; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
         return False
@@ -312,11 +328,13 @@ def forward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables:
             for c in range(right.shape[1]):
                 right[at + k, c] = share * bars.q[k, c]
         M = tables.stages[i].M
-        times(M, places.M[0], places.M[1], 0, len(M), share, bars.v, right[at + nq :])
+        add(M, places.M, share, bars.v, right[at + nq :])
         stage_by_b(scheme, entries, b, record, n, i, tables, bars.b, right, False)
+    if len(beside.step) > 0:
+        subtract(beside.step[n], right)
     silence(right, nq, m, tables.left_out)
     scale(right, nq, m, h, h * h, 1.0, h)
-    solve_columns(tables.step, right, tables.solution, tables.arranged)
+    solve(tables.step, tables.step_data, right, tables.solution, tables.arranged)
     last = 4 * (nq + m)
     for k in range(nq):
         for c in range(right.shape[1]):
@@ -325,7 +343,9 @@ def forward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables:
     return True
 
 
-def backward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any) -> Any:
+def backward_step(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
+) -> Any:
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
         return False
@@ -338,7 +358,7 @@ def backward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables
             right[last + nq + k, c] = bars.v[k, c] / h
             bars.q[k, c] = 0.0
             bars.v[k, c] = 0.0
-    solve_columns_transposed(tables.step, right, w, tables.arranged)
+    solve_transposed(tables.step, tables.step_data, right, w, tables.arranged)
     scale(w, nq, m, h, h * h, 1.0, h)
     silence(w, nq, m, tables.left_out)
     for i in range(3):
@@ -348,9 +368,18 @@ def backward_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables
             for c in range(right.shape[1]):
                 bars.q[k, c] += share * w[at + k, c]
         M, places = tables.stages[i].M, tables.places.M
-        times_transposed(M, places[0], places[1], 0, len(M), share, w[at + nq :], bars.v)
+        add_transposed(M, places, share, w[at + nq :], bars.v)
         stage_by_b(scheme, entries, b, record, n, i, tables, w, bars.b, True)
+    if len(beside.step) > 0:
+        beside.step[n] = w
     return True
+
+
+def subtract(source: Any, right: Any) -> None:
+    """Right -= source."""
+    for k in range(right.shape[0]):
+        for c in range(right.shape[1]):
+            right[k, c] -= source[k, c]
 
 
 def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
@@ -369,7 +398,7 @@ def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
     S_B(entries.S_b, b, q, v, by_b.S_b)
     Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
     GAMMA_B(entries.gamma_b, b, t, q, v, by_b.gamma_b)
-    return refactor(tables.node_values, tables.node)
+    return factor_kept(tables.node_values, tables.node, tables.node_data)
 
 
 def quiet(x: Any, nq: Any, left_out: Any) -> None:
@@ -391,7 +420,7 @@ def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
 
 
 def forward_node(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, row: Any
+    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
 ) -> Any:
     """The changes of a and λ at node n, written with those of q and v; false if pivots must be renewed."""
     if not factor_node(entries, b, record, n, tables) > TRUSTED:
@@ -399,29 +428,31 @@ def forward_node(
     nq, right, at, p = len(bars.q), tables.node_right, tables.at_node, tables.places
     right[:] = 0.0
     below = right[nq:]
-    times(at.M_a_q, p.M_a_q[0], p.M_a_q[1], 0, len(at.M_a_q), -1.0, bars.q, right)
-    times(at.Phi_qT_lam_q, p.Phi_qT_lam_q[0], p.Phi_qT_lam_q[1], 0, len(at.Phi_qT_lam_q), -1.0, bars.q, right)
-    times(at.S_q, p.S_q[0], p.S_q[1], 0, len(at.S_q), 1.0, bars.q, right)
-    times(at.Q_q, p.Q_q[0], p.Q_q[1], 0, len(at.Q_q), 1.0, bars.q, right)
-    times(at.S_v, p.S_v[0], p.S_v[1], 0, len(at.S_v), 1.0, bars.v, right)
-    times(at.Q_v, p.Q_v[0], p.Q_v[1], 0, len(at.Q_v), 1.0, bars.v, right)
-    times(at.Phi_q_a_q, p.Phi_q_a_q[0], p.Phi_q_a_q[1], 0, len(at.Phi_q_a_q), -1.0, bars.q, below)
-    times(at.gamma_q, p.gamma_q[0], p.gamma_q[1], 0, len(at.gamma_q), 1.0, bars.q, below)
-    times(at.gamma_v, p.gamma_v[0], p.gamma_v[1], 0, len(at.gamma_v), 1.0, bars.v, below)
+    add(at.M_a_q, p.M_a_q, -1.0, bars.q, right)
+    add(at.Phi_qT_lam_q, p.Phi_qT_lam_q, -1.0, bars.q, right)
+    add(at.S_q, p.S_q, 1.0, bars.q, right)
+    add(at.Q_q, p.Q_q, 1.0, bars.q, right)
+    add(at.S_v, p.S_v, 1.0, bars.v, right)
+    add(at.Q_v, p.Q_v, 1.0, bars.v, right)
+    add(at.Phi_q_a_q, p.Phi_q_a_q, -1.0, bars.q, below)
+    add(at.gamma_q, p.gamma_q, 1.0, bars.q, below)
+    add(at.gamma_v, p.gamma_v, 1.0, bars.v, below)
     node_by_b(tables.numbers, nq, bars.b, right, False)
+    if len(beside.node) > 0:
+        subtract(beside.node[n], right)
     quiet(right, nq, tables.node_left_out)
-    solve_columns(tables.node, right, tables.node_solution, tables.node_arranged)
-    given.q[row], given.v[row] = bars.q, bars.v
-    given.a[row], given.lam[row] = tables.node_solution[:nq], tables.node_solution[nq:]
+    solve(tables.node, tables.node_data, right, tables.node_solution, tables.node_arranged)
+    given.q[n], given.v[n] = bars.q, bars.v
+    given.a[n], given.lam[n] = tables.node_solution[:nq], tables.node_solution[nq:]
     return True
 
 
 def backward_node(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, row: Any
+    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
 ) -> Any:
     """Add what responses take from node n, by a and λ too; false if pivots must be renewed."""
     nq, right, y = len(bars.q), tables.node_right, tables.node_solution
-    right[:nq], right[nq:] = given.a[row], given.lam[row]
+    right[:nq], right[nq:] = given.a[n], given.lam[n]
     taken = False
     for k in range(len(right)):
         for c in range(right.shape[1]):
@@ -429,62 +460,62 @@ def backward_node(
     if taken:
         if not factor_node(entries, b, record, n, tables) > TRUSTED:
             return False
-        solve_columns_transposed(tables.node, right, y, tables.node_arranged)
+        solve_transposed(tables.node, tables.node_data, right, y, tables.node_arranged)
         quiet(y, nq, tables.node_left_out)
         at, p, z = tables.at_node, tables.places, y[nq:]
-        times_transposed(at.M_a_q, p.M_a_q[0], p.M_a_q[1], 0, len(at.M_a_q), -1.0, y, bars.q)
-        times_transposed(
-            at.Phi_qT_lam_q, p.Phi_qT_lam_q[0], p.Phi_qT_lam_q[1], 0, len(at.Phi_qT_lam_q), -1.0, y, bars.q
-        )
-        times_transposed(at.S_q, p.S_q[0], p.S_q[1], 0, len(at.S_q), 1.0, y, bars.q)
-        times_transposed(at.Q_q, p.Q_q[0], p.Q_q[1], 0, len(at.Q_q), 1.0, y, bars.q)
-        times_transposed(at.S_v, p.S_v[0], p.S_v[1], 0, len(at.S_v), 1.0, y, bars.v)
-        times_transposed(at.Q_v, p.Q_v[0], p.Q_v[1], 0, len(at.Q_v), 1.0, y, bars.v)
-        times_transposed(at.Phi_q_a_q, p.Phi_q_a_q[0], p.Phi_q_a_q[1], 0, len(at.Phi_q_a_q), -1.0, z, bars.q)
-        times_transposed(at.gamma_q, p.gamma_q[0], p.gamma_q[1], 0, len(at.gamma_q), 1.0, z, bars.q)
-        times_transposed(at.gamma_v, p.gamma_v[0], p.gamma_v[1], 0, len(at.gamma_v), 1.0, z, bars.v)
+        add_transposed(at.M_a_q, p.M_a_q, -1.0, y, bars.q)
+        add_transposed(at.Phi_qT_lam_q, p.Phi_qT_lam_q, -1.0, y, bars.q)
+        add_transposed(at.S_q, p.S_q, 1.0, y, bars.q)
+        add_transposed(at.Q_q, p.Q_q, 1.0, y, bars.q)
+        add_transposed(at.S_v, p.S_v, 1.0, y, bars.v)
+        add_transposed(at.Q_v, p.Q_v, 1.0, y, bars.v)
+        add_transposed(at.Phi_q_a_q, p.Phi_q_a_q, -1.0, z, bars.q)
+        add_transposed(at.gamma_q, p.gamma_q, 1.0, z, bars.q)
+        add_transposed(at.gamma_v, p.gamma_v, 1.0, z, bars.v)
         node_by_b(tables.numbers, nq, y, bars.b, True)
+        if len(beside.node) > 0:
+            beside.node[n] = y
     for k in range(nq):
         for c in range(right.shape[1]):
-            bars.q[k, c] += given.q[row, k, c]
-            bars.v[k, c] += given.v[row, k, c]
+            bars.q[k, c] += given.q[n, k, c]
+            bars.v[k, c] += given.v[n, k, c]
     return True
 
 
 def forward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any
-) -> Any:
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any
+) -> Any:  # fmt: skip
     """From node n to the last one, derivatives written at all; returns (n, stage) of what needs new pivots."""
     last = len(record.h)
     while n <= last:
         if stage == NODE:
             remember(record, max(n - 1, 0), tables, b)
-            if not forward_node(entries, b, record, n, tables, bars, given, n):
+            if not forward_node(entries, b, record, n, tables, bars, given, beside):
                 return n, NODE
             stage = STEP
         if n == last:
             return last + 1, NODE
         remember(record, n, tables, b)
-        if not forward_step(scheme, entries, b, record, n, tables, bars):
+        if not forward_step(scheme, entries, b, record, n, tables, bars, beside):
             return n, STEP
         n, stage = n + 1, NODE
     return n, stage
 
 
 def backward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any
-) -> Any:
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any
+) -> Any:  # fmt: skip
     """From node n, whose gradients are given, to the start; returns (n, stage) of what needs new pivots."""
     while n >= 0:
         if stage == NODE:
             remember(record, max(n - 1, 0), tables, b)
-            if not backward_node(entries, b, record, n, tables, bars, given, n):
+            if not backward_node(entries, b, record, n, tables, bars, given, beside):
                 return n, NODE
             stage = STEP
         if n == 0:
             return -1, NODE
         remember(record, n - 1, tables, b)
-        if not backward_step(scheme, entries, b, record, n - 1, tables, bars):
+        if not backward_step(scheme, entries, b, record, n - 1, tables, bars, beside):
             return n, STEP
         n, stage = n - 1, NODE
     return n, stage

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
+from threading import Timer
 from types import TracebackType
 
 from .terminal import is_quiet
 
 WIDTH = 28
+PATIENCE = 3.0  # [s] without progress, before it is told why that may be
+FIRST = "the first run of a kind compiles what it needs, which is kept for the next"
 
 
 class Bar:
@@ -19,14 +22,18 @@ class Bar:
         self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
         self._quiet = is_quiet()
         self._live = sys.stderr.isatty() and not self._quiet
+        self._slow = Timer(PATIENCE, self._explain)
+        self._slow.daemon = True
 
     def __enter__(self) -> Bar:
         self._show("")
         if not self._live and not self._quiet:
             print(f"  {self.title} ...", file=sys.stderr, flush=True)
+        self._slow.start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
+        self._slow.cancel()
         if self._live:
             print("\r\033[K", end="", file=sys.stderr)
         if self._quiet:
@@ -40,14 +47,24 @@ class Bar:
 
     def step(self, what: str = "") -> None:
         """One more of `total` is about to be done."""
+        self._slow.cancel()
         self._show(what)
         self._done += 1
 
     def reach(self, value: float) -> None:
         """So much of `total` is done."""
+        if value > 0:
+            self._slow.cancel()
         self._done = value
         if time.perf_counter() - self._shown > 0.1:
             self._show("")
+
+    def _explain(self) -> None:
+        """Tell why nothing is seen to happen."""
+        if self._live:
+            self._show(FIRST)
+        elif not self._quiet:
+            print(f"  ({FIRST})", file=sys.stderr, flush=True)
 
     def _show(self, what: str) -> None:
         if self._live:

@@ -83,6 +83,13 @@ def test_stiffness_does_not_set_the_steps() -> None:
         assert max(steps) < 1.3 * min(steps)
 
 
+def test_flat_four_bars_are_gone_over_by_every_method() -> None:
+    found = figures("flat.py", "--quick")
+    for method in ("HHT", "Radau", "DOP853"):
+        assert found[f"1.1e-08.{method}.error"] < 0.2 * found[f"1.1e-06.{method}.error"]
+    assert found["1.1e-08.HHT.error"] < 2 * found["1.1e-08.pendulum.error"]
+
+
 def test_energy_drifts_less_with_smaller_tolerances() -> None:
     found = figures("drift.py", "--quick")
     for method in ("HHT", "Radau", "DOP853"):

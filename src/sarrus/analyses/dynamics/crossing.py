@@ -211,8 +211,8 @@ class Crossing:
         motion = Motion(self._system, kept)
         motion.b[:] = self.b
         project = Projection(self._system, motion.b, kept)
-        known = [motion.acceleration(t, *project(t, q, v))[0] for t, q, v in zip(times, qs, vs, strict=True)]
-        begin = Begin(float(times[-1]), qs[-1], vs[-1])
+        states = [(t, *project(t, q, v)) for t, q, v in zip(times.tolist(), qs, vs, strict=True)]
+        known, begin = [motion.acceleration(*state)[0] for state in states], Begin(*states[-1])
         way, moved, iterations = Way(begin, times, np.array(known)), np.inf, 0
         while moved >= SETTLED and iterations < ROUNDS:
             q, v, _ = way.at(end)

@@ -5,11 +5,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
+from numba import typeof
+from numba.core.registry import cpu_target
 
 import sarrus
-from sarrus._jit.cache import SOURCES, fingerprint
+from sarrus._jit.cache import SOURCES, KernelCache, fingerprint
 
 PACKAGE = Path(sarrus.__file__).parent
 PROGRAM = """
@@ -140,3 +144,33 @@ def test_kept_values_are_made_once() -> None:
     (folder() / f"{name}.json").unlink()
     assert found == [[[1, 2]], [[1, 2]]]
     assert made == [1]
+
+
+def test_records_with_other_fields_are_told_apart() -> None:
+    """Two versions of the package share a folder where their kernels are the same."""
+
+    class One(NamedTuple):
+        first: np.ndarray
+        second: np.ndarray
+
+    class Other(NamedTuple):
+        second: np.ndarray
+        first: np.ndarray
+
+    def add(record: One) -> float:
+        return float(record.first[0] - record.second[0])
+
+    Other.__name__, Other.__qualname__ = One.__name__, One.__qualname__
+    codegen, pair = cpu_target.target_context.codegen(), (np.zeros(1), np.ones(1))
+    cache: Any = KernelCache(add)  # type: ignore[no-untyped-call]
+    keys = [cache._index_key((typeof(record(*pair)),), codegen)[1] for record in (One, Other)]
+    assert keys[0] != keys[1]
+
+
+def test_records_that_are_no_longer_there_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(*arguments: Any) -> None:
+        raise ModuleNotFoundError("a module of another version")
+
+    cache: Any = KernelCache(test_records_with_other_fields_are_told_apart)  # type: ignore[no-untyped-call]
+    monkeypatch.setattr(cache._cache_file, "load", gone)
+    assert cache.load_overload((), cpu_target.target_context) is None

@@ -118,6 +118,29 @@ class _Implementation(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's function cache, kept in our folder."""
+    """Numba's function cache, kept in our folder.
+
+    Other versions of the package may have the same kernels, but other records of arrays: those that have the same names
+    but other fields are told apart, and what is no longer there is forgotten.
+    """
 
     _impl_class = _Implementation
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return super()._index_key(sig, codegen), tuple(_fields(kind) for kind in sig)  # type: ignore[no-untyped-call]
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError):
+            self.flush()  # type: ignore[no-untyped-call]
+            return None
+
+
+def _fields(kind: Any) -> Any:
+    """The names of the fields of a record, and those of the records in it."""
+    return (
+        tuple((name, _fields(part)) for name, part in zip(kind.fields, kind.types, strict=True))
+        if (hasattr(kind, "fields") and hasattr(kind, "types"))
+        else None
+    )

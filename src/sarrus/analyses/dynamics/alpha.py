@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...results import Assembly, Steps, StepsTaken
 from ...system import System
@@ -125,11 +125,11 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
 @cache
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
-    made = calls() | compiled_solver() | {"weigh": compiled_function(weigh)}
+    made = calls() | compiled_solver() | {"weigh": compiled_part(weigh)}
     order = "residual evaluate factor size update correct weights_of renew newton polish predict accept keep stretch"
-    for name in (*order.split(), "rescale", "remember", "advance"):
-        made[name] = compiled_function(getattr(loop, name), **made)
-    return made
+    for name in (*order.split(), "rescale", "remember"):
+        made[name] = compiled_part(getattr(loop, name), **made)
+    return made | {"advance": compiled_function(loop.advance, **made)}
 
 
 class AlphaStepper(Implicit):

@@ -331,20 +331,26 @@ def estimate(
         right[k] = (in_q / h + state.v0[k]) / s
         memory.end[k] = (in_v / h + state.a0[k]) / (s * s)
     MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
-    right[n : 2 * n] = memory.M_a
+    copied(memory.M_a, right[n : 2 * n])
     backsolve(matrices.real, right, found)
     unscaled(found, n, m, s)
     error = size(found, state.q[2], state.v[2], tol)
     if again and error >= 1.0:
         right[:] = 0.0
-        right[:n] = found[:n]
-        memory.end[:] = found[n : 2 * n] / s
+        for k in range(n):
+            right[k], memory.end[k] = found[k], found[n + k] / s
         MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
-        right[n : 2 * n] = memory.M_a
+        copied(memory.M_a, right[n : 2 * n])
         backsolve(matrices.real, right, found)
         unscaled(found, n, m, s)
         error = size(found, state.q[2], state.v[2], tol)
     return error
+
+
+def copied(x: Any, to: Any) -> None:
+    """Copy numbers."""
+    for k in range(len(to)):
+        to[k] = x[k]
 
 
 def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
@@ -379,14 +385,19 @@ def first_guess(scheme: Any, h: Any, state: Any) -> None:
         for k in range(len(state.q0)):
             state.zq[i, k] = x * (state.v0[k] + 0.5 * x * state.a0[k])
             state.zv[i, k] = x * state.a0[k]
-        state.lam[i] = state.lam_before[2]
+        copied(state.lam_before[2], state.lam[i])
         state.mu[i] = 0.0
 
 
 def accept(state: Any) -> None:
     """The end of the step is the start of the next."""
-    state.q0[:], state.v0[:], state.a0[:] = state.q[2], state.v[2], state.a[2]
-    state.zq_before[:], state.zv_before[:], state.lam_before[:] = state.zq, state.zv, state.lam
+    copied(state.q[2], state.q0)
+    copied(state.v[2], state.v0)
+    copied(state.a[2], state.a0)
+    for i in range(3):
+        copied(state.zq[i], state.zq_before[i])
+        copied(state.zv[i], state.zv_before[i])
+        copied(state.lam[i], state.lam_before[i])
 
 
 def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory: Any, matrices: Any) -> Any:
@@ -395,24 +406,31 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
     BENDING(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
     leave_out(matrices.Phi_q, matrices.row_of, matrices.left_out)
     INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
-    memory.solution[:n] = 0.0
+    memory.solution[:] = 0.0
     MOMENTUM(index.momentum, b, q, v, memory.solution[:n], memory.M_a, memory.S)
     FORCE(index.force, b, t, q, v, memory.Q)
     trust = refactor(matrices.values, matrices.motion)
-    memory.right[:n] = memory.Q + memory.S
-    memory.right[n:] = memory.gamma * (1.0 - matrices.left_out)
+    for k in range(n):
+        memory.right[k] = memory.Q[k] + memory.S[k]
+    for k in range(len(lam)):
+        memory.right[n + k] = memory.gamma[k] * (1.0 - matrices.left_out[k])
     backsolve(matrices.motion, memory.right, memory.solution)
-    a[:], lam[:] = memory.solution[:n], memory.solution[n:]
+    copied(memory.solution[:n], a)
+    copied(memory.solution[n:], lam)
     return trust
 
 
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
-    record.q[row], record.v[row], record.a[row] = state.q[2], state.v[2], end
-    if len(record.stage_q) > 0:
-        record.stage_q[row], record.stage_v[row] = state.q, state.v
-        record.stage_lam[row], record.stage_mu[row] = state.lam, state.mu
+    copied(state.q[2], record.q[row])
+    copied(state.v[2], record.v[row])
+    copied(end, record.a[row])
+    for i in range(3 if len(record.stage_q) > 0 else 0):
+        copied(state.q[i], record.stage_q[row, i])
+        copied(state.v[i], record.stage_v[row, i])
+        copied(state.lam[i], record.stage_lam[row, i])
+        copied(state.mu[i], record.stage_mu[row, i])
 
 
 def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
@@ -38,11 +38,13 @@ def _compiled() -> Any:
     """The time loop: the same code for every system; drivers are called by their address."""
     plain, known = compiled_parts(), calls() | compiled_solver()
     known |= {"plain_evaluate": plain["evaluate"], "remember": plain["remember"]}
-    known["weigh"] = compiled_function(weigh)
-    inner = "stages residual evaluate factor scaled unscaled size improve newton estimate lagrange predict first_guess"
-    for name in (*inner.split(), "accept", "smooth", "motion", "keep", "advance"):
-        known[name] = compiled_function(getattr(loop, name), **known)
-    return known["advance"]
+    known["weigh"] = compiled_part(weigh)
+    inner = (
+        "copied stages residual evaluate factor scaled unscaled size improve newton estimate lagrange predict"
+    )
+    for name in (*inner.split(), "first_guess", "accept", "smooth", "motion", "keep"):
+        known[name] = compiled_part(getattr(loop, name), **known)
+    return compiled_function(loop.advance, **known)
 
 
 class RadauStepper(Implicit):

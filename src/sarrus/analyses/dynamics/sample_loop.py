@@ -312,12 +312,10 @@ def sample(
         if row + 1 < len(nodes.t):
             interpolate(nodes.t[row], nodes.t[row + 1], nodes.q, nodes.v, nodes.a, nodes.lam, row, out, n)
         else:
-            out.q[n], out.v[n], out.a[n], out.lam[n] = (
-                nodes.q[row],
-                nodes.v[row],
-                nodes.a[row],
-                nodes.lam[row],
-            )
+            for k in range(nodes.q.shape[1]):
+                out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
+            for k in range(nodes.lam.shape[1]):
+                out.lam[n, k] = nodes.lam[row, k]
         t = out.t[n]
         if (
             not settle(

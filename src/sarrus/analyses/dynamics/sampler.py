@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..._jit import pointer
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...system import System
 from ..independence import Independence
@@ -33,8 +33,8 @@ GROUPS = {
 
 
 @cache
-def _compiled() -> tuple[Any, Any]:
-    """`sample` and `settle`, for all systems."""
+def _compiled() -> Any:
+    """`sample`, for all systems."""
     run = pointer.run
     calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
     calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
@@ -43,9 +43,9 @@ def _compiled() -> tuple[Any, Any]:
         "interpolate factor position_defect velocity_defect correct sensible project solve_motion energies"
     )
     for name in (*order.split(), "growth_of"):
-        made[name] = compiled_function(getattr(loop, name), **made)
-    settle = compiled_function(loop.settle, **made)
-    return compiled_function(loop.sample, settle=settle, **made), settle
+        made[name] = compiled_part(getattr(loop, name), **made)
+    made["settle"] = compiled_part(loop.settle, **made)
+    return compiled_function(loop.sample, **made)
 
 
 class Sampler:
@@ -89,7 +89,7 @@ class Sampler:
             m,
         )
         self._work = loop.Work(*(np.zeros(length) for length in rows))
-        self._sample, self._settle = _compiled()
+        self._sample = _compiled()
         self._arrays: Any = None
 
     def room(self, times: Array) -> loop.Samples:

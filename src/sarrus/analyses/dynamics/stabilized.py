@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from . import alpha_loop, radau_loop
 from . import stabilized_loop as loop
 from .alpha import KINDS, AlphaStepper, compiled_parts
@@ -30,13 +30,13 @@ def compiled_advance() -> Any:
     plain, made = compiled_parts(), calls() | compiled_solver()
     made |= {f"plain_{name}": plain[name] for name in PLAIN}
     made |= {name: plain[name] for name in ("size", "weights_of", "stretch", "keep", "remember")}
-    made["weigh"] = compiled_function(weigh)
-    made["evaluate"] = compiled_function(radau_loop.evaluate, **made)
-    order = "update residual factor scaled correct renew newton polish predict accept rescale advance"
+    made["weigh"] = compiled_part(weigh)
+    made["evaluate"] = compiled_part(radau_loop.evaluate, **made)
+    order = "update residual factor scaled correct renew newton polish predict accept rescale"
     for name in order.split():
         source = loop if hasattr(loop, name) else alpha_loop
-        made[name] = compiled_function(getattr(source, name), **made)
-    return made["advance"]
+        made[name] = compiled_part(getattr(source, name), **made)
+    return compiled_function(alpha_loop.advance, **made)
 
 
 class StabilizedStepper(AlphaStepper):

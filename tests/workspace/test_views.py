@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import netcdf_file
 
 import sarrus as sr
+from sarrus.cli import main
 
 from .mechanisms import arm_3r
 
@@ -47,3 +49,58 @@ def test_report(arm: sr.Workspace) -> None:
         "not tested",
     ):
         assert words in told
+
+
+def test_arrays(arm: sr.Workspace, tmp_path: Path) -> None:
+    """NetCDF as another program reads it: every point, kind and cause."""
+    arm.to_netcdf(tmp_path / "arm.nc")
+    with netcdf_file(str(tmp_path / "arm.nc"), mmap=False) as file:
+        u = np.stack([file.variables[name][:] for name in ("output_1", "output_2")], axis=1)
+        kinds = file.variables["kind"].flag_meanings.decode().split()
+        found = [kinds[n] for n in file.variables["kind"][:]]
+        curve, area = file.variables["curve"][:], file.area
+        assert file.variables["output_1"].units == b"m"
+        assert file.variables["output_1"].long_name == arm.outputs[0].encode()
+    assert np.array_equal(u, np.concatenate([curve.u for curve in arm.curves]))
+    assert found == [curve.kind for curve in arm.curves]
+    assert np.array_equal(np.bincount(curve), [len(curve.u) for curve in arm.curves])
+    assert area == arm.area
+
+
+TABLE = """
+name: table
+bodies:
+  x: {mass: 1, inertia: [1, 1, 1]}
+  y: {mass: 1, inertia: [1, 1, 1]}
+  tool: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  one: {type: translational, bodies: [ground, x], point: [0, 0, 0], axis: [1, 0, 0]}
+  two: {type: translational, bodies: [x, y], point: [0, 0, 0], axis: [0, 1, 0]}
+  three: {type: translational, bodies: [y, tool], point: [0, 0, 0], axis: [0, 0, 1]}
+"""
+ENDS = ("lowest", "highest")
+LIMITS = ["--limit", "one=0.5,2.5", "two=0,1", "three=-1,1", "--samples", "20"]
+
+
+def test_one_and_three_outputs_in_the_shell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Three slides reach a box, whose volume is exact; its picture, page, table and arrays are written."""
+    (tmp_path / "table.yaml").write_text(TABLE)
+    words = ["workspace", str(tmp_path / "table.yaml"), *LIMITS, "--output"]
+    assert main([*words, "tool.x"]) == 0
+    assert "tool.x can be from 0.5 to 2.5 m" in capsys.readouterr().out
+    names = ("figure", "view", "csv", "netcdf", "report")
+    files = [tmp_path / f"box.{ending}" for ending in ("png", "html", "csv", "nc", "txt")]
+    options = [word for name, file in zip(names, files, strict=True) for word in (f"--{name}", str(file))]
+    assert main([*words, "tool.x", "tool.y", "tool.z", *options]) == 0
+    assert "can reach a volume of 4 " in capsys.readouterr().out
+    assert all(file.stat().st_size > 100 for file in files)
+    with netcdf_file(str(files[3]), mmap=False) as file:
+        assert file.volume == pytest.approx(4, rel=1e-9)
+        assert file.variables["vertices"][:].max(axis=0) == pytest.approx([2.5, 1, 1], abs=1e-3)
+    with files[2].open(encoding="utf-8") as table:
+        rows = list(csv.DictReader(table))
+    assert {row["cause"] for row in rows} == {
+        f"{name}.travel {end}" for name in ("one", "two") for end in ENDS
+    }
+    assert main([*words, "tool.x", "--netcdf", str(files[3])]) == 2
+    assert "not written so" in capsys.readouterr().err

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
 
 CurveKind = Literal["outer", "void", "barrier", "crossable"]
@@ -188,6 +189,24 @@ class Workspace:
             for n, curve in enumerate(self.curves):
                 for u, normal in zip(curve.u, curve.inward, strict=True):
                     writer.writerow([n, curve.kind, curve.cause, *map(repr, (*u.tolist(), *normal.tolist()))])
+
+    def to_netcdf(self, path: Any) -> None:
+        """Write all curves in the NetCDF format: points, inward normals, and kind and cause of every curve."""
+        curves = self.curves
+        lengths = [len(curve.u) for curve in curves]
+        u = np.concatenate([np.zeros((0, 2)), *(curve.u for curve in curves)])
+        inward = np.concatenate([np.zeros((0, 2)), *(curve.inward for curve in curves)])
+        causes = sorted({curve.cause for curve in curves})
+        columns = {"curve": Column(("point",), np.repeat(np.arange(len(curves)), lengths))}
+        for n in range(2):
+            columns[f"output_{n + 1}"] = Column(
+                ("point",), u[:, n], {"long_name": self.outputs[n], "units": self.units[n]}
+            )
+            columns[f"inward_{n + 1}"] = Column(("point",), inward[:, n])
+        columns["kind"] = flags(get_args(CurveKind), [curve.kind for curve in curves], "curves")
+        columns["cause"] = flags(causes, [curve.cause for curve in curves], "curves")
+        facts = {"title": self.name, "status": self.status, "area": self.area, "area_error": self.area_error}
+        write_netcdf(path, columns, facts)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw it; see `sarrus.views.plot_workspace`."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
 
 
@@ -30,6 +31,13 @@ class Loop:
     points: Array = field(repr=False)
     corners: tuple[int, ...]
     causes: tuple[str, ...]
+
+    def cause_along(self) -> list[str]:
+        """The cause at every point."""
+        if not self.corners:
+            return [self.causes[0]] * len(self.points)
+        run = np.searchsorted(self.corners, np.arange(len(self.points)), side="right") - 1
+        return [self.causes[k] for k in run.tolist()]
 
     @property
     def kind(self) -> tuple[bool, tuple[str, ...]]:
@@ -115,6 +123,34 @@ class WorkspaceVolume:
         lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in self.vertices.tolist()]
         lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in self.triangles.tolist()]
         Path(path).write_text("\n".join([f"# {self.name}", *lines, ""]), encoding="utf-8")
+
+    def to_csv(self, path: Any) -> None:
+        """Write all slices as a table: part, whether it is a hole, cause, the three outputs."""
+        import csv
+        from pathlib import Path
+
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["slice", "loop", "part", "hole", "cause", *self.outputs])
+            for n, one in enumerate(self.slices):
+                for k, loop in enumerate(one.loops):
+                    for u, cause in zip(loop.points.tolist(), loop.cause_along(), strict=True):
+                        place = (n, k, loop.part, int(loop.hole), cause)
+                        writer.writerow([*place, *map(repr, (*u, one.height))])
+
+    def to_netcdf(self, path: Any) -> None:
+        """Write the surface and the areas of the slices in the NetCDF format."""
+        slices = self.slices
+        columns = {
+            "vertices": Column(("vertex", "axis"), self.vertices, {"long_name": ", ".join(self.outputs)}),
+            "triangles": Column(("triangle", "corner"), self.triangles),
+            "cause": flags(self.causes, [self.causes[n] for n in self.cause_of], "triangle"),
+            "height": Column(("slice",), np.array([one.height for one in slices])),
+            "area": Column(("slice",), np.array([one.area for one in slices])),
+            "area_error": Column(("slice",), np.array([one.area_error for one in slices])),
+        }
+        facts = {"volume": self.volume, "volume_error": self.volume_error}
+        write_netcdf(path, columns, {"title": self.name, "status": self.status, **facts})
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the surface; see `sarrus.views.plot_workspace_volume`."""

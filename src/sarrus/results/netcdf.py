@@ -1,0 +1,47 @@
+"""A file in the classic NetCDF format, which xarray, MATLAB and many others read: named arrays with units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..algebra import Array
+
+
+class Column(NamedTuple):
+    """An array with the names of its dimensions and attributes such as ``units`` and ``long_name``."""
+
+    dimensions: tuple[str, ...]
+    values: Array
+    attributes: Mapping[str, Any] = {}
+
+
+def write_netcdf(path: str | Path, columns: Mapping[str, Column], attributes: Mapping[str, Any]) -> None:
+    """Write arrays and attributes of the whole; dimensions of one name have one length."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(str(path), "w", version=2) as file:
+        for name, value in attributes.items():
+            setattr(file, name, value)
+        for name, column in columns.items():
+            values = np.asarray(column.values)
+            for dimension, length in zip(column.dimensions, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.createDimension(dimension, length)
+            kind = "f8" if values.dtype.kind == "f" else "i4"
+            variable = file.createVariable(name, kind, column.dimensions)
+            variable[:] = values.astype(kind)
+            for key, value in column.attributes.items():
+                setattr(variable, key, value)
+
+
+def flags(names: Sequence[str], chosen: Sequence[str], dimension: str) -> Column:
+    """Names as numbers, explained by attributes as the CF conventions have it; blanks become underscores."""
+    told = {
+        "flag_values": np.arange(len(names), dtype=np.int32),
+        "flag_meanings": " ".join(name.replace(" ", "_") for name in names),
+    }
+    return Column((dimension,), np.array([names.index(one) for one in chosen], dtype=np.int32), told)

@@ -1,5 +1,7 @@
 """Tests of maps: nothing outside, rays end on known curves, the boundary is reached; what was missed is traced."""
 
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,24 @@ def test_parts_that_were_missed_are_traced() -> None:
     assert found.verification is not None
     assert found.verification.found_late > 10
     assert found.verification.success
+
+
+@pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_tests_run_on_an_executor(pool: type) -> None:
+    """Random positions and rays that lead to the parts of a map that was stopped; the same curves as without it."""
+    found = []
+    with pool(2) as executor:
+        for how in (None, executor):
+            system, output, limits = platform_haug()
+            map_ = sr.WorkspaceMap(system, output, limits=limits)
+            next(map_)
+            map_.in_a_row = map_.repeats
+            found.append(sr.verify_workspace(map_.result(), samples=300, rays=30, executor=how))
+    here, there = found
+    assert here.verification is not None
+    assert here.verification.found_late > 10
+    assert (there.area, there.verification) == (here.area, here.verification)
+    assert np.array_equal(there.curves[0].u, here.curves[0].u)
 
 
 def test_contains_agrees_with_distances() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from concurrent.futures import Executor
 from typing import Any
 
 from ...results.workspace import Workspace
@@ -25,6 +26,7 @@ def workspace(
     seed: int = 0,
     repeats: int = REPEATS,
     longest: float = LONGEST,
+    executor: Executor | None = None,
 ) -> Workspace:
     """Map what two outputs of a mechanism can reach: boundary, voids, barriers and what can be crossed.
 
@@ -49,6 +51,7 @@ def workspace(
     seed : of all random numbers
     repeats : starts in a row that lead to nothing new, before the map counts as complete
     longest : steps of curves, free of units; smaller ones give more points
+    executor : any executor of `concurrent.futures`, on which positions and rays of the tests are drawn
 
     Returns
     -------
@@ -64,4 +67,4 @@ def workspace(
         system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest
     )
     first = found.run().result()
-    return verify_workspace(first, samples, rays) if verify else first
+    return verify_workspace(first, samples, rays, executor=executor) if verify else first

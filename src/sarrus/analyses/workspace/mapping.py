@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import Model, SarrusError
 from ...results.workspace import Effort, Verification, Workspace
 from ...system import System
 from .crossing import Crossing, crossing
@@ -25,6 +25,9 @@ from .trace import LONGEST
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
 MOST_STARTS = 600
 CONFIDENCE = 0.95
+
+
+Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
 
 
 def _refuse_counts(problem: Problem) -> None:
@@ -49,7 +52,7 @@ class WorkspaceMap:
 
     Attributes
     ----------
-    problem : the equations
+    problem : the equations; `asked` what they were made of
     explorer : the graph of curves
     starts, in_a_row : starts so far; how many of the last led to known curves
     """
@@ -65,8 +68,10 @@ class WorkspaceMap:
         repeats: int = REPEATS,
         longest: float = LONGEST,
     ) -> None:
-        problem = formulate(system, output, limits=limits, fixed=fixed)
+        wanted = tuple(output)
+        problem = formulate(system, wanted, limits=limits, fixed=fixed)
         _refuse_counts(problem)
+        self.asked: Asked = (system.model, wanted, limits, fixed)
         self._begin(problem, seed, repeats, longest)
 
     def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:

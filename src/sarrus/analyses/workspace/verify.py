@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...results.workspace import Verification, Workspace
-from .mapping import WorkspaceMap
+from ...system import System
+from .formulate import formulate
+from .mapping import Asked, WorkspaceMap
+from .newton import Tally
+from .problem import Problem
+from .ray import Ray
 from .reach import reach
 from .region import Region
+from .sample import Samples
+from .seeds import Start
 
 TOLERANCE = 1e-6  # free of units: farther outside, a position is outside
 DEPTH = 1e-3  # of places just inside the boundary, free of units
@@ -18,9 +28,28 @@ MOST_INNER = 60
 WALK = 25  # positions of a random walk from each assembled one
 ROUNDS = 4
 DIRECTIONS = 6
+SPREAD = 1009  # between the seeds of rounds
+PART = 200  # random positions that are drawn by one worker
 
 
-def verify_workspace(found: Workspace, samples: int = 2000, rays: int = 40) -> Workspace:
+class Part(NamedTuple):
+    """Random positions and rays that belong together."""
+
+    seed: int
+    samples: int
+    rays: int
+
+
+class Drawn(NamedTuple):
+    """Admissible positions, and the ends of rays."""
+
+    positions: list[Array]
+    ends: list[Start]
+
+
+def verify_workspace(
+    found: Workspace, samples: int = 2000, rays: int = 40, *, executor: Executor | None = None
+) -> Workspace:
     """Test a workspace, trace what was missed, and return it with a `Verification`.
 
     Random admissible positions, assembled and walked to, must not lie outside; random rays must end on known curves;
@@ -31,39 +60,67 @@ def verify_workspace(found: Workspace, samples: int = 2000, rays: int = 40) -> W
     ----------
     found : Workspace
     samples, rays : how many of each
+    executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
     """
     map_: WorkspaceMap = found.map
     known, tests = len(map_.branches), None
     for number in range(1, ROUNDS + 1):
         before = len(map_.branches)
-        tests = _round(map_, samples, rays)
+        drawn = _drawn(map_, list(_parts(map_.seed + number, samples, rays)), executor)
+        tests = _round(map_, drawn)
         tests = replace(tests, rounds=number, found_late=len(map_.branches) - known)
         if len(map_.branches) == before:
             break
     return map_.result(tests)
 
 
-def _round(map_: WorkspaceMap, samples: int, rays: int) -> Verification:
-    p = map_.problem
+def _round(map_: WorkspaceMap, drawn: Drawn) -> Verification:
+    p, (positions, ends) = map_.problem, drawn
     outputs, region = p.m + p.outputs, map_.region()
-    positions = _positions(map_, samples)
     u = np.array([p.values(q)[outputs] for q in positions]).reshape(-1, 2)
     outside = np.flatnonzero(region.outside(u, TOLERANCE)) if len(u) else np.zeros(0, dtype=int)
     for n in outside[:20]:
         _look_around(map_, positions[n])
-    ended, known = _rays(map_, rays)
+    known = _known(map_, ends)
     inner, reached = _inner(map_, map_.region())
-    return Verification(len(u), len(outside), ended, known, inner, reached, 1, 0, TOLERANCE * p.size)
+    return Verification(len(u), len(outside), len(ends), known, inner, reached, 1, 0, TOLERANCE * p.size)
 
 
-def _positions(map_: WorkspaceMap, count: int) -> list[Array]:
-    found: list[Array] = []
-    while len(found) < count:
-        q = next(map_.samples, None)
-        if q is None:
-            break
-        found += [q, *map_.samples.walks(q, min(WALK, count - len(found) - 1))]
-    return found
+def _parts(seed: int, samples: int, rays: int) -> Iterator[Part]:
+    """So many random positions and rays in parts that do not depend on how many workers there are."""
+    count = max(1, -(-samples // PART))
+    for k in range(count):
+        share = [(k + 1) * whole // count - k * whole // count for whole in (samples, rays)]
+        yield Part(SPREAD * seed + k, *share)
+
+
+def _drawn(map_: WorkspaceMap, parts: Sequence[Part], executor: Executor | None) -> Drawn:
+    if executor is None:
+        found = [_draw(map_.problem, part) for part in parts]
+    else:
+        found = list(executor.map(_work, [map_.asked] * len(parts), parts))
+    return Drawn([q for one in found for q in one.positions], [end for one in found for end in one.ends])
+
+
+def _work(asked: Asked, part: Part) -> Drawn:
+    """A part in a worker, which makes its own system."""
+    model, output, limits, fixed = asked
+    return _draw(formulate(System(model), output, limits=limits, fixed=fixed), part)
+
+
+def _draw(problem: Problem, part: Part) -> Drawn:
+    """Random admissible positions, assembled and walked to, and ends of rays in random directions."""
+    samples, random = Samples(problem, part.seed), np.random.default_rng(part.seed)
+    positions: list[Array] = []
+    while len(positions) < part.samples and (q := next(samples, None)) is not None:
+        positions += [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
+    ends = [_ray(problem, next(samples, None), random) for _ in range(part.rays)]
+    return Drawn(positions, [end for end in ends if end is not None])
+
+
+def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Start | None:
+    angle = random.uniform(0.0, 2 * np.pi)
+    return None if q is None else Ray(problem, q, np.array([np.cos(angle), np.sin(angle)]), Tally()).end()
 
 
 def _look_around(map_: WorkspaceMap, q: Array) -> None:
@@ -76,20 +133,14 @@ def _look_around(map_: WorkspaceMap, q: Array) -> None:
         pass
 
 
-def _rays(map_: WorkspaceMap, count: int) -> tuple[int, int]:
-    """How many rays ended, and how many of them on known curves; the others are starts."""
-    ended = known = 0
-    for _ in range(count):
-        q = next(map_.samples, None)
-        start = None if q is None else map_.ray(q)
-        if start is None:
-            continue
-        ended += 1
-        new = map_.explorer.start(*start)
-        known += not new
+def _known(map_: WorkspaceMap, ends: Sequence[Start]) -> int:
+    """How many ends of rays lie on known curves; the others are starts."""
+    known = 0
+    for end in ends:
+        known += not map_.explorer.start(*end)
         for _ in map_.explorer:
             pass
-    return ended, known
+    return known
 
 
 def _inner(map_: WorkspaceMap, region: Region) -> tuple[int, int]:

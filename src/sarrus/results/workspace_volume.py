@@ -73,11 +73,19 @@ class Slice:
         """Which loops there are and what makes them; it changes at critical heights."""
         return tuple(sorted(loop.kind for loop in self.loops))
 
-    def holds(self, u: ArrayLike) -> bool:
-        """Whether a point (2,) can be reached; nearer to the boundary than its polyline it may err."""
-        return bool(
-            inside([loop.points for loop in self.loops], np.atleast_2d(np.asarray(u, dtype=float)))[0]
-        )
+    def holds(self, u: ArrayLike, tolerance: float = 0.0) -> bool:
+        """Whether a point (2,) can be reached, or is so near to one that can be; polylines err by 3e-4 of the size."""
+        p, lines = np.atleast_2d(np.asarray(u, dtype=float)), [loop.points for loop in self.loops]
+        if bool(inside(lines, p)[0]) or not tolerance:
+            return bool(inside(lines, p)[0])
+        return any(_distance(line, p[0]) < tolerance for line in lines)
+
+
+def _distance(line: Array, p: Array) -> float:
+    """Of a point from a polyline."""
+    d = np.diff(line, axis=0)
+    share = np.clip(((p - line[:-1]) * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-300), 0.0, 1.0)
+    return float(np.linalg.norm(line[:-1] + share[:, None] * d - p, axis=1).min())
 
 
 @dataclass(frozen=True)

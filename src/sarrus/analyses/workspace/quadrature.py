@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,6 +17,8 @@ from .slicing import Slicer
 NEAR = 1e-4  # of the whole range: so near to a critical height it is located
 AROUND = 5  # times that: an expected height at this distance is taken
 SHORT = 30  # times that: the kinds of slices are not looked at in pieces that are shorter
+LEAST = 0.01  # of the range: expected heights that are nearer to each other cut no piece
+LONG = 0.25  # of the range: pieces that are longer are looked at with more slices first
 SCAN = 16  # intervals of theta at which a range is looked at first
 FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
 SLOW = 0.3  # by which what is missed shrinks with twice as many slices: slower pieces are cut
@@ -80,15 +82,33 @@ class Integral:
         rtol: float,
         most: int,
     ) -> None:
-        self.slicer, self.ranges, self.expected, self.rtol, self.most = slicer, ranges, expected, rtol, most
-        self.pieces = [Piece(low, high, SCAN) for low, high in ranges]
+        self.slicer, self.ranges, self.rtol, self.most = slicer, ranges, rtol, most
+        self._span = max((high - low for low, high in ranges), default=0.0)
+        self._near = NEAR * self._span
+        self.expected = _apart(expected, AROUND * self._near)
+        self.pieces = [piece for low, high in ranges for piece in self._first(low, high)]
         self.critical: list[float] = []
         self.value, self.error = 0.0, np.inf
-        self._near = NEAR * max((high - low for low, high in ranges), default=0.0)
+
+    def _first(self, low: float, high: float) -> Iterator[Piece]:
+        """Pieces between expected heights, also of features that are too small to be met by chance."""
+        least = LEAST * self._span
+        inner = _apart(self._expected(low + least, high - least), least)
+        for a, b in pairwise([low, *inner, high]):
+            yield Piece(a, b, SCAN if b - a > LONG * self._span else 2 * FIRST)
+
+    def _at_expected(self) -> list[float]:
+        """Expected heights at which slices change their kind."""
+        inner = [piece.low for piece in self.pieces if piece.low not in {low for low, _ in self.ranges}]
+        below = self.slicer.at(z - self._near for z in inner)
+        above = self.slicer.at(z + self._near for z in inner)
+        return [z for z, a, b in zip(inner, below, above, strict=True) if a.kind != b.kind]
 
     def run(self) -> None:
         """Cut and refine until the error is small enough or there are too many slices."""
         waiting = list(self.pieces)
+        self.slicer.at(z for piece in waiting for z in piece.heights(piece.count))
+        self.critical = self._at_expected()
         while waiting:
             self.slicer.at(z for piece in waiting for z in piece.heights(piece.count))
             waiting = self._cut_where_kinds_change(waiting)
@@ -222,6 +242,15 @@ class Integral:
         middle = 0.5 * (low + high)
         expected = self._expected(low - AROUND * self._near, high + AROUND * self._near)
         return min(expected, key=lambda z: abs(z - middle), default=middle)
+
+
+def _apart(values: Sequence[float], near: float) -> list[float]:
+    """Values by size that are not near to the one before."""
+    found: list[float] = []
+    for value in sorted(values):
+        if not found or value - found[-1] > near:
+            found.append(value)
+    return found
 
 
 def _inside(low: float, high: float) -> tuple[float, float]:

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
+import numpy as np
+
 from ...algebra import Array
 from ...model import SarrusError
 from ...results.workspace_volume import WorkspaceVolume
@@ -19,6 +21,7 @@ from .sample import Samples
 from .slicing import Asked, Slicer
 from .trace import LONGEST
 
+NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 WALK = 5  # positions of a random walk from each assembled one
 RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 
@@ -125,9 +128,9 @@ def _outside(
         for u, z, _ in positions
         if any(low < z < high for low, high in ranges) and not any(one.holds(u) for one in slicer.around(z))
     ]
-    return sum(
-        not one.holds(u) for (u, _), one in zip(doubtful, slicer.at(z for _, z in doubtful), strict=True)
-    )
+    own = slicer.at(z for _, z in doubtful)
+    size = max((float(np.ptp(loop.points)) for one in own for loop in one.loops), default=0.0)
+    return sum(not one.holds(u, NEARLY * size) for (u, _), one in zip(doubtful, own, strict=True))
 
 
 def _cut(

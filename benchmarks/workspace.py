@@ -29,6 +29,7 @@ AREAS = {
     "platform": 4.160783189447891,
     "platform_with_legs": 4.160783189447891,
 }
+ENOUGH = 1e-4  # error of the area, relative, at which numbers of kinematic solutions are compared
 GRIDS = (50, 100, 200, 400, 800, 1600)
 
 
@@ -115,6 +116,12 @@ def grids(found: Any, area: float) -> dict[int, float]:
     return errors
 
 
+def area_of_box(found: Any) -> float:
+    """The area of the box around the boundary."""
+    corners = np.concatenate([curve.u for curve in found.boundary])
+    return float(np.ptp(corners, axis=0).prod())
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -132,6 +139,11 @@ def main() -> None:
             n, error = max(errors.items())
             figures["platform.grid_solutions_over_ours"] = n * n / mine["solutions"]
             figures["platform.grid_error_over_ours"] = error / mine["area_error"]
+            enough = [size for size, error in errors.items() if error < ENOUGH]
+            figures["platform.grid_solutions_for_1e-4_over_ours"] = min(enough) ** 2 / mine["solutions"]
+            share = AREAS[name] / area_of_box(found)
+            monte_carlo = (1 - share) / share / ENOUGH**2  # samples for this standard deviation
+            figures["platform.monte_carlo_solutions_for_1e-4_over_ours"] = monte_carlo / mine["solutions"]
     if chosen.json:
         print(json.dumps(figures, indent=1))
         return

@@ -79,3 +79,36 @@ def test_sections_of_a_delta_robot(height: float, area: float) -> None:
     found = sr.workspace(system, (x, y), fixed={z: height}, verify=False)
     assert found.success, found.message
     assert found.area == pytest.approx(area, rel=5e-7)
+
+
+def test_points_of_a_gough_platform_lie_on_spheres() -> None:
+    """Every point of every curve of a slice, about the foot less the corner of a leg that is reached."""
+    system, output, limits = gough()
+    found = sr.workspace(system, output[:2], limits=limits, fixed={output[2]: 1.1}, verify=False)
+    centres = {leg.name: np.subtract(leg.point_i.coordinates, leg.point_j.coordinates) for leg in limits}
+    for curve in found.curves:
+        u = np.column_stack([curve.u_of_q, np.full(len(curve.u_of_q), 1.1)])
+        for active in curve.active:
+            leg, end = active.rsplit(" ", 1)
+            radius = {"lowest": 0.95, "highest": 1.45}[end]
+            assert np.linalg.norm(u - centres[leg], axis=1) == pytest.approx(radius, abs=1e-9)
+
+
+def test_points_of_a_delta_robot_lie_on_tori() -> None:
+    """Where the boundary is, an arm and its rod are stretched or folded: the arm's plane meets two spheres."""
+    system, tip = delta()
+    x, y, z = tip["x", "y", "z"]
+    found = sr.workspace(system, (x, y), fixed={z: -0.45}, verify=False)
+    assert found.boundary
+    for curve in found.boundary:
+        off = []
+        for angle in (0, 2 * np.pi / 3, 4 * np.pi / 3):
+            along, across = (
+                np.array([np.cos(angle), np.sin(angle)]),
+                np.array([-np.sin(angle), np.cos(angle)]),
+            )
+            p, s = curve.u_of_q @ along - 0.1, curve.u_of_q @ across
+            in_plane = np.hypot(p, 0.45)  # of the shoulder; the rod reaches the plane in a circle
+            rod = np.sqrt(0.36 - s**2)
+            off.append(np.min([abs(in_plane - abs(rod + side * 0.3)) for side in (1, -1)], axis=0).max())
+        assert min(off) < 1e-9

@@ -14,7 +14,7 @@ from .reading import load_run
 from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import Solution, State
-from .steps import RadauSteps, Steps, StepsTaken
+from .steps import Pieces, RadauSteps, Steps, StepsTaken, Turn
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
 from .workspace_range import CriticalValue, WorkspaceRange
@@ -37,6 +37,7 @@ __all__ = [
     "Mobility",
     "Modes",
     "Optimum",
+    "Pieces",
     "RadauSteps",
     "Reaction",
     "Repetition",
@@ -50,6 +51,7 @@ __all__ = [
     "Steps",
     "StepsTaken",
     "Trajectory",
+    "Turn",
     "Verification",
     "Workspace",
     "WorkspaceRange",

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
+
+import numpy as np
 
 from ..algebra import Array
 
@@ -90,3 +93,103 @@ class RadauSteps(StepsTaken):
         """Memory that the states and stages take [bytes]."""
         stages = (self.stage_q, self.stage_v, self.stage_lam, self.stage_mu)
         return super().nbytes + sum(x.nbytes for x in stages)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turn:
+    """An event at which a run went on from other velocities, or ended.
+
+    Attributes
+    ----------
+    name : of the event
+    t : its time [s]
+    function : the formula that crossed zero
+    along, restitution : of its `Impact`; None where the run ended
+    q, v : (nq,) state just before, on the constraints
+    after : (nq,) velocities just after
+    """
+
+    name: str
+    t: float
+    function: str
+    along: str | None
+    restitution: float | None
+    q: Array = field(repr=False)
+    v: Array = field(repr=False)
+    after: Array = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pieces:
+    """The steps of a run with events, from one to the next.
+
+    Attributes
+    ----------
+    pieces : the steps of each stretch; the last step of a stretch goes on beyond the event that ends it
+    turns : the events; one more than there are starts anew where an event ended the run
+    until : end of the run [s]
+    """
+
+    pieces: tuple[StepsTaken, ...]
+    turns: tuple[Turn, ...]
+    until: float
+
+    def __len__(self) -> int:
+        """Number of steps."""
+        return sum(len(piece) for piece in self.pieces)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the states take [bytes]."""
+        return sum(piece.nbytes for piece in self.pieces)
+
+    @property
+    def start(self) -> Any:
+        """The assembly from which it started."""
+        return self.pieces[0].start
+
+    @property
+    def restitutions(self) -> dict[str, float]:
+        """Those of the impacts, by the names that derivatives take."""
+        struck = (turn for turn in self.turns if turn.restitution is not None)
+        return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
+
+    @property
+    def b(self) -> Array:
+        """The numbers of the elements."""
+        return self.pieces[0].b
+
+    @property
+    def t(self) -> Array:
+        """Start, ends of the steps, and the events, each at the end of one stretch and the start of the next [s]."""
+        ends = zip(self.pieces, self.ends, strict=True)
+        return np.concatenate([x for piece, end in ends for x in (piece.t[:-1], [end])])
+
+    @property
+    def first(self) -> Array:
+        """The place of each stretch's first node among all nodes."""
+        return np.cumsum([0, *(len(piece) + 1 for piece in self.pieces[:-1])])
+
+    @property
+    def ends(self) -> Array:
+        """The time at which each stretch ends [s]."""
+        times = [turn.t for turn in self.turns]
+        return np.array([*times, self.until][: len(self.pieces)])
+
+    def nodes(self, name: str) -> Array:
+        """A field of all nodes, stretch after stretch."""
+        return np.concatenate([getattr(piece, name) for piece in self.pieces])
+
+
+def until(steps: StepsTaken, t: float) -> StepsTaken:
+    """The steps up to the one within which, or at whose end, a time lies."""
+    count = min(int(np.searchsorted(steps.t, t)), len(steps))
+    cut = {name: getattr(steps, name)[: count + at_nodes] for name, at_nodes in _lengths(steps)}
+    return replace(steps, **cut)
+
+
+def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:
+    """The arrays that have an entry for each step (0), and for each node (1)."""
+    arrays = [f.name for f in fields(steps) if isinstance(getattr(steps, f.name), np.ndarray)]
+    shared = [name for name in arrays if name not in ("b", "places") and len(getattr(steps, name))]
+    return [(name, int(len(getattr(steps, name)) == len(steps) + 1)) for name in shared]

@@ -18,7 +18,7 @@ from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
 from .solution import Solution
-from .steps import StepsTaken
+from .steps import Pieces, StepsTaken
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES)
@@ -93,7 +93,7 @@ class Trajectory:
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
-    steps: StepsTaken | None = field(default=None, repr=False, compare=False)
+    steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
 
     def __str__(self) -> str:
         """What became of it, in one line."""

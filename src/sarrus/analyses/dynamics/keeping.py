@@ -41,7 +41,9 @@ class Keeping:
         self.count = 0
 
     def begin(self, left_out: Array, **first: Any) -> None:
-        """The state before the first step; `left_out` is looked at later too."""
+        """The state before the first step; what was collected before is forgotten. `left_out` is looked at later."""
+        for collected in (self._chunks, self._left_out, self._memory):
+            collected.clear()
         self._first = {name: np.array(value, dtype=float) for name, value in first.items()}
         self._first_out, self._out = left_out > 0, left_out
 

@@ -13,8 +13,10 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly, Happened, Solution, Trajectory, load_run
 from ...results.saved import Store
+from ...results.steps import Pieces, Turn
+from ...results.steps import until as steps_until
 from ...system import System
-from .events import Event, Watch, Watches
+from .events import Event, Impact, Watch, Watches
 from .nearness import Nearness
 from .nodes import Nodes, joined
 from .outcome import trajectory_of
@@ -73,6 +75,8 @@ class March:
         self._samples: list[Samples] = []
         self._written = 0
         self._dense: list[Nodes] = []
+        self._pieces: list[Any] = []
+        self._turns: list[Turn] = []
         self._marked, self._pause = time.perf_counter(), PAUSE
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
@@ -182,6 +186,7 @@ class March:
         if not watch.ends and watch.event.reset is None:
             return None
         self._take(_until(nodes, states))
+        self._turn(watch, t, q, v, after)
         self.stepper.b[:] = before
         rows = max(int(np.searchsorted(nodes.t, t)) - 1, 0)
         self.stepper.b[self.system.memory_places] = nodes.memory[rows]
@@ -191,6 +196,27 @@ class March:
         state = self.sampler.state(t, q, after, nodes.memory[rows])
         self._begin(t, state.q[0], state.v[0], watch)
         return self._crowd() or ("finished", "reached the end")
+
+    def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
+        """Where steps are kept: those up to an event, and the event."""
+        steps, impact = self.stepper.steps(), watch.event.reset
+        if steps is None:
+            return
+        self._pieces.append(steps_until(steps, t))
+        function, along, restitution = str(watch.event.function), None, None
+        if isinstance(impact, Impact) and not watch.ends:
+            along, restitution = impact.along or function, impact.restitution
+        told: dict[str, Any] = {"along": along, "restitution": restitution, "q": q.copy(), "v": v.copy()}
+        self._turns.append(Turn(name=watch.name, t=t, function=function, after=after.copy(), **told))
+
+    def _steps(self) -> Any:
+        """All steps that were kept."""
+        steps = self.stepper.steps()
+        if steps is None or not self._turns:
+            return steps
+        ended = len(self._turns) == len(self._pieces) and self.stepper.t == self._turns[-1].t
+        pieces = self._pieces if ended else [*self._pieces, steps]
+        return Pieces(pieces=tuple(pieces), turns=tuple(self._turns), until=float(self.stepper.t))
 
     def _crowd(self) -> tuple[str, str] | None:
         """Whether events follow each other ever faster."""
@@ -242,7 +268,7 @@ class March:
             events=tuple(self.watches.happened),
             singular=tuple(self.nearness.times),
             sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
-            steps=self.stepper.steps(),
+            steps=self._steps(),
         )
 
 

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
+from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import breakpoints as of_model
 from .events import Event
@@ -98,7 +99,7 @@ def simulate(
     )  # fmt: skip
     stops, kinks = _stops(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
-        raise ValueError("steps cannot be kept for derivatives where there are events; leave one of them out")
+        kept_events.refuse(system, chosen, watched)
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)

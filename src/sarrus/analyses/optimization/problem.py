@@ -16,7 +16,7 @@ from ...results import Gradient, Trajectory
 from ...system import System
 from ..assembly import assemble
 from ..dynamics import HHT, GeneralizedAlpha, simulate
-from ..sensitivity.chain import Nodes
+from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.derivatives import inner, sensitivity
 from ..sensitivity.evaluation import Evaluation
@@ -263,7 +263,7 @@ class Point:
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-        total = inner(nodes, self._chain().along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+        total = inner(nodes, self._chain().along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
         return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
     def gradient_of_sum(self, weights: Array) -> Array:
@@ -271,10 +271,8 @@ class Point:
         parameters, evaluation = self._parameters(), self.evaluation()
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
-        by = self._chain().gradients(
-            Nodes(*(getattr(nodes, kind) @ column for kind in ("q", "v", "a", "lam")))
-        )
-        found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column)
+        by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
+        found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column + by.c)
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
         return np.asarray((found.T + column.T @ named)[0])
 
@@ -311,7 +309,9 @@ class Point:
         every = np.eye(len(parameters.names))
         b, q, v, c = parameters.along(every)
         named = dict(zip(parameters.names, every, strict=True))
-        return list(evaluation.signals), evaluation.signals_along(self._chain().along(b, q, v), b, c, named)
+        return list(evaluation.signals), evaluation.signals_along(
+            self._chain().along(b, q, v, c), b, c, named
+        )
 
     def _chain(self) -> AnyChain:
         steps = self.run.steps

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps, StepsTaken
+from ...results import Pieces, Steps, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
@@ -16,21 +16,35 @@ from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Given
 
+FIELDS = ("q", "v", "a", "lam", "shift")
+
 
 @dataclass(frozen=True)
 class Nodes:
-    """For every node (start and ends of steps) arrays (n + 1, nq or m, k): derivatives of a state, or by it."""
+    """For every node (start and ends of steps) arrays (n + 1, nq or m, k): derivatives of a state, or by it.
+
+    `shift` (stretches + 1, k) are those of the times at which stretches between events begin, and of the end.
+    """
 
     q: Array
     v: Array
     a: Array
     lam: Array
+    shift: Array
 
     @classmethod
-    def zeros(cls, steps: StepsTaken, k: int) -> Nodes:
+    def zeros(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
         """Room for k columns."""
-        count, nq, m = len(steps) + 1, steps.q.shape[1], steps.lam.shape[1]
-        return cls(*(np.zeros((count, width, k)) for width in (nq, nq, nq, m)))
+        pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
+        count = sum(len(piece) + 1 for piece in pieces)
+        q, v, a, lam = (np.zeros((count, width, k)) for width in (nq, nq, nq, m))
+        return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
+
+    def part(self, rows: slice) -> Nodes:
+        """Some of the nodes, as arrays of their own."""
+        q, v, a, lam = (np.ascontiguousarray(x[rows]) for x in (self.q, self.v, self.a, self.lam))
+        return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
 
     def after_start(self) -> Given:
         """The ends of the steps."""
@@ -44,6 +58,7 @@ class Gradients:
     b: Array
     q: Array
     v: Array
+    c: Array | float = 0.0  # by the numbers of the joints' coordinates, on which events depend
 
 
 class Chain:
@@ -67,12 +82,19 @@ class Chain:
         """The derivatives by the numbers of curves."""
         return Curves(self.system, self.steps)
 
-    def along(self, db: Array, dq: Array, dv: Array) -> Nodes:
-        """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array) -> Nodes:
+        """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
+
+        dc are those of the numbers of the joints' coordinates, which matter to events only.
+        """
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv), db)
+
+    def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
+        """The same for changes of the first state."""
         k = db.shape[1]
         sweep, found = Sweep(self.system, self.steps, k, db), Nodes.zeros(self.steps, k)
         bars = sweep.bars(db)
-        bars.q[:], bars.v[:] = self.assembly.along(db, dq=dq, dv=dv)
+        bars.q[:], bars.v[:] = q, v
         bars.a[:], bars.lam[:] = self.start.along(bars.q, bars.v, db)
         bars.x[:] = bars.a
         found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
@@ -82,14 +104,21 @@ class Chain:
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
-        k = given.q.shape[2]
-        sweep = Sweep(self.system, self.steps, k)
+        by_q, by_v, by_b = self.by_start(given)
+        b, q, v = through(self.assembly, by_q, by_v)
+        return Gradients(by_b + b, q, v)
+
+    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
+        """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
+        sweep = Sweep(self.system, self.steps, given.q.shape[2])
         bars, kept = sweep.bars(), sweep.kept() if self.curves else None
         sweep.backward(bars, given.after_start(), 0, len(self.steps), kept)
         by_q, by_v, by_b = self.start.transposed(bars.a + bars.x + given.a[0], given.lam[0])
-        by_q += bars.q + given.q[0]
-        by_v += bars.v + given.v[0]
         by_b += bars.b if kept is None else bars.b + self.curves.gradient(kept)
-        found = [self.assembly.gradient(by_q[:, n], by_v[:, n]) for n in range(k)]
-        b, q, v = (np.array([one[n] for one in found]).T for n in range(3))
-        return Gradients(by_b + b, q, v)
+        return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b
+
+
+def through(assembly: AssemblyDerivatives, by_q: Array, by_v: Array) -> list[Array]:
+    """Gradients by the numbers, and by the guess q₀, v₀, of those by the assembled state (nq, k)."""
+    found = [assembly.gradient(*pair) for pair in zip(by_q.T, by_v.T, strict=True)]
+    return [np.array([one[n] for one in found]).T for n in range(3)]

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from ...results import RadauSteps, Steps, StepsTaken
+from ...results import Pieces, RadauSteps, Steps, StepsTaken
 from ...system import System
 from .chain import Chain
 from .parameters import Parameters
+from .piece_chain import PieceChain
 from .radau_chain import RadauChain
 
-AnyChain: TypeAlias = Chain | RadauChain
+AnyChain: TypeAlias = Chain | PieceChain | RadauChain
 
 
-def chain_of(system: System, steps: StepsTaken) -> AnyChain:
+def chain_of(system: System, steps: StepsTaken | Pieces) -> AnyChain:
     """The chain of a run, for first derivatives."""
+    if isinstance(steps, Pieces):
+        return PieceChain(system, steps)
     if isinstance(steps, RadauSteps):
         return RadauChain(system, steps)
     assert isinstance(steps, Steps)
     return Chain(system, steps)
 
 
-def curved_chain(system: System, steps: StepsTaken, parameters: Parameters) -> Chain:
+def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain:
     """The chain of a run, for second derivatives too.
 
     Raises
@@ -35,6 +38,6 @@ def curved_chain(system: System, steps: StepsTaken, parameters: Parameters) -> C
         )
     if not isinstance(steps, Steps):
         raise ValueError(
-            "second derivatives need a run with HHT() or GeneralizedAlpha(); Radau() has first ones only"
+            "second derivatives need a run without events by HHT() or GeneralizedAlpha(); others have first ones only"
         )
     return Chain(system, steps)

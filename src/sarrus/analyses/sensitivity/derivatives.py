@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...results import Gradient, Hessian, StateDerivatives, StepsTaken, Trajectory
+from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from .chain import Nodes
 from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
@@ -56,7 +56,10 @@ def sensitivity(
         For names that the model does not have.
     """
     steps = kept(run)
-    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    struck = steps.restitutions if isinstance(steps, Pieces) else None
+    parameters = Parameters(
+        run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck
+    )
     wanted = as_responses(responses)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     chain = chain_of(run.system, steps)
@@ -75,10 +78,17 @@ def state_derivatives(
     """Derivatives of all states of a run with respect to numbers of its model, at the ends of its steps.
 
     Parameters as for `sensitivity`.
+
+    Raises
+    ------
+    ValueError
+        Also for a run with events, whose states jump.
     """
     steps = kept(run)
+    if isinstance(steps, Pieces):
+        raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
-    found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names)))[:3])
+    found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
     return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
 
 
@@ -140,21 +150,22 @@ def _curvature(
 def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
-    through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c)
+    through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c + by.c)
     return np.asarray(through.T + _named(explicit, parameters))
 
 
 def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     b, q, v, c = parameters.along(np.eye(len(parameters.names)))
-    total = inner(nodes, chain.along(b, q, v)) + explicit.b.T @ b + explicit.c.T @ c
+    total = inner(nodes, chain.along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
     return np.asarray(total + _named(explicit, parameters))
 
 
 def inner(bars: Nodes, dots: Nodes) -> Array:
     """The change of each response (r, k) for changes of the states."""
     pairs = ((getattr(bars, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
-    return np.asarray(sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs))
+    states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
+    return np.asarray(states + bars.shift.T @ dots.shift)
 
 
 def _named(explicit: Explicit, parameters: Parameters) -> Array:
@@ -162,7 +173,7 @@ def _named(explicit: Explicit, parameters: Parameters) -> Array:
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
 
 
-def kept(run: Trajectory) -> StepsTaken:
+def kept(run: Trajectory) -> StepsTaken | Pieces:
     """The steps of a run.
 
     Raises

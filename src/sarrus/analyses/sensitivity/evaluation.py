@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...results import StepsTaken
+from ...results import Pieces, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .outputs import Outputs
 from .parameters import Parameters
+from .pieces import sampling_of
 from .responses import Response
-from .sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,16 @@ class Evaluation:
     """
 
     def __init__(
-        self, system: System, steps: StepsTaken, responses: Sequence[Response], parameters: Parameters
+        self,
+        system: System,
+        steps: StepsTaken | Pieces,
+        responses: Sequence[Response],
+        parameters: Parameters,
     ) -> None:
         self._system, self._steps, self._responses = system, steps, responses
-        self._samplings = [Sampling(steps, response.times(steps.t)) for response in responses]
-        nodes = Sampling(steps).states
+        self._c_size = parameters.c_size
+        self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]
+        nodes = sampling_of(steps).states
         self._outputs = [
             Outputs(system, sampling.states, steps.b, parameters.number, nodes)
             for sampling in self._samplings
@@ -65,8 +70,11 @@ class Evaluation:
         return nodes, Explicit(b, c, [part.named[0] for part in parts])
 
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
-        weights = self._responses[n].weights(self.signals[n], self._samplings[n].t)
-        found = self._outputs[n].tape.gradient({self._found[n].at: weights})
+        response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
+        found = self._outputs[n].tape.gradient({self._found[n].at: response.weights(g, sampling.t)})
+        if sampling.moves:
+            by_t = np.broadcast_to(found[self._outputs[n].t.at], g.shape)
+            sampling.spread_time(by_t + response.by_times(g, sampling.t), nodes, n)
         return self._collected(n, found, nodes, n)[1]
 
     def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
@@ -90,6 +98,8 @@ class Evaluation:
                 self._samplings[n].gathered(kind, place, dots, k) if numbers is None else numbers[place, k]
             )
             changes[variable.at] = moved
+        if self._samplings[n].moves:
+            changes[outputs.t.at] = self._samplings[n].gathered_time(dots, k)
         changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
         return outputs.tape.along(changes)
 
@@ -113,7 +123,7 @@ class Evaluation:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
         by_b = np.zeros((len(self._system.b), 1))
-        by_c = np.zeros((len(self._system.joint_coordinates.b), 1))
+        by_c = np.zeros((self._c_size, 1))
         for (kind, place), variable in outputs.inputs.items():
             bar = bars[variable.at]
             if kind in ("b", "c"):

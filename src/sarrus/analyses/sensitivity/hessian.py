@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from .chain import Chain, Nodes
+from .chain import FIELDS, Chain, Nodes
 from .evaluation import Evaluation
 from .lagrangian import Change, Lagrangian
 from .parameters import Parameters
@@ -71,7 +71,7 @@ class Curvature:
         """The adjoint, and what does not go through the states."""
         every, explicit = self._evaluation.gradients()
         r = self._response
-        nodes = Nodes(*(getattr(every, kind)[:, :, r : r + 1] for kind in ("q", "v", "a", "lam")))
+        nodes = Nodes(*(getattr(every, name)[..., r : r + 1] for name in FIELDS))
         explicit_b, explicit_c = explicit.b[:, r], explicit.c[:, r]
         adjoint, b = self._backward(nodes, None, None)
         assembly = adjoint.assembly
@@ -83,7 +83,7 @@ class Curvature:
     ) -> tuple[Adjoined, Array]:
         """Back through steps, start and assembly; with the changes of their equations, where an adjoint changes."""
         chain, sweep = self._chain, self._sweep
-        contiguous = Nodes(*(np.ascontiguousarray(getattr(nodes, kind)) for kind in ("q", "v", "a", "lam")))
+        contiguous = Nodes(*(np.ascontiguousarray(getattr(nodes, name)) for name in FIELDS))
         bars, kept = sweep.bars(), sweep.kept()
         sweep.backward(bars, contiguous.after_start(), 0, len(self._steps), kept, sources)
         a_bar, lam_bar = bars.a + bars.x + nodes.a[0], nodes.lam[0].copy()

@@ -44,7 +44,8 @@ class Parameters:
         the assembly; None for all numbers of the model
     design : values of design variables
     formula : a Python function of the design variables that returns numbers of the model by name
-    steps : of the run whose start depends on the model's own initial state, if it does
+    start : of the run, which depends on the model's own initial state, if it does
+    restitutions : of the run's impacts, by name; their numbers follow those of the joints' coordinates
     """
 
     def __init__(
@@ -55,8 +56,9 @@ class Parameters:
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
         start: Any = None,
+        restitutions: Mapping[str, float] | None = None,
     ) -> None:
-        self.system = system
+        self.system, self.restitutions = system, dict(restitutions or {})
         self._tape = Tape()
         self._design, self._formula = dict(design or {}), formula
         self._known = written_numbers(system.model)
@@ -76,11 +78,11 @@ class Parameters:
     def _matches(self, name: str) -> list[str]:
         if name in self._design or name in self._known or name in self.system.model.parameters:
             return [name]
-        if name in self._element_numbers or name.startswith(GUESS):
+        if name in self._element_numbers or name in self.restitutions or name.startswith(GUESS):
             return [name]
         found = [known for known in self._known if known.startswith(f"{name}.")]
         if not found:
-            known = [*self._design, *self._known, *self.system.model.parameters]
+            known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
             raise UnknownParameter(f"{self.system.name} has no number {name!r}; {suggest(name, known)}")
         return found
 
@@ -91,6 +93,8 @@ class Parameters:
             return self._known[name]
         if name in self.system.model.parameters:
             return float(self.system.model.parameters[name])
+        if name in self.restitutions:
+            return self.restitutions[name]
         if name.startswith(GUESS):
             whole = self.system.q0 if name.startswith(GUESS[0]) else self.system.v0
             return float(whole[_coordinate(self.system, name)])
@@ -110,12 +114,20 @@ class Parameters:
             system.joint_coordinates.populations, plan.coordinates, system.joint_coordinates.b
         ):
             self._note(size + 2 * system.nq + place, value)
+        first = size + 2 * system.nq + len(system.joint_coordinates.b)
         for name, variable in self.variables.items():
-            if name.startswith(GUESS):
+            if name in self.restitutions:
+                self._outputs.append((first + list(self.restitutions).index(name), variable.at))
+            elif name.startswith(GUESS):
                 at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
                 self._outputs.append((at, variable.at))
             elif name in self._element_numbers and name not in self._design and name not in self._known:
                 self._outputs.append((self._element_numbers[name], variable.at))
+
+    @property
+    def c_size(self) -> int:
+        """How many numbers the joints' coordinates have, with the restitutions."""
+        return len(self.system.joint_coordinates.b) + len(self.restitutions)
 
     @property
     def in_curves(self) -> bool:
@@ -212,7 +224,7 @@ class Parameters:
     def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
         """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
         change = np.asarray(change, dtype=float)
-        size = len(self.system.b) + 2 * self.system.nq + len(self.system.joint_coordinates.b)
+        size = len(self.system.b) + 2 * self.system.nq + self.c_size
         whole = np.zeros((size, change.shape[1]))
         for k in range(change.shape[1]):
             dots = self._tape.along(self._seeds(change[:, k]))

@@ -8,7 +8,7 @@ from ...algebra import Array
 from ...results import RadauSteps
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
-from .chain import Gradients, Nodes
+from .chain import Gradients, Nodes, through
 from .radau_curves import RadauCurves
 from .radau_sweep import RadauSweep
 from .radau_sweep_loop import Bars, Given
@@ -22,7 +22,7 @@ class RadauChain:
         self.assembly = AssemblyDerivatives(system, steps.start)
         self.curves = RadauCurves(system, steps)
 
-    def along(self, db: Array, dq: Array, dv: Array) -> Nodes:
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
         found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
         q, v = (np.ascontiguousarray(x) for x in self.assembly.along(db, dq=dq, dv=dv))
@@ -39,8 +39,7 @@ class RadauChain:
         kept = sweep.kept() if self.curves else None
         sweep.backward(bars, _given(given), kept)
         by_b = bars.b if kept is None else bars.b + self.curves.gradient(kept)
-        found = [self.assembly.gradient(bars.q[:, n], bars.v[:, n]) for n in range(k)]
-        b, q, v = (np.array([one[n] for one in found]).T for n in range(3))
+        b, q, v = through(self.assembly, bars.q, bars.v)
         return Gradients(by_b + b, q, v)
 
 

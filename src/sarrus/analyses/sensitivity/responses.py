@@ -53,6 +53,10 @@ class Response:
         """Their change with that of the output."""
         return np.zeros_like(g)
 
+    def by_times(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the times themselves, where events move them."""
+        return np.zeros_like(g)
+
     def evaluate(self, outputs: Outputs) -> Traced:
         """The output, recorded."""
         found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
@@ -99,6 +103,10 @@ class Integral(Response):
     def weights(self, g: Array, t: Array) -> Array:
         return trapezoidal(t)
 
+    def by_times(self, g: Array, t: Array) -> Array:
+        means = 0.5 * (g[1:] + g[:-1])
+        return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))
+
 
 @dataclass(frozen=True, eq=False)
 class Peak(Response):
@@ -117,6 +125,11 @@ class Peak(Response):
     def weights(self, g: Array, t: Array) -> Array:
         share: Array = trapezoidal(t) * np.exp(self.sharpness * (g - g.max()))
         return np.asarray(share / share.sum())
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        raise ValueError(
+            f"{self.title}: where a run has events, derivatives are those of Final, At, Integral and Misfit"
+        )
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         w = self.weights(g, t)
@@ -140,6 +153,11 @@ class _Extreme(Response):
     def weights(self, g: Array, t: Array) -> Array:
         near, basis, _, _ = _vertex(g, t, self.outermost(g))
         return _placed(basis, near, len(g))
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        raise ValueError(
+            f"{self.title}: where a run has events, derivatives are those of Final, At, Integral and Misfit"
+        )
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         near, _, slopes, bend = _vertex(g, t, self.outermost(g))

@@ -6,6 +6,8 @@ Between two nodes q is the polynomial of degree five that has q, v and a there, 
 from __future__ import annotations
 
 from functools import cached_property
+from math import perm
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +38,8 @@ class Sampling:
         For times outside the run.
     """
 
+    moves = False  # whether events move the times
+
     def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
         self._steps = steps
         self._times = times
@@ -52,38 +56,37 @@ class Sampling:
         return self._steps.t if self._times is None else np.asarray(self._times, dtype=float)
 
     @cached_property
+    def _places(self) -> Places:
+        """Where the times lie."""
+        t = self._steps.t
+        return _placed(t, np.searchsorted(t, self.t, side="right") - 1, self.t)
+
+    @cached_property
     def _weights(self) -> tuple[Array, Array]:
-        """First node of each time's step, and the weights (nt, 3, 2, 3): of q, v, a there in those of both nodes."""
-        t, count = self._steps.t, len(self._steps)
-        first = np.clip(np.searchsorted(t, self.t, side="right") - 1, 0, count - 1)
-        h = np.diff(t)[first]
-        s = (self.t - t[first]) / h
-        s = np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s))
-        powers = [np.array([_power(x, order) for x in s]) for order in range(3)]
-        found = np.stack([p @ HERMITE.T for p in powers], axis=1).reshape(-1, 3, 2, 3)
-        scale = h[:, None] ** np.arange(3)
-        return first, found * scale[:, None, None, :] / scale[:, :, None, None]
+        """First node of each time's step, and the weights (nt, 4, 2, 3): of q, v, a, ȧ there in those of both nodes."""
+        return self._places.first, interpolation(self._places.s, self._places.h)
 
     @cached_property
     def _parts(self) -> Array:
         """The share of the later node in λ (nt,)."""
-        first, h = self._weights[0], np.diff(self._steps.t)
-        s = (self.t - self._steps.t[first]) / h[first]
-        return np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s))
+        return self._places.s
+
+    def _array(self, name: str) -> Array:
+        """A field at all nodes."""
+        return np.asarray(getattr(self._steps, name))
 
     @cached_property
     def states(self) -> States:
         """The states there."""
-        steps = self._steps
         if self._times is None:
-            return States(steps.t, steps.q, steps.v, steps.a, steps.lam)
+            return States._make([self.t, *(self._array(name) for name in (*KINDS, "lam"))])
         first, weights = self._weights
         ends = np.stack(
-            [np.stack([getattr(steps, k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
+            [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
         )
-        found = np.einsum("tkel,teln->ktn", weights, ends)
+        found = np.einsum("tkel,teln->ktn", weights[:, :3], ends)
         part = self._parts[:, None]
-        lam = (1 - part) * steps.lam[first] + part * steps.lam[first + 1]
+        lam = (1 - part) * self._array("lam")[first] + part * self._array("lam")[first + 1]
         return States._make([self.t, *found, lam])
 
     def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
@@ -101,6 +104,14 @@ class Sampling:
             for place, own in enumerate(KINDS):
                 np.add.at(getattr(nodes, own)[:, n, column], first + end, weights[:, row, end, place] * bar)
 
+    def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by the times themselves, where they move."""
+        raise NotImplementedError
+
+    def gathered_time(self, nodes: Nodes, column: int) -> Array:
+        """The change of the times, where they move."""
+        raise NotImplementedError
+
     def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
         """The change of coordinate n of a kind at the times, of that of the nodes: the transpose of `spread`."""
         if self._times is None:
@@ -116,10 +127,29 @@ class Sampling:
         return total
 
 
+class Places(NamedTuple):
+    """Of some times the nodes before them, the lengths of their steps, and the parts of them that have passed (nt,)."""
+
+    first: Array
+    h: Array
+    s: Array
+
+
+def _placed(t: Array, before: Array, times: Array) -> Places:
+    first = np.clip(before, 0, len(t) - 2)
+    h = np.diff(t)[first]
+    s = (times - t[first]) / h
+    return Places(first, h, np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s)))
+
+
+def interpolation(s: Array, h: Array) -> Array:
+    """Weights (nt, 4, 2, 3) of q, v, a at both ends of a step in q, v, a and ȧ at parts s of steps of length h."""
+    powers = [np.array([_power(x, order) for x in s]).reshape(-1, 6) for order in range(4)]
+    found = np.stack([p @ HERMITE.T for p in powers], axis=1).reshape(-1, 4, 2, 3)
+    scale = h[:, None] ** np.arange(4)
+    return np.asarray(found * scale[:, None, None, :3] / scale[:, :, None, None])
+
+
 def _power(s: float, order: int) -> Array:
     """The derivative of s⁰ ... s⁵ of an order."""
-    if order == 0:
-        return np.array([s**k for k in range(6)])
-    if order == 1:
-        return np.array([k * s ** max(k - 1, 0) for k in range(6)])
-    return np.array([k * (k - 1) * s ** max(k - 2, 0) for k in range(6)])
+    return np.array([perm(k, order) * s ** max(k - order, 0) for k in range(6)])

@@ -1,0 +1,115 @@
+"""States of a run with events at given times, and at its nodes; events move the nodes that follow.
+
+The steps of a stretch have their lengths whatever happens: its nodes move in time with the event that it begins with,
+τ_p, and only the last state, at the event that ends it, moves within its step. A state at a fixed time is met sooner
+within a stretch that begins later.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Pieces, StepsTaken
+from .chain import Nodes
+from .sampling import Places, Sampling, _placed
+
+FIXED, NODE, END = 0, 1, 2  # what a time is
+
+
+class PieceSampling(Sampling):
+    """The states at some times of a run with events, at all its nodes and ends of stretches by default."""
+
+    moves = True
+
+    def __init__(self, steps: Pieces, times: Array | None = None) -> None:
+        self._all, last = steps, float(steps.ends[-1])
+        if times is not None and len(times) and (min(times) < 0 or max(times) > last * (1 + 1e-12)):
+            raise ValueError(f"responses need times between 0 and {last:g} s")
+        self._times, self._piece, self._sort = _nodes(steps) if times is None else _fixed(steps, times)
+
+    @property
+    def t(self) -> Array:
+        """The times (nt,). [s]"""
+        return np.asarray(self._times)
+
+    def _array(self, name: str) -> Array:
+        return self._all.nodes(name)
+
+    @cached_property
+    def _places(self) -> Places:
+        parts = []
+        for p, at in zip(self._piece, self.t, strict=True):
+            t = self._all.pieces[p].t
+            found = _placed(t, np.array([np.searchsorted(t, at, side="right") - 1]), np.array([at]))
+            parts.append((found.first[0] + self._all.first[p], found.h[0], found.s[0]))
+        first, h, s = (np.array(x) for x in zip(*parts, strict=True))
+        return Places(first, h, s)
+
+    @cached_property
+    def _local(self) -> Array:
+        """How the events (pieces + 1) move each time within its stretch (nt, pieces + 1)."""
+        found = np.zeros((len(self.t), len(self._all.pieces) + 1))
+        rows = np.arange(len(self.t))
+        moving = self._sort != NODE
+        found[rows[moving], self._piece[moving]] -= 1.0
+        ends = self._sort == END
+        found[rows[ends], self._piece[ends] + 1] += 1.0
+        return found
+
+    @cached_property
+    def _global(self) -> Array:
+        """How they move the time itself."""
+        found = self._local.copy()
+        moving = self._sort != FIXED
+        found[np.flatnonzero(moving), self._piece[moving]] += 1.0
+        found[self._sort == FIXED] = 0.0
+        return found
+
+    def _rate(self, kind: str, n: int) -> Array:
+        """The derivative of a coordinate within its step (nt,): that of the motion, without the waves of quintics."""
+        first, _, s = self._places
+        if kind in ("q", "v"):
+            now = self._array("v" if kind == "q" else "a")[:, n]
+            return np.asarray((1 - s) * now[first] + s * now[first + 1])
+        own = self._array(kind)[:, n]
+        return np.asarray((own[first + 1] - own[first]) / self._places.h)
+
+    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by coordinate n of a kind, to those by the nodes and by the times of the events."""
+        super().spread(kind, n, bar, nodes, column)
+        nodes.shift[:, column] += self._local.T @ (bar * self._rate(kind, n))
+
+    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
+        """The change of coordinate n of a kind: the transpose of `spread`."""
+        moved = self._rate(kind, n) * (self._local @ nodes.shift[:, column])
+        return np.asarray(super().gathered(kind, n, nodes, column) + moved)
+
+    def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by the times themselves."""
+        nodes.shift[:, column] += self._global.T @ bar
+
+    def gathered_time(self, nodes: Nodes, column: int) -> Array:
+        """The change of the times."""
+        return np.asarray(self._global @ nodes.shift[:, column])
+
+
+def _nodes(steps: Pieces) -> tuple[Array, Array, Array]:
+    """Times, stretches and kinds of all nodes, but for the last of each stretch its end."""
+    counts = [len(piece) for piece in steps.pieces]
+    sorts = [sort for count in counts for sort in (*[NODE] * count, END)]
+    return steps.t, np.repeat(np.arange(len(counts)), np.add(counts, 1)), np.array(sorts)
+
+
+def _fixed(steps: Pieces, times: Array) -> tuple[Array, Array, Array]:
+    """Fixed times; the end of the run is its last state, wherever an event puts it."""
+    t = np.asarray(times, dtype=float)
+    piece = np.searchsorted(steps.ends[:-1], t, side="right")
+    return t, piece, np.where(t >= steps.ends[-1], END, FIXED)
+
+
+def sampling_of(steps: StepsTaken | Pieces, times: Array | None = None) -> Sampling:
+    """The sampling of a run with or without events."""
+    return PieceSampling(steps, times) if isinstance(steps, Pieces) else Sampling(steps, times)

@@ -1,0 +1,172 @@
+"""Events in gradients: their times move, velocities jump; closed forms of a bouncing ball, of a pendulum at a stop."""
+
+import json
+
+import numpy as np
+import pytest
+from tests.sensitivity.frozen import values as valued
+from tests.sensitivity.test_references import FOLDER
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.model.written import with_numbers
+
+BOUNCE = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.8), name="bounce")
+BALL = {"h": "ball.position.z", "e": "bounce.restitution", "g": "gravity.z", "v0": "ball.velocity.z"}
+SIGN = {"g": -1.0}
+STOP = sr.Event("bob.x", direction=-1, reset=sr.Impact(0.7), name="stop")
+PENDULUM = {"L": 1.0, "g": 9.81, "theta0": np.pi / 2}
+SWUNG = {  # closed forms with elliptic functions: time, angle, its derivatives by L, g, theta0 and restitution
+    0.4: (0.801630126979649, (0.7388213375438, -0.075313082318, 0.9020698506506, 0.0)),
+    1.0: (0.965556580771015, (-0.537768657230, 0.0548184156198, 0.3548244896225, 1.4293938777142)),
+    2.0: (0.601583588497937, (-1.125292416448, 0.1147087070794, 0.0564825749292, 1.4629092524048)),
+    3.0: (0.390325404081827, (-1.368671618103, 0.1395180038841, -0.036178561477, 1.2768917002986)),
+}
+
+
+def ball() -> sr.System:
+    body = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(0, 0, 1), velocity=(0, 0, 0.5))
+    return sr.System(sr.Model("ball", bodies=[body], gravity=(0, 0, -9.81)))
+
+
+def hung(d):
+    """A point mass on a massless rod, its angle counted from the downward vertical."""
+    theta, half = d["theta0"], 0.5 * d["theta0"]
+    return {
+        "bob.position": [d["L"] * np.sin(theta), -d["L"] * np.cos(theta), 0.0],
+        "bob.orientation": [np.cos(half), 0.0, 0.0, np.sin(half)],
+        "gravity.y": -d["g"],
+    }
+
+
+def pendulum() -> sr.System:
+    told = hung(PENDULUM)
+    where = {"position": told["bob.position"], "orientation": told["bob.orientation"]}
+    bob = sr.Body("bob", mass=1, inertia=(1e-9, 1e-9, 1e-9), **where)
+    pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, 0, 1))
+    return sr.System(sr.Model("pendulum", bodies=[bob], joints=[pin], gravity=(0, told["gravity.y"], 0)))
+
+
+def angle(o):
+    return np.arctan2(o("bob.x"), -1 * o("bob.y"))
+
+
+def bounced(until: float, **settings: object) -> sr.Trajectory:
+    return sr.simulate(ball(), until=until, events=BOUNCE, keep_steps=True, **settings)
+
+
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+@pytest.mark.parametrize("case", range(4))
+def test_the_bouncing_ball(case: int, method: str) -> None:
+    """In free flight the steps are exact, so that the gradient is that of the closed form to round-off."""
+    told = json.loads((FOLDER / "S10_bouncing_ball.json").read_text())["cases"][case]
+    run = bounced(float(told["T"]))
+    assert len(run.events) == told["n_impacts"]
+    names = [name for name in BALL if told["n_impacts"] or name != "e"]
+    found = sr.sensitivity(run, sr.Final("ball.z"), [BALL[name] for name in names], method=method)
+    assert found.values[0] == pytest.approx(float(told["y_T"]), abs=1e-13)
+    wanted = [SIGN.get(name, 1.0) * float(told["grad"][name]) for name in names]
+    assert found.matrix[0] == pytest.approx(wanted, abs=1e-12)
+
+
+def test_responses_over_the_whole_motion() -> None:
+    """Integrals take the jumps in, misfits and values at single times the moved motion: differences of whole runs."""
+    responses = [
+        sr.Integral(lambda o: o("ball.velocity.z") ** 2 + o.t * o("ball.z"), name="integral"),
+        sr.At("ball.velocity.z", time=0.8),
+        sr.Misfit("ball.z", at=(0.2, 0.6, 1.1), data=(0.9, 0.1, 0.4), sigma=0.1),
+        sr.Final("energy.kinetic"),
+    ]
+
+    def values(h: float) -> np.ndarray:
+        system = sr.System(with_numbers(ball().model, {"ball.position.z": h}))
+        run = sr.simulate(system, until=1.3, events=BOUNCE, keep_steps=True, method=sr.HHT(step=1e-3))
+        return valued(run.system, run.steps, responses)
+
+    run = bounced(1.3, method=sr.HHT(step=1e-3))
+    found = sr.sensitivity(run, responses, ["ball.position.z"])
+    direct = sr.sensitivity(run, responses, ["ball.position.z"], method="direct")
+    assert direct.matrix == pytest.approx(found.matrix, rel=1e-11)
+    slopes = [(values(1 + e) - values(1 - e)) / (2 * e) for e in (2e-4, 1e-4)]
+    assert found.matrix[:, 0] == pytest.approx((4 * slopes[1] - slopes[0]) / 3, rel=2e-5)
+
+
+@pytest.mark.parametrize("until", SWUNG)
+def test_the_pendulum_at_a_stop(until: float) -> None:
+    """The error falls with the tolerance, whatever the number of impacts."""
+    value, wanted = SWUNG[until]
+    names = [*PENDULUM, *(["stop.restitution"] if until > 0.5 else [])]
+    errors = []
+    for rtol in (1e-4, 1e-6, 1e-8):
+        run = sr.simulate(pendulum(), until=until, events=STOP, keep_steps=True, rtol=rtol, atol=rtol)
+        found = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung)
+        direct = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung, method="direct")
+        assert direct.matrix == pytest.approx(found.matrix, rel=1e-9)
+        errors.append(abs(found.matrix[0] - wanted[: len(names)]).max())
+    assert found.values[0] == pytest.approx(value, abs=1e-4)
+    assert errors[0] > 4 * errors[1] > 16 * errors[2], errors
+    assert errors[2] < 3e-4, errors
+
+
+def test_the_time_of_an_event_that_ends_the_run() -> None:
+    """A quarter of the period of a pendulum, 4 sqrt(L/g) K(sin²(θ₀/2)), from 90 degrees."""
+    down = sr.Event("bob.x", direction=-1, terminal=True)
+    run = sr.simulate(pendulum(), until=2.0, events=down, keep_steps=True, rtol=1e-8, atol=1e-10)
+    assert run.status == "event"
+    quarter = sr.Final("t", name="quarter")
+    found = sr.sensitivity(run, quarter, [*PENDULUM], design=PENDULUM, formula=hung)
+    direct = sr.sensitivity(run, quarter, [*PENDULUM], design=PENDULUM, formula=hung, method="direct")
+    assert direct.matrix == pytest.approx(found.matrix, rel=1e-11)
+    assert 4 * found.values == pytest.approx([2.3678419475762374], rel=1e-5)
+    wanted = [1.18392097378811, -0.1206851145553, 0.54098864119931]
+    assert 4 * found.matrix[0] == pytest.approx(wanted, rel=2e-5)
+
+
+NUMBERS = ["rod.mass", "spring.k", "pin.point.y", "ball.point.z", "crank.angular_velocity.x", "gravity.z"]
+HIT = sr.Event("pin.angle + slider.x - 4.4", direction=1, reset=sr.Impact(0.5, along="pin.angle"), name="hit")
+
+
+@pytest.mark.parametrize("name", [*NUMBERS, "hit.restitution"])
+def test_an_impact_in_a_spatial_mechanism(name: str) -> None:
+    """An event of an angle and a position, and an impulse about a joint: forward, backward, and differenced runs."""
+    responses = [sr.Final("slider.x"), sr.Integral("energy.kinetic"), sr.Final("pin.angle.rate")]
+    equal = {"until": 0.4, "keep_steps": True, "method": sr.HHT(step=1e-3)}
+    run = sr.simulate(slider_crank(), events=HIT, **equal)
+    assert len(run.events) == 1
+    found, direct = (sr.sensitivity(run, responses, [name], method=way) for way in ("adjoint", "direct"))
+    assert direct.matrix == pytest.approx(found.matrix, rel=1e-10)
+
+    def values(change: float) -> np.ndarray:
+        event, model, at = HIT, slider_crank().model, found.at[0] + change
+        if name in NUMBERS:
+            model = with_numbers(model, {name: at})
+        else:
+            event = sr.Event(HIT.function, direction=1, reset=sr.Impact(at, along="pin.angle"), name="hit")
+        again = sr.simulate(sr.System(model), events=event, **equal)
+        return valued(again.system, again.steps, responses)
+
+    slope = (values(1e-3) - values(-1e-3)) / 2e-3
+    assert found.matrix[:, 0] == pytest.approx(slope, rel=1e-3, abs=1e-4 * abs(slope).max())
+
+
+@pytest.mark.parametrize(
+    ("event", "settings", "told"),
+    [
+        (sr.Event(lambda t, q, v: q[2]), {}, "a Python function has no derivatives"),
+        (sr.Event("ball.z", reset=lambda t, q, v: -v), {}, "its reset an Impact"),
+        (BOUNCE, {"method": sr.Radau()}, "HHT"),
+    ],
+)
+def test_what_cannot_be_kept(event: sr.Event, settings: dict[str, object], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        sr.simulate(ball(), until=1.0, events=event, keep_steps=True, **settings)
+
+
+def test_what_has_no_derivatives_after_events() -> None:
+    run = bounced(1.0)
+    with pytest.raises(ValueError, match="those of Final, At, Integral and Misfit"):
+        sr.sensitivity(run, sr.Maximum("ball.z"), ["gravity.z"])
+    with pytest.raises(ValueError, match="without events"):
+        sr.hessian(run, sr.Final("ball.z"), ["gravity.z"])
+    with pytest.raises(ValueError, match="without events"):
+        sr.state_derivatives(run, ["gravity.z"])

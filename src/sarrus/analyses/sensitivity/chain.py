@@ -82,7 +82,7 @@ class Chain:
         """The derivatives by the numbers of curves."""
         return Curves(self.system, self.steps)
 
-    def along(self, db: Array, dq: Array, dv: Array, dc: Array) -> Nodes:
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
 
         dc are those of the numbers of the joints' coordinates, which matter to events only.

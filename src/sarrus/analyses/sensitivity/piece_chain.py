@@ -25,6 +25,11 @@ class PieceChain:
         ends = steps.first + [len(piece) for piece in pieces]
         self._parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
 
+    @property
+    def _joints(self) -> int:
+        """How many numbers the joints' coordinates have, with the restitutions."""
+        return len(self.system.joint_coordinates.b) + len(self.steps.restitutions)
+
     @cached_property
     def _turns(self) -> list[Array]:
         """The matrices of all events."""
@@ -32,9 +37,10 @@ class PieceChain:
         names = list(self.steps.restitutions)
         return [TurnDerivatives(self.system, chain.steps, turn, names).matrix for chain, turn in pairs]
 
-    def along(self, db: Array, dq: Array, dv: Array, dc: Array) -> Nodes:
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""
         found, nq = Nodes.zeros(self.steps, db.shape[1]), self.system.nq
+        held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
         q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv)
         for p, (chain, part) in enumerate(zip(self._chains, self._parts, strict=True)):
             own = chain.along_from(q, v, db)
@@ -42,7 +48,7 @@ class PieceChain:
                 getattr(found, name)[part] = getattr(own, name)
             if p < len(self._turns):
                 ends = np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
-                moved = self._turns[p] @ np.concatenate([ends, db, dc])
+                moved = self._turns[p] @ np.concatenate([ends, db, held])
                 q, v = moved[:nq], moved[nq:-1]
                 found.shift[p + 1] = found.shift[p] + moved[-1]
         return found
@@ -51,8 +57,7 @@ class PieceChain:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
         nq, k, size = self.system.nq, given.q.shape[2], len(self.system.b)
         q, v = np.zeros((nq, k)), np.zeros((nq, k))
-        joints = len(self.system.joint_coordinates.b) + len(self.steps.restitutions)
-        b, c = np.zeros((size, k)), np.zeros((joints, k))
+        b, c = np.zeros((size, k)), np.zeros((self._joints, k))
         shift = given.shift.copy()
         for p in range(len(self._chains) - 1, -1, -1):
             own = given.part(self._parts[p])

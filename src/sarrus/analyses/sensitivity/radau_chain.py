@@ -22,7 +22,7 @@ class RadauChain:
         self.assembly = AssemblyDerivatives(system, steps.start)
         self.curves = RadauCurves(system, steps)
 
-    def along(self, db: Array, dq: Array, dv: Array, dc: Array) -> Nodes:
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
         found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
         q, v = (np.ascontiguousarray(x) for x in self.assembly.along(db, dq=dq, dv=dv))

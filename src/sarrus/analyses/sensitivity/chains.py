@@ -36,8 +36,10 @@ def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Paramet
         raise ValueError(
             "second derivatives by numbers of tables and functions are not there; leave them out of wrt"
         )
+    if isinstance(steps, Pieces):
+        raise ValueError("second derivatives need a run without events; leave the events out")
     if not isinstance(steps, Steps):
         raise ValueError(
-            "second derivatives need a run without events by HHT() or GeneralizedAlpha(); others have first ones only"
+            "second derivatives need a run with HHT() or GeneralizedAlpha(); Radau() has first ones only"
         )
     return Chain(system, steps)

@@ -30,6 +30,7 @@ from .stepper import Settings, Stepper, Tally, Trouble
 
 ROOM = 120  # states that are kept in mind, each THIN times as far from the last one as the next
 THIN = 1.1
+NUMBERS = 1_000_000  # of those states together, as far as more than a few do not fit
 CLOSE, AWAY = (
     0.3,
     1e-4,
@@ -162,7 +163,8 @@ class Crossing:
             if t[-1] - t[row] >= THIN * distance:
                 rows.append(row)
                 distance = t[-1] - t[row]
-        chosen = rows[ROOM::-1]
+        room = min(ROOM, max(2 * POINTS, NUMBERS // (2 * self._system.nq)))
+        chosen = rows[room::-1]
         q, v = (
             np.concatenate(x)[chosen]
             for x in ((self._past.q, nodes.q[fresh]), (self._past.v, nodes.v[fresh]))

@@ -11,4 +11,10 @@ from ..once import once
 def entry_of(system: System, *names: str) -> Entry:
     """The entry of operators that are computed together, or of "remembered" or "potentials"."""
     told = {"remembered": system.remembered, "potentials": system.potentials}
-    return told[names[0]].entry() if names[0] in told else system.group(*names).entry()
+    if names[0] in told:
+        return told[names[0]].entry()
+    group = system.group(*names)
+    found = group.entry()
+    return (
+        found._replace(tables=group.index) if len(found.addresses) == 1 else found
+    )  # one table is not copied

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from .analyses import area_gradient as area_gradient
     from .analyses import assemble as assemble
     from .analyses import dexterity as dexterity
+    from .analyses import distance_gradient as distance_gradient
     from .analyses import end_gradient as end_gradient
     from .analyses import equilibrium as equilibrium
     from .analyses import fit as fit
@@ -174,7 +175,7 @@ _HOMES = {
     "analyses": (
         "AssemblyDerivatives At Combined Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace "
         "Maximum Minimum Misfit NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap "
-        "area_gradient assemble dexterity end_gradient equilibrium fit hessian hessian_product "
+        "area_gradient assemble dexterity distance_gradient end_gradient equilibrium fit hessian hessian_product "
         "input_singularities inverse_dynamics "
         "kinematics linearize mobility modes optimize repeat resume sensitivity simulate singularities "
         "state_derivatives verify_workspace workspace workspace_range workspace_volume"

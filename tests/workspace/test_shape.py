@@ -68,6 +68,27 @@ def test_reach_of_an_arm() -> None:
     assert [by[name] for name in names] == pytest.approx(expected, abs=1e-9)
 
 
+def test_distance_from_the_boundary() -> None:
+    """Of places before and behind the arm's outer circle, which has the radius L1 + L2 + L3, and beside a corner."""
+    found = area_of(*arm_3r())
+    names = ["q2[point].s_i.x", "q3[point].s_i.x"]
+    for place, room in (((6.5, 1.0), 7 - np.sqrt(43.25)), ((8.0, 2.0), 7 - np.sqrt(68))):
+        by = sr.distance_gradient(found, place, names)
+        assert by.value == pytest.approx(room, abs=1e-10)
+        assert [by[name] for name in names] == pytest.approx([1.0, 1.0], abs=1e-9)
+    limit = sr.distance_gradient(found, (2.3, 5.7), ["q1.angle highest"])
+    off = np.array([2.3, 5.7]) - (
+        2,
+        2 * np.sqrt(3),
+    )  # about the elbow, a circle of 3 m that turns with the shoulder
+    room = 3 - np.linalg.norm(off)
+    assert limit.value == pytest.approx(room, abs=1e-10)
+    elbow_moves = np.array([-2 * np.sqrt(3), 2])
+    assert limit["q1.angle highest"] == pytest.approx(elbow_moves @ off / np.linalg.norm(off), abs=1e-9)
+    with pytest.raises(sr.SarrusError, match="is a corner"):
+        sr.distance_gradient(found, (-3.0, 0.0), names)
+
+
 def test_misuse() -> None:
     system, tip = arm([1, 0.7])
     found = area_of(system, tip["x", "y"], {})

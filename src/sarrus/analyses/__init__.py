@@ -37,6 +37,7 @@ from .workspace import (
     workspace_volume,
 )
 from .workspace import area_gradient as area_gradient
+from .workspace import distance_gradient as distance_gradient
 from .workspace import end_gradient as end_gradient
 
 __all__ = [
@@ -66,6 +67,7 @@ __all__ = [
     "area_gradient",
     "assemble",
     "dexterity",
+    "distance_gradient",
     "end_gradient",
     "equilibrium",
     "fit",

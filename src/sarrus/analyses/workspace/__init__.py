@@ -4,7 +4,7 @@ from .analysis import workspace
 from .control import Dexterity, dexterity, input_singularities
 from .extremes import workspace_range
 from .mapping import WorkspaceMap
-from .shape import area_gradient, end_gradient
+from .shape import area_gradient, distance_gradient, end_gradient
 from .verify import verify_workspace
 from .volume import workspace_volume
 
@@ -13,6 +13,7 @@ __all__ = [
     "WorkspaceMap",
     "area_gradient",
     "dexterity",
+    "distance_gradient",
     "end_gradient",
     "input_singularities",
     "verify_workspace",

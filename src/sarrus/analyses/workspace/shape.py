@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...elements.operators import Axis
@@ -23,11 +24,13 @@ from ...results.workspace_range import WorkspaceRange
 from ..sensitivity.chain import Gradients
 from ..sensitivity.parameters import Parameters, UnknownParameter
 from .explore import Branch
+from .newton import NoPoint, Row, Tally, correct
 from .problem import Problem
 from .region import Region
 from .step import Step, gauss
-from .stratum import Stratum
+from .stratum import Linear, Stratum
 
+FOOT = 1e-4  # free of units: so near to the interpolated boundary its foot is found
 NODES = 6  # of Gauss's rule in a step
 SAME = 1e-9
 
@@ -89,6 +92,77 @@ def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> Sha
     rates = numbers.derivatives(numbers.row(Stratum(problem, start.key), start.x) / start.x[-1]) * unit
     told = float(values[int(np.argmin(abs(values - value)))])
     return ShapeDerivative(found.output, told, dict(zip(names, rates, strict=True)))
+
+
+def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) -> ShapeDerivative:
+    """The exact derivative of the distance of a place from the boundary of a workspace: how much room is left.
+
+    The foot of the perpendicular is found by Newton's method; where it lies moves to first order only along the
+    boundary, so that the boundary's speed there is the derivative.
+
+    Parameters
+    ----------
+    found : Workspace
+        Both outputs are lengths, or both are angles.
+    point : (2,) inside, where the distance counts positive, or outside, where it counts negative
+    wrt : see `area_gradient`
+
+    Raises
+    ------
+    SarrusError
+        If there is no such number, the outputs have different units, or the nearest place is a corner.
+    """
+    map_, names = found.map, list(wrt)
+    problem, region = map_.problem, map_.region()
+    units = problem.units[problem.outputs]
+    if found.units[0] != found.units[1]:
+        raise SarrusError(
+            f"{found.name}: {found.units[0]} and {found.units[1]} make no distance; choose other outputs"
+        )
+    p, numbers = np.asarray(point, dtype=float) / units, _Numbers(problem, names)
+    branch, side, x = _foot(region, p, map_.explorer.tally)
+    c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
+    room = -side * float((u - p) @ c) / float(np.linalg.norm(c))
+    speed = -side * numbers.row(branch.stratum, x) / float(np.linalg.norm(c))
+    rates = numbers.derivatives(speed) * float(units[0])
+    return ShapeDerivative("distance", room * float(units[0]), dict(zip(names, rates, strict=True)))
+
+
+def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
+    """The branch of the boundary that is nearest to a place, its open side, and the unknowns at the foot."""
+    edges = np.flatnonzero(region.bounds).tolist()
+    near = [(*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges]
+    _, at, k = min(near)
+    piece = region.division.pieces[k]
+    n, _, low, high = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
+    branch, place = region.branches[n], low + at / piece.arc.end * (high - low)
+    first = min(int(place), len(branch.points) - 2)
+    guess = Step(branch.points[first], branch.points[first + 1]).x(place - first)
+    away, x = np.inf, guess
+    try:
+        x, linear = correct(branch.stratum, guess, _perpendicular(region.problem, p), tally)
+        u = linear.values[region.problem.m + region.problem.outputs]
+        away = float(np.linalg.norm(u - piece.arc.point(at)))
+    except NoPoint:
+        pass
+    if away > FOOT:
+        raise SarrusError(
+            "the nearest place of the boundary is a corner; no perpendicular leads there, take another"
+        )
+    return branch, region.crossings[n].side or 1, x
+
+
+def _perpendicular(problem: Problem, p: Array) -> Row:
+    """The way from a place to the outputs is along the normal c."""
+
+    def row(x: Array, linear: Linear) -> tuple[float, Array]:
+        outputs, c = problem.m + problem.outputs, x[-2:]
+        d, gradient = linear.values[outputs] - p, np.zeros(len(x))
+        gradient[: problem.n] = c[1] * linear.J[outputs[0]] - c[0] * linear.J[outputs[1]]
+        gradient[-2:] = -d[1], d[0]
+        return float(d[0] * c[1] - d[1] * c[0]), gradient
+
+    return row
 
 
 def _along(region: Region, owner: tuple[int, int, float, float], numbers: _Numbers) -> Array:

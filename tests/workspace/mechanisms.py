@@ -167,14 +167,6 @@ def elbow_arm() -> Case:
     return system, tip, {name: (low * DEGREE, high * DEGREE) for name, (low, high) in limits.items()}
 
 
-def puma() -> Case:
-    """The wrist's centre of a PUMA 560, its first three hinges without limits: a shell around the shoulder."""
-    a2, a3, d4, d = 0.4318, 0.0203, 0.4331, 0.1497
-    return spatial_arm(
-        [(0, 0, 0), (0, d, 0), (a2, d, 0)], [(0, 0, 1), (0, -1, 0), (0, -1, 0)], (a2 + a3, d, d4)
-    )
-
-
 def translated(
     legs: dict[tuple[tuple[float, ...], tuple[float, ...]], tuple[float, float]],
 ) -> Case:

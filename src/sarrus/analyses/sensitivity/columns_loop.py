@@ -67,8 +67,16 @@ def eliminate_transposed(matrix: Any, x: Any) -> None:
 def factor_kept(values: Any, matrix: Any, data: Any) -> Any:
     """Assemble and factor a matrix, and keep its numbers in `data`; returns how far its pivots can be trusted."""
     ASSEMBLE(matrix.parts, matrix.places, matrix.weights, values, matrix.factors)
-    data[:] = matrix.factors
+    for k in range(len(data)):
+        data[k] = matrix.factors[k]
     return REFACTOR(matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors, matrix.work)
+
+
+def copy(x: Any, out: Any) -> None:
+    """Out = x."""
+    for k in range(x.shape[0]):
+        for c in range(x.shape[1]):
+            out[k, c] = x[k, c]
 
 
 def solve(matrix: Any, data: Any, right: Any, solution: Any, room: Any) -> None:
@@ -77,9 +85,9 @@ def solve(matrix: Any, data: Any, right: Any, solution: Any, room: Any) -> None:
     for k in range(len(right)):
         for c in range(right.shape[1]):
             b[matrix.row_place[k], c] = right[k, c]
-    x[:] = b
+    copy(b, x)
     eliminate(matrix, x)
-    rest[:] = b
+    copy(b, rest)
     for j in range(len(right)):
         for entry in range(matrix.pointers[j], matrix.pointers[j + 1]):
             for c in range(right.shape[1]):
@@ -96,9 +104,9 @@ def solve_transposed(matrix: Any, data: Any, right: Any, solution: Any, room: An
     for k in range(len(right)):
         for c in range(right.shape[1]):
             b[k, c] = right[matrix.column_order[k], c]
-    x[:] = b
+    copy(b, x)
     eliminate_transposed(matrix, x)
-    rest[:] = b
+    copy(b, rest)
     for j in range(len(right)):
         for entry in range(matrix.pointers[j], matrix.pointers[j + 1]):
             for c in range(right.shape[1]):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import RadauSteps
@@ -50,11 +50,12 @@ OPERATOR = {
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
 COLUMNS = ("factor_kept", "add", "add_transposed", "by_numbers", "by_numbers_transposed", "eliminate",
-           "eliminate_transposed", "solve", "solve_transposed")  # fmt: skip
+           "eliminate_transposed", "copy", "solve", "solve_transposed")  # fmt: skip
 FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "subtract", "move", "stage_by_b",
              "forward_step", "backward_step", "factor_node", "quiet",
              "node_by_b", "forward_node", "backward_node", "forward",
              "backward")  # fmt: skip
+ENTRIES = ("forward", "backward")  # what Python calls
 NOTHING_BESIDE = loop.Beside(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)))
 
 
@@ -65,7 +66,8 @@ def _compiled() -> dict[str, Any]:
     known |= compiled_solver()
     for source, names in ((columns_loop, COLUMNS), (loop, FUNCTIONS)):
         for name in names:
-            known[name] = compiled_function(getattr(source, name), **known)
+            compile_one = compiled_function if name in ENTRIES else compiled_part
+            known[name] = compile_one(getattr(source, name), **known)
     return known
 
 

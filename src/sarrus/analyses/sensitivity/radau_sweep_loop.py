@@ -36,6 +36,7 @@ Q_B: Any = None
 GAMMA_B: Any = None
 factor_kept: Any = None
 leave_out: Any = None
+copy: Any = None
 solve: Any = None
 solve_transposed: Any = None
 add: Any = None
@@ -371,7 +372,7 @@ def backward_step(
         add_transposed(M, places, share, w[at + nq :], bars.v)
         stage_by_b(scheme, entries, b, record, n, i, tables, w, bars.b, True)
     if len(beside.step) > 0:
-        beside.step[n] = w
+        copy(w, beside.step[n])
     return True
 
 
@@ -442,8 +443,10 @@ def forward_node(
         subtract(beside.node[n], right)
     quiet(right, nq, tables.node_left_out)
     solve(tables.node, tables.node_data, right, tables.node_solution, tables.node_arranged)
-    given.q[n], given.v[n] = bars.q, bars.v
-    given.a[n], given.lam[n] = tables.node_solution[:nq], tables.node_solution[nq:]
+    copy(bars.q, given.q[n])
+    copy(bars.v, given.v[n])
+    copy(tables.node_solution[:nq], given.a[n])
+    copy(tables.node_solution[nq:], given.lam[n])
     return True
 
 
@@ -452,7 +455,8 @@ def backward_node(
 ) -> Any:
     """Add what responses take from node n, by a and λ too; false if pivots must be renewed."""
     nq, right, y = len(bars.q), tables.node_right, tables.node_solution
-    right[:nq], right[nq:] = given.a[n], given.lam[n]
+    copy(given.a[n], right)
+    copy(given.lam[n], right[nq:])
     taken = False
     for k in range(len(right)):
         for c in range(right.shape[1]):
@@ -474,7 +478,7 @@ def backward_node(
         add_transposed(at.gamma_v, p.gamma_v, 1.0, z, bars.v)
         node_by_b(tables.numbers, nq, y, bars.b, True)
         if len(beside.node) > 0:
-            beside.node[n] = y
+            copy(y, beside.node[n])
     for k in range(nq):
         for c in range(right.shape[1]):
             bars.q[k, c] += given.q[n, k, c]

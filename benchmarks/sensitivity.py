@@ -2,8 +2,9 @@
 
     python benchmarks/sensitivity.py [--json] [--quick] [--casadi PYTHON]
 
-On the vehicle, which starts with a rigid velocity on a flat road: ratios to the time of the same run without
-derivatives. On the planar slider-crank of SUNDIALS: gradient of the integral of the kinetic energy by 8 numbers, beside
+On the vehicle, which starts with a rigid velocity on a flat road, or drives over a bump, and on the spatial
+slider-crank: ratios to the time of the same run without derivatives. A run of 100,000 steps by checkpoints and with all
+steps kept. On the planar slider-crank of SUNDIALS: gradient of the integral of the kinetic energy by 8 numbers, beside
 CasADi with IDAS (its index-1 form, adjoint), by a Python that has it.
 """
 
@@ -34,14 +35,19 @@ FEW, MANY = 10, 100  # columns of forward sweeps
 
 
 def best(function: Callable[[], Any], repeats: int) -> float:
-    """The shortest of some times [s], after a first call."""
-    function()
-    times = []
-    for _ in range(repeats):
-        began = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - began)
-    return min(times)
+    """The shortest of some processor times [s], after a first call."""
+    return shortest({"": function}, repeats)[""]
+
+
+def shortest(functions: dict[str, Callable[[], Any]], repeats: int) -> dict[str, float]:
+    """The shortest of some processor times of each [s], taken in turn, after a first call."""
+    found = dict.fromkeys(functions, np.inf)
+    for turn in range(repeats + 1):
+        for name, function in functions.items():
+            began = time.process_time()
+            function()
+            found[name] = min(found[name], time.process_time() - began) if turn else np.inf
+    return found
 
 
 def rolling(system: sr.System) -> sr.Assembly:
@@ -51,42 +57,103 @@ def rolling(system: sr.System) -> sr.Assembly:
     return sr.assemble(system, system.q0, v.reshape(-1))
 
 
-def vehicle(until: float, repeats: int) -> dict[str, float]:
-    """Ratios on the vehicle."""
-    system = sr.System(sr.load(mechanisms.path("hmmwv")))
-    start = rolling(system)
+def subjects(quick: bool) -> dict[str, tuple[sr.System, sr.Assembly, dict[str, Any], sr.Response]]:
+    """System, start, settings of the run, and a response, of every subject."""
+    sys.path.insert(0, str(FOLDER.parent / "examples"))
+    from hmmwv_bump import SPEED, bump, moved, vehicle
+
+    comfort = sr.Integral(lambda o: o("chassis.acceleration.z") ** 2)
+    flat = sr.System(sr.load(mechanisms.path("hmmwv")))
+    road = sr.System(vehicle({"left": bump}))
+    crank = sr.System(sr.load(mechanisms.path("slider_crank")))
+    fine = {"rtol": 1e-6, "atol": 1e-7}
+    over = fine | {"until": 0.4 if quick else 4.0, "max_step": 0.02}
+    turn = fine | {"until": 1.0 if quick else 10.0}
+    return {
+        "hmmwv": (flat, rolling(flat), {"until": 0.3 if quick else 5.0, **TOLERANCES}, comfort),
+        "hmmwv_bump": (road, moved(road, speed=SPEED), over, comfort),
+        "slider_crank": (crank, sr.assemble(crank), turn, sr.Integral("energy.kinetic")),
+    }
+
+
+def ratios(
+    system: sr.System, start: sr.Assembly, settings: dict[str, Any], response: sr.Response, repeats: int
+) -> dict[str, float]:
+    """Times of derivatives as multiples of that of the run without any."""
 
     def simulated(keep_steps: bool) -> sr.Trajectory:
-        return sr.simulate(system, start, until=until, t_eval=[until], keep_steps=keep_steps, **TOLERANCES)
+        return sr.simulate(system, start, t_eval=[settings["until"]], keep_steps=keep_steps, **settings)
 
-    forward, kept = best(lambda: simulated(False), repeats), best(lambda: simulated(True), repeats)
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)
-    comfort = as_responses(sr.Integral(lambda o: o("chassis.acceleration.z") ** 2))
-    chain, evaluation = Chain(system, steps), Evaluation(system, steps, comfort, parameters)
-    nodes, explicit = evaluation.gradients()
-    sweep = best(lambda: parameters.gradient(chain.gradients(nodes), explicit.c), repeats)
-    curvature = Curvature(chain, evaluation, parameters)
-    curvature.times(np.ones(len(parameters.names)))
-    product = best(lambda: curvature.times(np.ones(len(parameters.names))), repeats)
-    found = {
+    count, wanted = len(parameters.names), as_responses(response)
+    chain, evaluation = Chain(system, steps), Evaluation(system, steps, wanted, parameters)
+    curvature, direction = Curvature(chain, evaluation, parameters), np.ones(count)
+    curvature.times(direction)
+    functions: dict[str, Callable[[], Any]] = {
+        "forward": lambda: simulated(False),
+        "forward_kept": lambda: simulated(True),
+        "adjoint": lambda: _gradient(chain, evaluation, parameters),
+        "hessian_product": lambda: curvature.times(direction),
+    }
+    for columns in (1, FEW, min(MANY, count)):
+        b, q, v, _ = parameters.along(np.eye(count)[:, :columns])
+        functions[f"direct_{columns}"] = lambda b=b, q=q, v=v: chain.along(b, q, v)
+    found = shortest(functions, repeats)
+    told = {f"{name}_ratio": value / found["forward"] for name, value in found.items() if name != "forward"}
+    slope = (told[f"direct_{min(MANY, count)}_ratio"] - told[f"direct_{FEW}_ratio"]) / (
+        min(MANY, count) - FEW
+    )
+    return {
         "steps": float(len(steps)),
-        "parameters": float(len(parameters.names)),
-        "forward_s": forward,
-        "forward_kept_ratio": kept / forward,
+        "parameters": float(count),
+        "forward_s": found["forward"],
+        **told,
+        "direct_ratio_per_parameter": slope,
+        "finite_differences_ratio": 2.0 * count,
         "construction_recorded_s": best(lambda: Parameters(system, start=steps.start), 1),
-        "adjoint_ratio": sweep / forward,
-        "hessian_product_ratio": product / forward,
-        "finite_differences_ratio": 2.0 * len(parameters.names),
         "kilobytes_a_step": steps.nbytes / len(steps) / 1000,
     }
-    for count in (1, FEW, MANY):
-        b, q, v, _ = parameters.along(np.eye(len(parameters.names))[:, :count])
-        found[f"direct_ratio_{count}"] = best(lambda b=b, q=q, v=v: chain.along(b, q, v), repeats) / forward
-    found["direct_ratio_per_parameter"] = (found[f"direct_ratio_{MANY}"] - found[f"direct_ratio_{FEW}"]) / (
-        MANY - FEW
+
+
+def _gradient(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Any:
+    """One sweep backwards, and the way through start, assembly and the model's construction."""
+    nodes, explicit = evaluation.gradients()
+    return parameters.gradient(chain.gradients(nodes), explicit.c)
+
+
+def long_run(by_checkpoints: bool, quick: bool) -> dict[str, float]:
+    """Time and memory of a gradient over 100,000 steps of the slider-crank, by a process of its own."""
+    call = [sys.executable, __file__, "--long", "checkpoints" if by_checkpoints else "steps"]
+    done = subprocess.run(
+        [*call, *(["--quick"] if quick else [])], capture_output=True, text=True, check=True
     )
-    return found
+    return dict(json.loads(done.stdout))
+
+
+def measured_long_run(by_checkpoints: bool, steps: int) -> dict[str, float]:
+    """The same in this process."""
+    system = sr.System(sr.load(mechanisms.path("slider_crank")))
+    settings: dict[str, Any] = {"rtol": 1e-6, "atol": 1e-7, "max_step": 1e-3}
+    energy = sr.Integral("energy.kinetic")
+
+    def gradient(until: float) -> Any:
+        if by_checkpoints:
+            return sr.sensitivity_by_checkpoints(system, energy, until=until, **settings)
+        run = sr.simulate(system, until=until, t_eval=[until], keep_steps=True, **settings)
+        return sr.sensitivity(run, energy)
+
+    gradient(0.1)
+    before, began = _peak(), time.process_time()
+    gradient(1e-3 * steps)
+    return {"s": time.process_time() - began, "peak_MB": _peak(), "peak_before_MB": before}
+
+
+def _peak() -> float:
+    """The most memory that this process has had. [MB]"""
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def published(repeats: int) -> dict[str, float]:
@@ -120,9 +187,21 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--quick", action="store_true", help="a short run, once")
     parser.add_argument("--casadi", metavar="PYTHON", help="a Python that has CasADi")
+    parser.add_argument("--long", choices=("checkpoints", "steps"), help="only the long run, in this process")
     chosen = parser.parse_args()
+    if chosen.long:
+        print(json.dumps(measured_long_run(chosen.long == "checkpoints", 2000 if chosen.quick else 100_000)))
+        return
     repeats = 1 if chosen.quick else 5
-    found = {f"hmmwv.{k}": v for k, v in vehicle(0.3 if chosen.quick else 5.0, repeats).items()}
+    found = {
+        f"{name}.{key}": value
+        for name, subject in subjects(chosen.quick).items()
+        for key, value in ratios(*subject, repeats).items()
+    }
+    for way in ("checkpoints", "steps"):
+        told = long_run(way == "checkpoints", chosen.quick)
+        found |= {f"long_run.{way}_{key}": value for key, value in told.items()}
+    found["long_run.checkpoints_time_ratio"] = found["long_run.checkpoints_s"] / found["long_run.steps_s"]
     found |= {f"sundials_crank.{k}": v for k, v in published(repeats).items()}
     if chosen.casadi:
         found |= {f"sundials_crank.casadi_{k}": v for k, v in with_casadi(chosen.casadi).items()}

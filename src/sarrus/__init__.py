@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from .analyses import state_derivatives as state_derivatives
     from .analyses import verify_workspace as verify_workspace
     from .analyses.sensitivity import sensitivity as sensitivity
+    from .analyses.sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .analyses.workspace import workspace as workspace
     from .analyses.workspace import workspace_range as workspace_range
     from .analyses.workspace import workspace_volume as workspace_volume
@@ -177,7 +178,8 @@ _HOMES = {
         "Maximum Minimum Misfit NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap "
         "area_gradient assemble dexterity distance_gradient end_gradient equilibrium fit hessian hessian_product "
         "input_singularities inverse_dynamics "
-        "kinematics linearize mobility modes optimize repeat resume sensitivity simulate singularities "
+        "kinematics linearize mobility modes optimize repeat resume sensitivity sensitivity_by_checkpoints "
+        "simulate singularities "
         "state_derivatives verify_workspace workspace workspace_range workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",

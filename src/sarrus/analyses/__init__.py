@@ -21,6 +21,7 @@ from .sensitivity import (
     hessian,
     hessian_product,
     sensitivity,
+    sensitivity_by_checkpoints,
     state_derivatives,
 )
 from .singular_positions import singularities
@@ -83,6 +84,7 @@ __all__ = [
     "repeat",
     "resume",
     "sensitivity",
+    "sensitivity_by_checkpoints",
     "simulate",
     "singularities",
     "state_derivatives",

@@ -331,6 +331,11 @@ class AlphaStepper(Implicit):
             self.matrix.resume(**found)
             self._show_matrix()
 
+    def forget(self) -> None:
+        """Of what was kept for derivatives nothing but the present state stays."""
+        state = self._state
+        self.keeping.forget(t=self.t, q=state.q0, v=state.v0, a=state.a0, x=state.x0, lam=state.lam0)
+
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
         told = self.settings.tolerances.greatest()

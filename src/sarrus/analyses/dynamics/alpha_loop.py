@@ -37,9 +37,12 @@ NEWTON_SHARE = (
 RENEW, RENEWALS = 0.5, 3  # contraction at which the matrix is renewed within a step, and how often at most
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
-EXACT = 1e-6  # of the tolerance: change of an iterate at which a step that is kept has converged
+EXACT, NOISE = (
+    5e-8,
+    1e-6,
+)  # of the tolerance: what may be left in a step that is kept; where changes may be round-off
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
-POLISHES = 4  # most iterations for that
+POLISHES, CHEAPER = 8, 3  # most iterations for that; how many cost less than new factors
 KEEP = 1.3  # the step is not enlarged by less than this
 
 
@@ -258,18 +261,27 @@ def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, b
 
 
 def polish(
-    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
+    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
+    rate: Any,
 ) -> Any:  # fmt: skip
-    """Newton's method with the exact matrix to the end, for steps whose derivatives are wanted; false if it fails."""
+    """Newton's method to the end, for steps whose derivatives are wanted; false if pivots must be renewed.
+
+    With the factors at hand, as long as they contract so much that a few corrections are enough.
+    """
     beta, gamma = weights_of(scheme, h)
-    if not renew(entries, b, t, state, matrix, control, beta, gamma):
-        return False
-    before = 1e30
+    left, before, renewed = NEWTON_SHARE, 0.0, False
     for _ in range(POLISHES):
         residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
+        if not renewed and left > NOISE and left * rate**CHEAPER > EXACT:
+            if not renew(entries, b, t, state, matrix, control, beta, gamma):
+                return False
+            rate, before, renewed = 0.0, 0.0, True
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
-        if change <= EXACT or change > 0.3 * before:
+        if before > 0.0:
+            rate = max(0.5 * rate, change / before)
+        left = change * rate if before > 0.0 or not renewed else change
+        if left <= EXACT or (before > 0.0 and rate > SLOW and (renewed or change <= NOISE)):
             break
         before = change
     return True
@@ -441,7 +453,7 @@ def advance(
             numbers[8] = ERROR
             numbers[1] = h * max(SHRINK, wanted)
             continue
-        if exact and not polish(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol):
+        if exact and not polish(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate):
             return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         numbers[0] = until if ended else t0 + h
@@ -458,6 +470,6 @@ def advance(
             numbers[1] = h * max(wanted, SHRINK)
         elif wanted > KEEP:
             numbers[1] = max(numbers[1], h * min(wanted, GROW))
-        if rate > SLOW and not exact:
+        if rate > SLOW:
             numbers[2], numbers[5] = 0.0, 0.0
     return (FINISHED if numbers[0] >= until else RUNNING), taken

@@ -27,6 +27,24 @@ def breakpoints(system: System) -> tuple[Array, Array]:
     return np.unique(np.array(every)), np.unique(np.array(ends))
 
 
+ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
+
+
+def stops_of(system: System, given: Array, until: float) -> tuple[Array, Array]:
+    """The times to hit, and those of them after which a method starts anew."""
+    if given.ndim != 1 or not np.all(np.isfinite(given)):
+        raise ValueError("breakpoints must be a list of times in s")
+    every, ends = breakpoints(system)
+    stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
+    return _apart(stops, until), _apart(kinks, until)
+
+
+def _apart(times: Array, until: float) -> Array:
+    """The times inside of the run, without those that differ from the one before by round-off alone."""
+    inside = times[(times > ROUND * until) & (times < until * (1 - ROUND))]
+    return inside[np.diff(inside, prepend=-until) > ROUND * until]
+
+
 def _curves_of_time(populations: Iterable[Population]) -> Iterator[Curve]:
     for p in populations:
         if p.count:

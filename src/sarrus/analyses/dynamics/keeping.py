@@ -47,6 +47,11 @@ class Keeping:
         self._first = {name: np.array(value, dtype=float) for name, value in first.items()}
         self._first_out, self._out = left_out > 0, left_out
 
+    def forget(self, **first: Any) -> None:
+        """Nothing is kept of the past; the next step is the first one."""
+        self._chunks, self._left_out, self._memory = [], [], []
+        self.begin(self._out, **first)
+
     def given(self) -> Array:
         """The lengths that are still to be taken."""
         return self._given[self.count :]

@@ -8,13 +8,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...algebra import Array
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
-from .breakpoints import breakpoints as of_model
+from .breakpoints import stops_of
 from .events import Event
 from .ida import IDA
 from .march import Plan
@@ -26,8 +25,6 @@ from .report import reporter
 from .room import refuse_too_large
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
-
-ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
 
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
@@ -97,7 +94,7 @@ def simulate(
         Tolerances.of(system, rtol, atol), max_step, _first(first_step), keep_steps,
         times=times, dense=dense_output or bool(watched),
     )  # fmt: skip
-    stops, kinks = _stops(system, np.asarray(breakpoints, dtype=float), until)
+    stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
         kept_events.refuse(system, chosen, watched)
     begin = start if start is not None else assemble(system)
@@ -111,21 +108,6 @@ def simulate(
             return recipe.march(system, None if save is None else recipe.store(save, system), told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
-
-
-def _stops(system: System, given: Array, until: float) -> tuple[Array, Array]:
-    """The times to hit, and those of them after which a method starts anew."""
-    if given.ndim != 1 or not np.all(np.isfinite(given)):
-        raise ValueError("breakpoints must be a list of times in s")
-    every, ends = of_model(system)
-    stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
-    return _apart(stops, until), _apart(kinks, until)
-
-
-def _apart(times: Array, until: float) -> Array:
-    """The times inside of the run, without those that differ from the one before by round-off alone."""
-    inside = times[(times > ROUND * until) & (times < until * (1 - ROUND))]
-    return inside[np.diff(inside, prepend=-until) > ROUND * until]
 
 
 def _first(step: float | None) -> float:

@@ -1,5 +1,6 @@
 """Sensitivity: exact derivatives of what a simulation gives, forward and backward."""
 
+from .checkpoints import sensitivity_by_checkpoints
 from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
 from .outputs import Outputs
 from .responses import At, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
@@ -17,5 +18,6 @@ __all__ = [
     "hessian",
     "hessian_product",
     "sensitivity",
+    "sensitivity_by_checkpoints",
     "state_derivatives",
 ]

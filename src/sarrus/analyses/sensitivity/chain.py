@@ -14,7 +14,7 @@ from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
 from .start import Start
 from .sweep import Sweep
-from .sweep_loop import Given
+from .sweep_loop import Bars, Given
 
 FIELDS = ("q", "v", "a", "lam", "shift")
 
@@ -113,9 +113,13 @@ class Chain:
         sweep = Sweep(self.system, self.steps, given.q.shape[2])
         bars, kept = sweep.bars(), sweep.kept() if self.curves else None
         sweep.backward(bars, given.after_start(), 0, len(self.steps), kept)
+        by_q, by_v, by_b = self.through_start(given, bars)
+        return by_q, by_v, by_b if kept is None else by_b + self.curves.gradient(kept)
+
+    def through_start(self, given: Nodes, bars: Bars) -> tuple[Array, Array, Array]:
+        """The same, where those by the start of the first step are known."""
         by_q, by_v, by_b = self.start.transposed(bars.a + bars.x + given.a[0], given.lam[0])
-        by_b += bars.b if kept is None else bars.b + self.curves.gradient(kept)
-        return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b
+        return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b + bars.b
 
 
 def through(assembly: AssemblyDerivatives, by_q: Array, by_v: Array) -> list[Array]:

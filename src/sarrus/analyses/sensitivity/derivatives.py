@@ -151,14 +151,14 @@ def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) ->
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c + by.c)
-    return np.asarray(through.T + _named(explicit, parameters))
+    return np.asarray(through.T + own_parts(explicit, parameters))
 
 
 def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     b, q, v, c = parameters.along(np.eye(len(parameters.names)))
     total = inner(nodes, chain.along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
-    return np.asarray(total + _named(explicit, parameters))
+    return np.asarray(total + own_parts(explicit, parameters))
 
 
 def inner(bars: Nodes, dots: Nodes) -> Array:
@@ -168,7 +168,7 @@ def inner(bars: Nodes, dots: Nodes) -> Array:
     return np.asarray(states + bars.shift.T @ dots.shift)
 
 
-def _named(explicit: Explicit, parameters: Parameters) -> Array:
+def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
     """What responses depend on by themselves (r, p)."""
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
 

@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
 from .chain import Nodes
-from .outputs import Outputs
+from .outputs import Outputs, States
 from .parameters import Parameters
 from .pieces import sampling_of
 from .responses import Response
@@ -35,6 +35,7 @@ class Evaluation:
     system, steps : the run
     responses : evaluated in this order
     parameters : whose numbers responses may use
+    nodes : states so near to each other that turns can be counted; by default all
     """
 
     def __init__(
@@ -43,11 +44,12 @@ class Evaluation:
         steps: StepsTaken | Pieces,
         responses: Sequence[Response],
         parameters: Parameters,
+        nodes: States | None = None,
     ) -> None:
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
         self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]
-        nodes = sampling_of(steps).states
+        nodes = sampling_of(steps).states if nodes is None else nodes
         self._outputs = [
             Outputs(system, sampling.states, steps.b, parameters.number, nodes)
             for sampling in self._samplings

@@ -14,10 +14,10 @@ import numpy as np
 from ...algebra import Array
 from .chain import FIELDS, Chain, Nodes
 from .evaluation import Evaluation
-from .lagrangian import Change, Lagrangian
+from .lagrangian import Change, Lagrangian, compiled
 from .parameters import Parameters
 from .sweep import Sweep
-from .sweep_loop import Kept, Sources
+from .sweep_loop import Given, Kept, Sources
 
 
 class Moved(NamedTuple):
@@ -142,40 +142,25 @@ class Curvature:
             Sources._make(np.zeros((len(steps), width)) for width in widths),
             np.zeros(len(steps.b)),
         )
-        for n in range(len(steps)):
-            by_b += self._of_step(n, moved, first, sources)
-            if steps.removed[n] != 0.0:
-                by_b += self._of_rescale(n, moved, first, sources)
+        dots = Given._make(np.ascontiguousarray(getattr(moved.nodes, k)[:, :, 0]) for k in Given._fields)
+        solved = (np.ascontiguousarray(x[:, :, 0]) for x in first.kept[:2])
+        adjoint = Kept._make([*solved, first.kept.s])
+        changed = np.ascontiguousarray(moved.kept.rescale[:, :, 0])
+        entry, *rest = self._operands("step", moved, dots)
+        compiled()["of_steps"](steps.scheme, entry, *rest, adjoint, *self._results("step", sources, by_b))
+        head = self._operands("rate", moved, dots)
+        compiled()["of_rescales"](*head, adjoint, changed, *self._results("rate", sources, by_b))
         return sources, by_b
 
-    def _of_step(self, n: int, moved: Moved, first: Adjoined, sources: Sources) -> Array:
-        steps, nq, scheme = self._steps, self._system.nq, self._steps.scheme
-        kappa = (1 - scheme.alpha_f) / (1 - scheme.alpha_m)
-        h = float(steps.h[n])
-        beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-        solved, dots = first.kept.step[n, :, 0], moved.nodes
-        change = self._lagrangians["step"](
-            float(steps.t[n + 1]), self._numbers(n), moved.b[:, 0], steps.lam[n + 1], solved[nq:] / beta,
-            dots.lam[n + 1, :, 0], q=steps.q[n + 1], v=steps.v[n + 1], a=steps.a[n + 1],
-            q_dot=dots.q[n + 1, :, 0], v_dot=dots.v[n + 1, :, 0], a_dot=dots.a[n + 1, :, 0], xi=solved[:nq],
-        )  # fmt: skip
-        sources.step[n, :nq] = change.a + gamma * change.v + beta * change.q
-        sources.step[n, nq:] = self._solved_rows(n, change.lam)
-        sources.step_q[n], sources.step_v[n] = change.q, change.v
-        return change.b
+    def _operands(self, kind: str, moved: Moved, dots: Given) -> tuple[Any, ...]:
+        """What both compiled loops take first."""
+        own, steps = self._lagrangians[kind], self._steps
+        numbers, places = own.numbers(steps.b, moved.b[:, 0]), own.places(steps.places)
+        return own.entry, numbers, places, self._sweep.record, dots
 
-    def _of_rescale(self, n: int, moved: Moved, first: Adjoined, sources: Sources) -> Array:
-        steps, nq, dots = self._steps, self._system.nq, moved.nodes
-        solved, s, s_dot = first.kept.rescale[n, :, 0], first.kept.s[n], moved.kept.rescale[n, :, 0]
-        change = self._lagrangians["rate"](
-            float(steps.t[n]), self._numbers(n), moved.b[:, 0], s[nq:], solved[nq:], s_dot[nq:],
-            q=steps.q[n], a=s[:nq], eta=steps.v[n] - s[:nq],
-            q_dot=dots.q[n, :, 0], a_dot=s_dot[:nq], eta_dot=dots.v[n, :, 0] - s_dot[:nq], xi=solved[:nq],
-        )  # fmt: skip
-        sources.rescale[n, :nq] = change.a - change.eta
-        sources.rescale[n, nq:] = self._solved_rows(n, change.lam)
-        sources.rescale_q[n], sources.rescale_v[n] = change.q, change.eta
-        return change.b
+    def _results(self, kind: str, sources: Sources, by_b: Array) -> tuple[Any, ...]:
+        """What both compiled loops write into."""
+        return self._lagrangians[kind].room(), sources, by_b
 
     def _changes(self, moved: Moved, first: Adjoined) -> dict[str, Change]:
         """The changes of the equations of the start and of the assembly."""
@@ -202,7 +187,3 @@ class Curvature:
         b = self._steps.b.copy()
         b[self._steps.places] = self._steps.memory[n]
         return b
-
-    def _solved_rows(self, n: int, rows: Array) -> Array:
-        out = self._steps.left_out
-        return np.where(out[n + 1], 0.0, rows) if len(out) else rows

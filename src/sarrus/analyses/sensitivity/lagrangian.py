@@ -12,13 +12,15 @@ every kind of element, by one sweep backwards and one forwards over its formulas
 
 from __future__ import annotations
 
-from functools import cache
+from dataclasses import replace
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit import pointer
 from ..._jit.differentiate import directional
-from ..._jit.driver import COMPILING, Signature, driver
+from ..._jit.driver import COMPILING, Signature, compiled_function, driver
 from ..._jit.emit import HEADER, Output, Recording
 from ..._jit.expression import Graph
 from ...algebra import Array
@@ -29,12 +31,16 @@ from ...elements.recorder import GROUND, Variant
 from ...model.coordinates import WIDTH
 from ...system import System
 from ...system.population import Population
+from . import hessian_loop
+from .hessian_loop import Places, Room
 from .reverse import gradient
 
 STATES = ("q", "v", "a", "eta")  # operands of bodies that directions are given for
 DOTS = tuple(f"{name}_dot" for name in STATES)
 OPERANDS = (*STATES, *DOTS, "xi", "lam")
 RESULTS = (*STATES, "lam", "b")
+OUTPUTS = tuple(f"out_{result}" for result in RESULTS)
+SIGNATURE = Signature("lagrangian", ("t",), OPERANDS, OUTPUTS, (False,) * len(RESULTS))
 SHARES = 3  # of an element's rows in the operand lam: λ, ν, and the change of λ
 
 
@@ -139,15 +145,34 @@ class Lagrangian:
         self._drivers = [_driver(p.variant, kind) for p in self._populations]
         self._lam = np.zeros(SHARES * system.m)
 
+    @cached_property
+    def entry(self) -> pointer.Entry:
+        """The drivers, to be called by their addresses: `compiled`."""
+        return pointer.entry(self._drivers, self._tables, SIGNATURE)
+
+    def places(self, memory: Array) -> Places:
+        """Where numbers of b in some places, and λ, ν and the change of λ, stand among the operands."""
+        return Places(self._b_places[memory], np.stack(self._row_places))
+
+    def numbers(self, b: Array, b_dot: Array) -> Array:
+        """The elements' numbers and their changes, as the drivers take them."""
+        count, numbers = self._system.nb, self._numbers
+        numbers[self._b_places], numbers[self._dot_places] = b[:count], b_dot[:count]
+        numbers[self._curves] += self._shift  # curves lie behind the numbers and their changes
+        numbers[2 * count :] = b[count:]
+        return numbers
+
+    def room(self) -> Room:
+        """Operands and results of one call, all zero."""
+        nq, m = self._system.nq, self._system.m
+        shapes = {"lam": SHARES * m, "by_lam": m}
+        return Room._make(np.zeros(shapes.get(name, nq)) for name in Room._fields)
+
     def __call__(
         self, t: float, b: Array, b_dot: Array, lam: Array, nu: Array, lam_dot: Array, **x: Array
     ) -> Change:
         """Evaluate; operands that are not given are zero."""
-        system, count = self._system, self._system.nb
-        numbers = self._numbers
-        numbers[self._b_places], numbers[self._dot_places] = b[:count], b_dot[:count]
-        numbers[self._curves] += self._shift  # curves lie behind the numbers and their changes
-        numbers[2 * count :] = b[count:]
+        system, numbers = self._system, self.numbers(b, b_dot)
         for places, values in zip(self._row_places, (lam, nu, lam_dot), strict=True):
             self._lam[places] = values
         none = np.zeros(system.nq)
@@ -219,7 +244,14 @@ def _driver(variant: Variant, kind: str) -> Any:
     """Compiled under the hash of what it computes."""
     recording = record(variant, kind)
     name = f"lagrangian_{variant.name}_{kind}_{recording.fingerprint()}"
-    outputs = tuple(f"out_{result}" for result in RESULTS)
-    signature = Signature(name, ("t",), OPERANDS, outputs, (False,) * len(RESULTS))
     with COMPILING:
-        return driver(signature, [lambda: recording], clear=False)
+        return driver(replace(SIGNATURE, name=name), [lambda: recording], clear=False)
+
+
+@cache
+def compiled() -> dict[str, Any]:
+    """The loops over all steps."""
+    known: dict[str, Any] = {"RUN": pointer.run(1, len(OPERANDS) + len(RESULTS))}
+    for name in ("begin", "solved_rows", "of_steps", "of_rescales"):
+        known[name] = compiled_function(getattr(hessian_loop, name), **known)
+    return known

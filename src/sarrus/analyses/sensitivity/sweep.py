@@ -13,9 +13,11 @@ from ...algebra import Array
 from ...results import Steps
 from ...system import System
 from ..dynamics import alpha_loop
-from ..dynamics.newton_matrix import NUMBERS, newton_matrix, weigh
-from ..dynamics.placed import compiled_solver, entries_of
+from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
+from ..dynamics.placed import Numbers, compiled_solver, entries_of
+from ..linear import SingularMatrix
 from . import sweep_loop as loop
+from .step_matrix import StepMatrix, solvers, unsigned
 
 GROUPS: dict[
     str, tuple[tuple[str, ...], int, int]
@@ -34,9 +36,13 @@ GROUPS: dict[
     "Q_b": (("Q_b",), 1, 3),
 }
 BY_NUMBERS = list(GROUPS)[5:]
-FUNCTIONS = ("times", "times_transposed", "by_numbers", "solve_columns", "solve_columns_transposed", "add_gradients",
-             "remember", "linearize", "defect_change", "forward_step", "backward_step", "forward_rescale",
-             "backward_rescale", "forward", "backward")  # fmt: skip
+FUNCTIONS = ("times", "by_numbers", "by_numbers_transposed", "add_gradients", "remember", "linearize", "defect_change",
+             "forward_step", "backward_step", "forward_rescale", "backward_rescale", "forward", "backward")  # fmt: skip
+TRUSTED = (
+    1e-8,
+    1e-3,
+)  # last relative change of a solution up to which pivots are kept: those by pairs, by size
+NOWHERE = -1, 0, 0  # where pivots were chosen last
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
 NOTHING_MOVED = loop.Sources._make(np.zeros((0, 0, 0)) for _ in loop.Sources._fields)
 NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
@@ -46,7 +52,7 @@ NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
     known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
-    known |= compiled_solver() | {"weigh": compiled_function(weigh)}
+    known |= {"leave_out": compiled_solver()["leave_out"], "weigh": compiled_function(weigh), **solvers()}
     for name in ("evaluate", "factor", "weights_of"):
         known[name] = compiled_function(getattr(alpha_loop, name), **known)
     for name in FUNCTIONS:
@@ -68,13 +74,18 @@ class Sweep:
     def __init__(self, system: System, steps: Steps, columns: int, b_dot: Array | None = None) -> None:
         self.system, self.steps, self.columns = system, steps, columns
         self.b = steps.b.copy()
-        self._matrix = newton_matrix(system)
+        self._matrix = StepMatrix(Numbers(system, NUMBERS), system.nq + system.m, alpha_parts(system.nq))
         self._numbers = self._matrix.numbers
         self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
-        self._record = _record(steps)
+        self.record = _record(steps)
         self._blocks, self._views = self._make_blocks(b_dot)
         self._work = self._make_work()
+        self._shown: Any = None
+
+    def over(self, steps: Steps) -> None:
+        """Go on with other steps of the same run, those before."""
+        self.steps, self.record = steps, _record(steps)
 
     def _make_blocks(self, b_dot: Array | None) -> tuple[loop.Blocks, loop.Views]:
         rows, columns, segments = _flat([entries_of(self.system, name) for name in NUMBERS])
@@ -83,18 +94,28 @@ class Sweep:
         used = np.ones(len(self.system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
         chosen = np.flatnonzero(used[b_columns])
         turned = entries_of(self.system, "gamma_v")
-        blocks = loop.Blocks(
-            self._numbers.values, rows, columns, segments, values, b_rows, b_columns,
-            np.searchsorted(chosen, cuts), chosen, np.zeros(len(turned[0])), *turned,
-        )  # fmt: skip
-        own = [self._numbers.views[name] for name in NUMBERS]
-        return blocks, loop.Views._make([*own, *(values[start:end] for start, end in cuts)])
+        by_b = (b_rows[chosen], b_columns[chosen], np.searchsorted(chosen, cuts), chosen)
+        more = (*turned, np.array([0, len(turned[0])]))
+        own = unsigned((rows, columns, segments))
+        fields = [
+            self._numbers.values,
+            *own,
+            values,
+            *unsigned(by_b),
+            np.zeros(len(turned[0])),
+            *unsigned(more),
+        ]
+        blocks = loop.Blocks._make(fields)
+        return blocks, loop.Views._make(
+            [*self._numbers.of(NUMBERS), *(values[start:end] for start, end in cuts)]
+        )
 
     def _make_work(self) -> loop.Work:
         nq, m, k = self.system.nq, self.system.m, self.columns
-        wide = [np.zeros((nq + m, k)) for _ in range(3)] + [np.zeros((nq, k)) for _ in range(3)]
+        wide = [np.zeros((nq + m, k)), np.zeros((nq + m, k)), np.zeros((3, nq + m, k))]
+        wide += [np.zeros((nq, k)) for _ in range(3)]
         vectors = [np.zeros(length) for length in (nq, m, m, m)]
-        return loop.Work._make([*wide, *vectors, np.zeros((3, nq + m, 1))])
+        return loop.Work._make([*wide, *vectors, np.zeros((5, nq + m, 1)), np.zeros(1)])
 
     def bars(self, b: Array | None = None) -> loop.Bars:
         """Room for derivatives of a state and of the numbers, all zero (or by the numbers, as given)."""
@@ -123,12 +144,15 @@ class Sweep:
         sources: loop.Sources | None = None,
     ) -> None:
         """From the ends of the steps first:last, whose gradients are given, to the start of the first, in place."""
-        n, stage = last - 1, loop.GRADIENTS
+        n, stage, tried = last - 1, loop.GRADIENTS, NOWHERE
+        if n >= first and self._shown is None:
+            tried = self._choose_pivots(n, stage, tried)
         while n >= first:
-            self._choose_pivots(n, stage)
             n, stage = self._run(
                 "backward", n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
             )
+            if n >= first:
+                tried = self._choose_pivots(n, stage, tried)
 
     def forward(
         self,
@@ -143,34 +167,45 @@ class Sweep:
 
         `sources` are changes of the residuals (n, nq + m, k) besides those by the numbers of elements.
         """
-        n, stage = first, loop.RESCALE
+        n, stage, tried = first, loop.RESCALE, NOWHERE
+        if n < last and self._shown is None:
+            tried = self._choose_pivots(n, stage, tried)
         while n < last:
-            self._choose_pivots(n, stage)
             n, stage = self._run(
                 "forward", n, last, stage, bars, given, kept or NOTHING_KEPT, sources or NOTHING_MOVED
             )
+            if n < last:
+                tried = self._choose_pivots(n, stage, tried)
 
     def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         found = _compiled()[name](
-            self.steps.scheme, self._entries, self.b, self._record, n, to, stage, self._shown, self._blocks,
+            self.steps.scheme, self._entries, self.b, self.record, n, to, stage, self._shown, self._blocks,
             self._views, self._work, *arrays,
         )  # fmt: skip
         return int(found[0]), int(found[1])
 
-    def _choose_pivots(self, n: int, stage: int) -> None:
-        """A pivot order for the matrix that is factored next."""
+    def _choose_pivots(self, n: int, stage: int, tried: tuple[int, int, int]) -> tuple[int, int, int]:
+        """A pivot order for the matrix that is factored next; where it was chosen, and how often before."""
+        times = tried[2] + 1 if tried[:2] == (n, stage) else 0
+        if times > 1:
+            raise SingularMatrix(f"the equations of the step to t = {self.steps.t[n + 1]:.6g} s are singular")
+        self._evaluate(n, stage)
+        self._shown = alpha_loop.matrix_of(self._matrix)._replace(placed=self._matrix.in_panels())
+        self._work.trusted[0] = TRUSTED[times]
+        return n, stage, times
+
+    def _evaluate(self, n: int, stage: int) -> None:
+        """The numbers of the matrix that is factored next."""
         steps, views = self.steps, self._views
         if stage == loop.RESCALE and steps.removed[n] == 0.0:
             stage = loop.STEP
         at = n if stage == loop.RESCALE else n + 1
-        loop.remember(self._record, n, views, self.b)
+        loop.remember(self.record, n, views, self.b)
         operands = {"t": float(steps.t[at])} | {k: getattr(steps, k)[at] for k in ("q", "v", "a", "lam")}
         for kind in ("jacobian", "inertia", "stiffness"):
             self._numbers.evaluate(GROUPS[kind][0], self.b, operands)
         h = 0.0 if stage == loop.RESCALE else float(steps.h[n])
         weigh(self._matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
-        self._matrix.choose_pivots()
-        self._shown = alpha_loop.matrix_of(self._matrix)
 
 
 def _flat(parts: list[tuple[Array, Array]]) -> tuple[Array, Array, Array]:

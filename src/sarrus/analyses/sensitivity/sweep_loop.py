@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from .panel_loop import solve_columns, solve_columns_transposed
+
 VELOCITY: Any = None  # drivers and solvers, put in place when this is compiled
 JACOBIAN: Any = None
 INERTIA: Any = None
@@ -27,7 +29,6 @@ Q_B: Any = None
 weights_of: Any = None  # of `dynamics.alpha_loop`
 factor: Any = None
 leave_out: Any = None  # of `dynamics.placed`
-TRUSTED = 1e-6  # pivot over column, below which the order of the pivots is chosen anew
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 
 
@@ -50,8 +51,8 @@ class Blocks(NamedTuple):
     """Which entry of an operator each number is, and which numbers are an operator's (from, to).
 
     values, rows, columns, segments : the operators of the Newton matrix
-    b_values, b_rows, b_columns : the operators by b; b_segments : their parts of `chosen`, the entries that are not
-        multiplied by zero
+    b_values : the operators by b; chosen : those that are not multiplied by zero, and their b_rows, b_columns;
+        b_segments : each operator's parts of these
     """
 
     values: Any
@@ -66,6 +67,7 @@ class Blocks(NamedTuple):
     gamma_v: Any
     gamma_v_rows: Any
     gamma_v_columns: Any
+    gamma_v_segment: Any
 
 
 class Views(NamedTuple):
@@ -107,11 +109,15 @@ class Entries(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Vectors with columns: of the unknowns (nq + m), of coordinates, and of the numbers."""
+    """Vectors with columns: of the unknowns (nq + m), and of coordinates; without columns, and with a single one.
+
+    room : of three vectors with columns, for `solve_columns`
+    trusted : the last relative change of a solution, up to which the order of the pivots is kept
+    """
 
     right: Any
     solution: Any
-    arranged: Any
+    room: Any
     q: Any
     v: Any
     x: Any
@@ -120,6 +126,7 @@ class Work(NamedTuple):
     defect: Any
     Phi_t: Any
     single: Any
+    trusted: Any
 
 
 class Bars(NamedTuple):
@@ -168,93 +175,49 @@ class Given(NamedTuple):
     lam: Any
 
 
-def times(values: Any, rows: Any, columns: Any, first: Any, last: Any, weight: Any, x: Any, out: Any) -> None:
-    """Out += weight A x for the entries of A in first:last."""
+def times(values: Any, rows: Any, columns: Any, segment: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight A x for the entries of A in a segment, from, to."""
     width = x.shape[1]
-    for k in range(first, last):
+    for k in range(segment[0], segment[1]):
         value, row, column = weight * values[k], rows[k], columns[k]
-        for c in range(width):
-            out[row, c] += value * x[column, c]
+        if width == 1:
+            out[row, 0] += value * x[column, 0]
+        else:
+            for c in range(width):
+                out[row, c] += value * x[column, c]
 
 
-def times_transposed(
-    values: Any, rows: Any, columns: Any, first: Any, last: Any, weight: Any, x: Any, out: Any
-) -> None:
-    """Out += weight Aᵀ x for the entries of A in first:last."""
-    width = x.shape[1]
-    for k in range(first, last):
-        value, row, column = weight * values[k], rows[k], columns[k]
-        for c in range(width):
-            out[column, c] += value * x[row, c]
-
-
-def by_numbers(blocks: Any, n: Any, weight: Any, x: Any, at: Any, out: Any, to: Any, transposed: Any) -> None:
-    """out[to:] += weight A x[at:], or out[to:] += weight Aᵀ x[at:], for an operator A by b."""
+def by_numbers(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight A x, for an operator A by b."""
     width = x.shape[1]
     for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
         k = blocks.chosen[place]
-        value, row, column = weight * blocks.b_values[k], blocks.b_rows[k], blocks.b_columns[k]
-        if transposed:
-            for c in range(width):
-                out[to + column, c] += value * x[at + row, c]
+        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
+        if width == 1:
+            out[row, 0] += value * x[column, 0]
         else:
             for c in range(width):
-                out[to + row, c] += value * x[at + column, c]
+                out[row, c] += value * x[column, c]
 
 
-def solve_columns(matrix: Any, right: Any, solution: Any, x: Any) -> None:
-    """Solution = matrix⁻¹ right, all columns at once."""
-    n, width = right.shape
-    for k in range(n):
-        for c in range(width):
-            x[matrix.row_place[k], c] = right[k, c]
-    for j in range(n):
-        for entry in range(matrix.diagonal[j] + 1, matrix.pointers[j + 1]):
-            value, row = matrix.factors[entry], matrix.rows[entry]
+def by_numbers_transposed(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight Aᵀ x, for an operator A by b."""
+    width = x.shape[1]
+    for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
+        k = blocks.chosen[place]
+        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
+        if width == 1:
+            out[column, 0] += value * x[row, 0]
+        else:
             for c in range(width):
-                x[row, c] -= value * x[j, c]
-    for j in range(n - 1, -1, -1):
-        pivot = 1.0 / matrix.factors[matrix.diagonal[j]]
-        for c in range(width):
-            x[j, c] *= pivot
-        for entry in range(matrix.pointers[j], matrix.diagonal[j]):
-            value, row = matrix.factors[entry], matrix.rows[entry]
-            for c in range(width):
-                x[row, c] -= value * x[j, c]
-    for k in range(n):
-        for c in range(width):
-            solution[matrix.column_order[k], c] = x[k, c]
-
-
-def solve_columns_transposed(matrix: Any, right: Any, solution: Any, x: Any) -> None:
-    """Solution = matrix⁻ᵀ right, all columns at once."""
-    n, width = right.shape
-    for k in range(n):
-        for c in range(width):
-            x[k, c] = right[matrix.column_order[k], c]
-    for j in range(n):
-        for entry in range(matrix.pointers[j], matrix.diagonal[j]):
-            value, row = matrix.factors[entry], matrix.rows[entry]
-            for c in range(width):
-                x[j, c] -= value * x[row, c]
-        pivot = 1.0 / matrix.factors[matrix.diagonal[j]]
-        for c in range(width):
-            x[j, c] *= pivot
-    for j in range(n - 1, -1, -1):
-        for entry in range(matrix.diagonal[j] + 1, matrix.pointers[j + 1]):
-            value, row = matrix.factors[entry], matrix.rows[entry]
-            for c in range(width):
-                x[j, c] -= value * x[row, c]
-    for k in range(n):
-        for c in range(width):
-            solution[k, c] = x[matrix.row_place[k], c]
+                out[column, c] += value * x[row, c]
 
 
 def linearize(scheme: Any, entries: Any, b: Any, record: Any, n: Any, matrix: Any, views: Any) -> Any:
     """Factor the Newton matrix at the end of step n, and evaluate the operators by b; false for new pivots."""
     t, q, v, a, lam = record.t[n + 1], record.q[n + 1], record.v[n + 1], record.a[n + 1], record.lam[n + 1]
     beta, gamma = weights_of(scheme, record.h[n])
-    if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
+    if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma):
         return False
     PHI_B(entries.Phi_b, b, t, q, views.Phi_b)
     PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, views.Phi_qT_lam_b)
@@ -286,19 +249,22 @@ def forward_step(
             work.v[k, c] = bars.v[k, c] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x)
     right, values, rows, columns, at = work.right, blocks.values, blocks.rows, blocks.columns, blocks.segments
     right[:] = 0.0
-    times(values, rows, columns, at[1, 0], at[1, 1], -1.0, work.q, right)  # (M a)_q
-    times(values, rows, columns, at[2, 0], at[2, 1], 1.0, work.q, right)  # S_q
-    times(values, rows, columns, at[4, 0], at[4, 1], 1.0, work.q, right)  # Q_q
-    times(values, rows, columns, at[6, 0], at[6, 1], -1.0, work.q, right)  # (Φ_qᵀλ)_q
-    times(values, rows, columns, at[3, 0], at[3, 1], 1.0, work.v, right)  # S_v
-    times(values, rows, columns, at[5, 0], at[5, 1], 1.0, work.v, right)  # Q_v
-    by_numbers(blocks, 1, -1.0, bars.b, 0, right, 0, False)  # (Φ_qᵀλ)_b
-    by_numbers(blocks, 4, -1.0, bars.b, 0, right, 0, False)  # (M a)_b
-    by_numbers(blocks, 5, 1.0, bars.b, 0, right, 0, False)  # S_b
-    by_numbers(blocks, 6, 1.0, bars.b, 0, right, 0, False)  # Q_b
+    times(values, rows, columns, at[1], -1.0, work.q, right)  # (M a)_q
+    times(values, rows, columns, at[2], 1.0, work.q, right)  # S_q
+    times(values, rows, columns, at[4], 1.0, work.q, right)  # Q_q
+    times(values, rows, columns, at[6], -1.0, work.q, right)  # (Φ_qᵀλ)_q
+    times(values, rows, columns, at[3], 1.0, work.v, right)  # S_v
+    times(values, rows, columns, at[5], 1.0, work.v, right)  # Q_v
+    by_numbers(blocks, 1, -1.0, bars.b, right)  # (Φ_qᵀλ)_b
+    by_numbers(blocks, 4, -1.0, bars.b, right)  # (M a)_b
+    by_numbers(blocks, 5, 1.0, bars.b, right)  # S_b
+    by_numbers(blocks, 6, 1.0, bars.b, right)  # Q_b
     below = right[nq:]
-    times(values, rows, columns, at[8, 0], at[8, 1], -1.0 / beta, work.q, below)  # Φ_q
-    by_numbers(blocks, 0, -1.0 / beta, bars.b, 0, right, nq, False)  # Φ_b
+    times(values, rows, columns, at[8], -1.0, work.q, below)  # Φ_q
+    by_numbers(blocks, 0, -1.0, bars.b, below)  # Φ_b
+    for k in range(m):
+        for c in range(width):
+            below[k, c] /= beta
     if len(sources.step) > 0:
         for k in range(nq + m):
             for c in range(width):
@@ -306,8 +272,9 @@ def forward_step(
     for k in range(m):
         if views.left_out[k] > 0.0:
             for c in range(width):
-                right[nq + k, c] = 0.0
-    solve_columns(matrix.placed, right, work.solution, work.arranged)
+                below[k, c] = 0.0
+    if not solve_columns(matrix.placed, right, work.solution, work.room) <= work.trusted[0]:
+        return False
     for k in range(nq):
         for c in range(width):
             change = work.solution[k, c]
@@ -338,33 +305,39 @@ def backward_step(
     for k in range(m):
         for c in range(width):
             right[nq + k, c] = bars.lam[k, c]
-            bars.lam[k, c] = 0.0
     if len(sources.step) > 0:
         for k in range(nq + m):
             right[k, 0] -= sources.step[n, k]
+    if not solve_columns_transposed(matrix.placed, right, mu, work.room) <= work.trusted[0]:
+        return False
+    bars.lam[:] = 0.0
+    if len(sources.step) > 0:
         for k in range(nq):
             bars.q[k, 0] -= sources.step_q[n, k]
             bars.v[k, 0] -= sources.step_v[n, k]
-    solve_columns_transposed(matrix.placed, right, mu, work.arranged)
     for k in range(m):
         if views.left_out[k] > 0.0:
             for c in range(width):
                 mu[nq + k, c] = 0.0
     if len(kept.step) > 0:
         kept.step[n] = mu
-    by_numbers(blocks, 1, -1.0, mu, 0, bars.b, 0, True)  # (Φ_qᵀλ)_b
-    by_numbers(blocks, 4, -1.0, mu, 0, bars.b, 0, True)  # (M a)_b
-    by_numbers(blocks, 5, 1.0, mu, 0, bars.b, 0, True)  # S_b
-    by_numbers(blocks, 6, 1.0, mu, 0, bars.b, 0, True)  # Q_b
-    by_numbers(blocks, 0, -1.0 / beta, mu, nq, bars.b, 0, True)  # Φ_b
-    values, rows, columns, at, below = blocks.values, blocks.rows, blocks.columns, blocks.segments, mu[nq:]
-    times_transposed(values, rows, columns, at[1, 0], at[1, 1], -1.0, mu, bars.q)  # (M a)_q
-    times_transposed(values, rows, columns, at[2, 0], at[2, 1], 1.0, mu, bars.q)  # S_q
-    times_transposed(values, rows, columns, at[4, 0], at[4, 1], 1.0, mu, bars.q)  # Q_q
-    times_transposed(values, rows, columns, at[6, 0], at[6, 1], -1.0, mu, bars.q)  # (Φ_qᵀλ)_q
-    times_transposed(values, rows, columns, at[8, 0], at[8, 1], -1.0 / beta, below, bars.q)  # Φ_q
-    times_transposed(values, rows, columns, at[3, 0], at[3, 1], 1.0, mu, bars.v)  # S_v
-    times_transposed(values, rows, columns, at[5, 0], at[5, 1], 1.0, mu, bars.v)  # Q_v
+    below = right[nq:]
+    for k in range(m):
+        for c in range(width):
+            below[k, c] = -mu[nq + k, c] / beta
+    by_numbers_transposed(blocks, 1, -1.0, mu, bars.b)  # (Φ_qᵀλ)_b
+    by_numbers_transposed(blocks, 4, -1.0, mu, bars.b)  # (M a)_b
+    by_numbers_transposed(blocks, 5, 1.0, mu, bars.b)  # S_b
+    by_numbers_transposed(blocks, 6, 1.0, mu, bars.b)  # Q_b
+    by_numbers_transposed(blocks, 0, 1.0, below, bars.b)  # Φ_b
+    values, rows, columns, at = blocks.values, blocks.rows, blocks.columns, blocks.segments
+    times(values, columns, rows, at[1], -1.0, mu, bars.q)  # (M a)_q
+    times(values, columns, rows, at[2], 1.0, mu, bars.q)  # S_q
+    times(values, columns, rows, at[4], 1.0, mu, bars.q)  # Q_q
+    times(values, columns, rows, at[6], -1.0, mu, bars.q)  # (Φ_qᵀλ)_q
+    times(values, columns, rows, at[8], 1.0, below, bars.q)  # Φ_q
+    times(values, columns, rows, at[3], 1.0, mu, bars.v)  # S_v
+    times(values, columns, rows, at[5], 1.0, mu, bars.v)  # Q_v
     share_m, share_f = scheme.alpha_m / (1.0 - scheme.alpha_m), scheme.alpha_f / (1.0 - scheme.alpha_m)
     for k in range(nq):
         for c in range(width):
@@ -386,17 +359,18 @@ def defect_change(
     less d: -G with G = (Φ_q (v - s))_q + Φ_tq = -½ γ_v(q, v - s).
     """
     t, q, v, a, lam = record.t[n], record.q[n], record.v[n], record.a[n], record.lam[n]
-    if not factor(entries, b, t, q, v, a, lam, matrix, 0.0, 0.0) > TRUSTED:
+    if not factor(entries, b, t, q, v, a, lam, matrix, 0.0, 0.0):
         return False
     nq, m = len(q), len(lam)
     rate, Phi_t, single = work.defect, work.Phi_t, work.single
     VELOCITY(entries.velocity, b, t, q, v, rate, Phi_t)
-    right, found, arranged = single[0], single[1], single[2]
+    right, found, room = single[0], single[1], single[2:]
     for k in range(nq):
         right[k, 0] = 0.0
     for k in range(m):
         right[nq + k, 0] = (rate[k] + Phi_t[k]) * (1.0 - views.left_out[k])
-    solve_columns(matrix.placed, right, found, arranged)
+    if not solve_columns(matrix.placed, right, found, room) <= work.trusted[0]:
+        return False
     s, sigma = work.s, work.sigma
     for k in range(nq):
         s[k] = found[k, 0]
@@ -429,15 +403,15 @@ def forward_rescale(
         )  # fmt: skip
         right[:] = 0.0
         below = right[nq:]
-        times(values, rows, columns, at[1, 0], at[1, 1], -1.0, bars.q, right)
-        times(values, rows, columns, at[6, 0], at[6, 1], -1.0, bars.q, right)
-        by_numbers(blocks, 1, -1.0, bars.b, 0, right, 0, False)
-        by_numbers(blocks, 4, -1.0, bars.b, 0, right, 0, False)
+        times(values, rows, columns, at[1], -1.0, bars.q, right)
+        times(values, rows, columns, at[6], -1.0, bars.q, right)
+        by_numbers(blocks, 1, -1.0, bars.b, right)
+        by_numbers(blocks, 4, -1.0, bars.b, right)
         turned = (blocks.gamma_v, blocks.gamma_v_rows, blocks.gamma_v_columns)
-        times(turned[0], turned[1], turned[2], 0, len(turned[0]), -0.5, bars.q, below)
-        times(values, rows, columns, at[8, 0], at[8, 1], 1.0, bars.v, below)
-        by_numbers(blocks, 2, 1.0, bars.b, 0, right, nq, False)
-        by_numbers(blocks, 3, 1.0, bars.b, 0, right, nq, False)
+        times(turned[0], turned[1], turned[2], blocks.gamma_v_segment, -0.5, bars.q, below)
+        times(values, rows, columns, at[8], 1.0, bars.v, below)
+        by_numbers(blocks, 2, 1.0, bars.b, below)
+        by_numbers(blocks, 3, 1.0, bars.b, below)
         if len(sources.rescale) > 0:
             for k in range(nq + m):
                 for c in range(width):
@@ -446,7 +420,8 @@ def forward_rescale(
             if views.left_out[k] > 0.0:
                 for c in range(width):
                     right[nq + k, c] = 0.0
-        solve_columns(matrix.placed, right, work.solution, work.arranged)
+        if not solve_columns(matrix.placed, right, work.solution, work.room) <= work.trusted[0]:
+            return False
         if len(kept.rescale) > 0:
             kept.rescale[n] = work.solution
         for k in range(nq):
@@ -479,10 +454,12 @@ def backward_rescale(
         if len(sources.rescale) > 0:
             for k in range(nq + m):
                 right[k, 0] -= sources.rescale[n, k]
+        if not solve_columns_transposed(matrix.placed, right, z, work.room) <= work.trusted[0]:
+            return False
+        if len(sources.rescale) > 0:
             for k in range(nq):
                 bars.q[k, 0] -= sources.rescale_q[n, k]
                 bars.v[k, 0] -= sources.rescale_v[n, k]
-        solve_columns_transposed(matrix.placed, right, z, work.arranged)
         for k in range(m):
             if views.left_out[k] > 0.0:
                 for c in range(width):
@@ -493,15 +470,15 @@ def backward_rescale(
         values, rows, columns, at, below = (
             blocks.values, blocks.rows, blocks.columns, blocks.segments, z[nq:],
         )  # fmt: skip
-        times_transposed(values, rows, columns, at[1, 0], at[1, 1], -1.0, z, bars.q)
-        times_transposed(values, rows, columns, at[6, 0], at[6, 1], -1.0, z, bars.q)
-        by_numbers(blocks, 1, -1.0, z, 0, bars.b, 0, True)
-        by_numbers(blocks, 4, -1.0, z, 0, bars.b, 0, True)
+        times(values, columns, rows, at[1], -1.0, z, bars.q)
+        times(values, columns, rows, at[6], -1.0, z, bars.q)
+        by_numbers_transposed(blocks, 1, -1.0, z, bars.b)
+        by_numbers_transposed(blocks, 4, -1.0, z, bars.b)
         turned = (blocks.gamma_v, blocks.gamma_v_rows, blocks.gamma_v_columns)
-        times_transposed(turned[0], turned[1], turned[2], 0, len(turned[0]), -0.5, below, bars.q)
-        times_transposed(values, rows, columns, at[8, 0], at[8, 1], 1.0, below, bars.v)
-        by_numbers(blocks, 2, 1.0, z, nq, bars.b, 0, True)
-        by_numbers(blocks, 3, 1.0, z, nq, bars.b, 0, True)
+        times(turned[0], turned[2], turned[1], blocks.gamma_v_segment, -0.5, below, bars.q)
+        times(values, columns, rows, at[8], 1.0, below, bars.v)
+        by_numbers_transposed(blocks, 2, 1.0, below, bars.b)
+        by_numbers_transposed(blocks, 3, 1.0, below, bars.b)
     if n > 0:
         ratio = record.h[n] / record.h[n - 1]
         for k in range(nq):

@@ -1,0 +1,279 @@
+"""How is the matrix of a step factored and solved with quickly? (Functions that are compiled.)
+
+Neighbouring columns of L with the same rows below them make a panel (Demmel, Eisenstat, Gilbert, Li and Liu 1999):
+three at a time subtract from another column, so that each row is looked up once for three. All places are unsigned
+numbers: a signed one might count from the end, which compiled code would ask at every access. Storage is that of
+`sparse_lu`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+ASSEMBLE: Any = None  # of `dynamics.placed`, put in place when this is compiled
+REFINED, REFINEMENTS = (
+    1e-8,
+    4,
+)  # relative change of a solution after which it is not refined again; how often at most
+ONE: Any = np.uint64(1)
+TWO: Any = np.uint64(2)
+THREE: Any = np.uint64(3)
+
+
+def panel_ends(pointers: Any, rows: Any, diagonal: Any) -> Any:
+    """For each column the one behind the last of its panel."""
+    n = len(diagonal)
+    behind = np.arange(1, n + 1).astype(np.uint64)
+    for j in range(n - 2, -1, -1):
+        first, second = diagonal[j] + ONE, diagonal[j + 1] + ONE
+        size = pointers[j + 2] - second
+        if pointers[j + 1] - first == size + ONE and rows[first] == j + 1:
+            same = True
+            for k in range(size):
+                same = same and rows[first + ONE + k] == rows[second + k]
+            if same:
+                behind[j] = behind[j + 1]
+    return behind
+
+
+def refactor_panels(
+    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any
+) -> Any:  # fmt: skip
+    """Factor a matrix on a known pattern, as `sparse_lu.refactor` does; false where a pivot is zero or not a number.
+
+    In one piece: calls would take as long as what they do.
+    """
+    for j in range(np.uint64(len(diagonal))):
+        start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
+        for entry in range(start, end):
+            work[rows[entry]] = 0.0
+        for place in range(indptr[j], indptr[j + ONE]):
+            work[indices[place]] += data[place]
+        entry = start
+        while entry < middle:
+            k = rows[entry]
+            behind = min(ends[k], j)
+            base = diagonal[behind - ONE] + ONE
+            size = pointers[behind] - base
+            while k + TWO < behind:
+                u0 = work[k]
+                first, second, third = diagonal[k] + ONE, diagonal[k + ONE] + ONE, diagonal[k + TWO] + ONE
+                u1 = work[k + ONE] - factors[first] * u0
+                u2 = work[k + TWO] - factors[first + ONE] * u0 - factors[second] * u1
+                factors[entry], factors[entry + ONE], factors[entry + TWO] = u0, u1, u2
+                k, entry, first, second = k + THREE, entry + THREE, first + TWO, second + ONE
+                for i in range(behind - k):
+                    work[k + i] -= (
+                        factors[first + i] * u0 + factors[second + i] * u1 + factors[third + i] * u2
+                    )
+                first, second, third = first + (behind - k), second + (behind - k), third + (behind - k)
+                for i in range(size):
+                    work[rows[base + i]] -= (
+                        factors[first + i] * u0 + factors[second + i] * u1 + factors[third + i] * u2
+                    )
+            while k < behind:
+                u0 = work[k]
+                factors[entry] = u0
+                for i in range(diagonal[k] + ONE, pointers[k + ONE]):
+                    work[rows[i]] -= factors[i] * u0
+                k, entry = k + ONE, entry + ONE
+        pivot = work[j]
+        if not abs(pivot) > 0.0:
+            return False
+        factors[middle], inverse = pivot, 1.0 / pivot
+        for entry in range(middle + ONE, end):
+            factors[entry] = work[rows[entry]] * inverse
+    return True
+
+
+def refactor(values: Any, matrix: Any) -> Any:
+    """Assemble and factor a matrix; false if it cannot be."""
+    ASSEMBLE(matrix.parts, matrix.places, matrix.weights, values, matrix.data)
+    return refactor_panels(
+        matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, matrix.data,
+        matrix.factors, matrix.work,
+    )  # fmt: skip
+
+
+def lower_upper_flat(matrix: Any, x: Any) -> None:
+    """Solve L U x = x in place (n,)."""
+    n: Any = np.uint64(len(x))
+    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    for j in range(n):
+        value = x[j]
+        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
+            x[rows[entry]] -= factors[entry] * value
+    for back in range(n):
+        j = n - ONE - back
+        value = x[j] / factors[diagonal[j]]
+        x[j] = value
+        for entry in range(pointers[j], diagonal[j]):
+            x[rows[entry]] -= factors[entry] * value
+
+
+def upper_lower_flat(matrix: Any, x: Any) -> None:
+    """Solve (L U)ᵀ x = x in place (n,)."""
+    n: Any = np.uint64(len(x))
+    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    for j in range(n):
+        total = x[j]
+        for entry in range(pointers[j], diagonal[j]):
+            total -= factors[entry] * x[rows[entry]]
+        x[j] = total / factors[diagonal[j]]
+    for back in range(n):
+        j = n - ONE - back
+        total = x[j]
+        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
+            total -= factors[entry] * x[rows[entry]]
+        x[j] = total
+
+
+def lower_upper(matrix: Any, x: Any) -> None:
+    """Solve L U x = x in place, all columns at once (n, k)."""
+    n: Any = np.uint64(x.shape[0])
+    width = x.shape[1]
+    if width == 1:
+        lower_upper_flat(matrix, x.reshape(n))
+        return
+    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    for j in range(n):
+        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
+            value, row = factors[entry], rows[entry]
+            for c in range(width):
+                x[row, c] -= value * x[j, c]
+    for back in range(n):
+        j = n - ONE - back
+        pivot = 1.0 / factors[diagonal[j]]
+        for c in range(width):
+            x[j, c] *= pivot
+        for entry in range(pointers[j], diagonal[j]):
+            value, row = factors[entry], rows[entry]
+            for c in range(width):
+                x[row, c] -= value * x[j, c]
+
+
+def upper_lower(matrix: Any, x: Any) -> None:
+    """Solve (L U)ᵀ x = x in place, all columns at once (n, k)."""
+    n: Any = np.uint64(x.shape[0])
+    width = x.shape[1]
+    if width == 1:
+        upper_lower_flat(matrix, x.reshape(n))
+        return
+    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    for j in range(n):
+        for entry in range(pointers[j], diagonal[j]):
+            value, row = factors[entry], rows[entry]
+            for c in range(width):
+                x[j, c] -= value * x[row, c]
+        pivot = 1.0 / factors[diagonal[j]]
+        for c in range(width):
+            x[j, c] *= pivot
+    for back in range(n):
+        j = n - ONE - back
+        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
+            value, row = factors[entry], rows[entry]
+            for c in range(width):
+                x[j, c] -= value * x[row, c]
+
+
+def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solution = matrix⁻¹ right (n, k), refined; the last relative change of it, which has been made."""
+    n, width = np.uint64(right.shape[0]), right.shape[1]
+    x, rest, whole = room[0], room[1], room[2]
+    for k in range(n):
+        for c in range(width):
+            whole[matrix.row_place[k], c] = right[k, c]
+    x[:] = whole
+    lower_upper(matrix, x)
+    change = 1.0
+    for _ in range(REFINEMENTS):
+        rest[:] = whole
+        times_arranged(matrix, x, rest)
+        lower_upper(matrix, rest)
+        change = add(rest, x)
+        if not change > REFINED:
+            break
+    for k in range(n):
+        for c in range(width):
+            solution[matrix.column_order[k], c] = x[k, c]
+    return change
+
+
+def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solution = matrix⁻ᵀ right (n, k), refined; the last relative change of it, which has been made."""
+    n, width = np.uint64(right.shape[0]), right.shape[1]
+    x, rest, whole = room[0], room[1], room[2]
+    for k in range(n):
+        for c in range(width):
+            whole[k, c] = right[matrix.column_order[k], c]
+    x[:] = whole
+    upper_lower(matrix, x)
+    change = 1.0
+    for _ in range(REFINEMENTS):
+        rest[:] = whole
+        times_arranged_transposed(matrix, x, rest)
+        upper_lower(matrix, rest)
+        change = add(rest, x)
+        if not change > REFINED:
+            break
+    for k in range(n):
+        for c in range(width):
+            solution[k, c] = x[matrix.row_place[k], c]
+    return change
+
+
+def times_arranged(matrix: Any, x: Any, rest: Any) -> None:
+    """rest -= matrix x, all as they are arranged (n, k)."""
+    n: Any = np.uint64(x.shape[0])
+    width = x.shape[1]
+    if width == 1:
+        times_flat(matrix, x.reshape(n), rest.reshape(n))
+        return
+    for j in range(n):
+        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
+            value, row = matrix.data[entry], matrix.indices[entry]
+            for c in range(width):
+                rest[row, c] -= value * x[j, c]
+
+
+def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
+    """rest -= matrixᵀ x, all as they are arranged (n, k)."""
+    n: Any = np.uint64(x.shape[0])
+    width = x.shape[1]
+    if width == 1:
+        times_flat_transposed(matrix, x.reshape(n), rest.reshape(n))
+        return
+    for j in range(n):
+        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
+            value, row = matrix.data[entry], matrix.indices[entry]
+            for c in range(width):
+                rest[j, c] -= value * x[row, c]
+
+
+def times_flat(matrix: Any, x: Any, rest: Any) -> None:
+    """rest -= matrix x, all as they are arranged (n,)."""
+    for j in range(np.uint64(len(x))):
+        value = x[j]
+        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
+            rest[matrix.indices[entry]] -= matrix.data[entry] * value
+
+
+def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
+    """rest -= matrixᵀ x, all as they are arranged (n,)."""
+    for j in range(np.uint64(len(x))):
+        total = rest[j]
+        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
+            total -= matrix.data[entry] * x[matrix.indices[entry]]
+        rest[j] = total
+
+
+def add(change: Any, x: Any) -> Any:
+    """x += change; the largest change over the largest entry."""
+    most, largest = 0.0, 1e-300
+    for k in range(x.shape[0]):
+        for c in range(x.shape[1]):
+            most, largest = max(most, abs(change[k, c])), max(largest, abs(x[k, c]))
+            x[k, c] += change[k, c]
+    return most / largest

@@ -1,0 +1,85 @@
+"""The matrix of a step as sweeps factor it: at every step anew, its numbers being kept beside for a refinement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..._jit.driver import compiled_function
+from ...algebra import Array
+from ..dynamics.placed import PlacedMatrix, compiled_solver
+from . import panel_loop
+
+FUNCTIONS = ("panel_ends", "refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "lower_upper",
+             "upper_lower", "times_flat", "times_flat_transposed", "times_arranged", "times_arranged_transposed",
+             "add", "solve_columns", "solve_columns_transposed")  # fmt: skip
+
+
+class Factors(NamedTuple):
+    """What compiled code needs to assemble, factor and refine; all places are unsigned.
+
+    Attributes
+    ----------
+    parts, weights, places : of the numbers of operators, see `dynamics.placed`
+    indptr, indices, data : the matrix, rows and columns in the order of the pivots
+    pointers, rows, diagonal, factors : see `sparse_lu`
+    ends : of panels, see `panel_loop`
+    """
+
+    parts: Any
+    weights: Any
+    places: Any
+    indptr: Any
+    indices: Any
+    data: Any
+    pointers: Any
+    rows: Any
+    diagonal: Any
+    factors: Any
+    ends: Any
+    work: Any
+    row_place: Any
+    column_order: Any
+
+
+class StepMatrix(PlacedMatrix):
+    """A matrix that is factored by panels."""
+
+    def in_panels(self) -> Factors:
+        """Choose the pivot order for the numbers and weights that are there now; room for factors.
+
+        Raises
+        ------
+        SingularMatrix
+            If the matrix is singular.
+        """
+        found, layout = self.choose_pivots(), self._layout
+        counts = np.diff(layout.indptr)[found.column_order]
+        indptr = np.concatenate([[0], np.cumsum(counts)])
+        source = np.repeat(layout.indptr[:-1][found.column_order] - indptr[:-1], counts) + np.arange(
+            indptr[-1]
+        )
+        places = np.empty(len(source), np.int64)
+        places[source] = np.arange(len(source))
+        pattern = (places[layout.place], indptr, found.row_place[layout.indices[source]])
+        lower_upper = unsigned((found.pointers, found.rows, found.diagonal))
+        ends, order = solvers()["panel_ends"](*lower_upper), unsigned((found.row_place, found.column_order))
+        first = [self.parts, self.weights, *unsigned(pattern), np.zeros(len(source)), *lower_upper]
+        return Factors._make([*first, found.factors, ends, found.work, *order])
+
+
+def unsigned(arrays: Iterable[Array]) -> list[Array]:
+    """Places as compiled code looks them up fastest."""
+    return [np.ascontiguousarray(array).astype(np.uint64) for array in arrays]
+
+
+@cache
+def solvers() -> dict[str, Any]:
+    """The functions of `panel_loop`, compiled."""
+    known = {"ASSEMBLE": compiled_solver()["ASSEMBLE"]}
+    for name in FUNCTIONS:
+        known[name] = compiled_function(getattr(panel_loop, name), **known)
+    return known

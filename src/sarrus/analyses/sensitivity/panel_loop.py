@@ -178,6 +178,13 @@ def upper_lower(matrix: Any, x: Any) -> None:
                 x[j, c] -= value * x[row, c]
 
 
+def copy(x: Any, out: Any) -> None:
+    """Out = x."""
+    for k in range(x.shape[0]):
+        for c in range(x.shape[1]):
+            out[k, c] = x[k, c]
+
+
 def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solution = matrix⁻¹ right (n, k), refined; the last relative change of it, which has been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
@@ -185,11 +192,11 @@ def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
     for k in range(n):
         for c in range(width):
             whole[matrix.row_place[k], c] = right[k, c]
-    x[:] = whole
+    copy(whole, x)
     lower_upper(matrix, x)
     change = 1.0
     for _ in range(REFINEMENTS):
-        rest[:] = whole
+        copy(whole, rest)
         times_arranged(matrix, x, rest)
         lower_upper(matrix, rest)
         change = add(rest, x)
@@ -208,11 +215,11 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) 
     for k in range(n):
         for c in range(width):
             whole[k, c] = right[matrix.column_order[k], c]
-    x[:] = whole
+    copy(whole, x)
     upper_lower(matrix, x)
     change = 1.0
     for _ in range(REFINEMENTS):
-        rest[:] = whole
+        copy(whole, rest)
         times_arranged_transposed(matrix, x, rest)
         upper_lower(matrix, rest)
         change = add(rest, x)

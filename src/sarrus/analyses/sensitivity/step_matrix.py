@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ..dynamics.placed import PlacedMatrix, compiled_solver
 from . import panel_loop
 
-FUNCTIONS = ("panel_ends", "refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "lower_upper",
+FUNCTIONS = ("refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "lower_upper",
              "upper_lower", "times_flat", "times_flat_transposed", "times_arranged", "times_arranged_transposed",
-             "add", "solve_columns", "solve_columns_transposed")  # fmt: skip
+             "add", "copy", "solve_columns", "solve_columns_transposed")  # fmt: skip
 
 
 class Factors(NamedTuple):
@@ -79,7 +79,10 @@ def unsigned(arrays: Iterable[Array]) -> list[Array]:
 @cache
 def solvers() -> dict[str, Any]:
     """The functions of `panel_loop`, compiled."""
-    known = {"ASSEMBLE": compiled_solver()["ASSEMBLE"]}
+    known = {
+        "ASSEMBLE": compiled_solver()["ASSEMBLE"],
+        "panel_ends": compiled_function(panel_loop.panel_ends),
+    }
     for name in FUNCTIONS:
-        known[name] = compiled_function(getattr(panel_loop, name), **known)
+        known[name] = compiled_part(getattr(panel_loop, name), **known)
     return known

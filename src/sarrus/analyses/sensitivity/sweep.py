@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function
+from ..._jit.driver import compiled_function, compiled_part
 from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Steps
@@ -37,7 +37,7 @@ GROUPS: dict[
 }
 BY_NUMBERS = list(GROUPS)[5:]
 FUNCTIONS = ("times", "by_numbers", "by_numbers_transposed", "add_gradients", "remember", "linearize", "defect_change",
-             "forward_step", "backward_step", "forward_rescale", "backward_rescale", "forward", "backward")  # fmt: skip
+             "forward_step", "backward_step", "forward_rescale", "backward_rescale")  # fmt: skip
 TRUSTED = (
     1e-8,
     1e-3,
@@ -52,10 +52,12 @@ NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
     known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
-    known |= {"leave_out": compiled_solver()["leave_out"], "weigh": compiled_function(weigh), **solvers()}
+    known |= {"leave_out": compiled_solver()["leave_out"], "weigh": compiled_part(weigh), **solvers()}
     for name in ("evaluate", "factor", "weights_of"):
-        known[name] = compiled_function(getattr(alpha_loop, name), **known)
+        known[name] = compiled_part(getattr(alpha_loop, name), **known)
     for name in FUNCTIONS:
+        known[name] = compiled_part(getattr(loop, name), **known)
+    for name in ("forward", "backward"):
         known[name] = compiled_function(getattr(loop, name), **known)
     return known
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .panel_loop import solve_columns, solve_columns_transposed
+from .panel_loop import copy, solve_columns, solve_columns_transposed
 
 VELOCITY: Any = None  # drivers and solvers, put in place when this is compiled
 JACOBIAN: Any = None
@@ -320,7 +320,7 @@ def backward_step(
             for c in range(width):
                 mu[nq + k, c] = 0.0
     if len(kept.step) > 0:
-        kept.step[n] = mu
+        copy(mu, kept.step[n])
     below = right[nq:]
     for k in range(m):
         for c in range(width):
@@ -423,7 +423,7 @@ def forward_rescale(
         if not solve_columns(matrix.placed, right, work.solution, work.room) <= work.trusted[0]:
             return False
         if len(kept.rescale) > 0:
-            kept.rescale[n] = work.solution
+            copy(work.solution, kept.rescale[n])
         for k in range(nq):
             for c in range(width):
                 bars.v[k, c] -= record.removed[n] * work.solution[k, c]
@@ -465,8 +465,9 @@ def backward_rescale(
                 for c in range(width):
                     z[nq + k, c] = 0.0
         if len(kept.rescale) > 0:
-            kept.rescale[n] = z
-            kept.s[n] = work.single[1][:, 0]
+            copy(z, kept.rescale[n])
+            for k in range(nq + m):
+                kept.s[n, k] = work.single[1][k, 0]
         values, rows, columns, at, below = (
             blocks.values, blocks.rows, blocks.columns, blocks.segments, z[nq:],
         )  # fmt: skip

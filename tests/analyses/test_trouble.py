@@ -131,7 +131,8 @@ def test_ctrl_c_returns_what_is_done() -> None:
         if len(reached) == 2:
             os.kill(os.getpid(), signal.SIGINT)
 
-    run = sr.simulate(slider_crank(), until=50.0, progress=told, rtol=1e-8, atol=1e-10)
+    times = np.linspace(0.0, 500.0, 50001)
+    run = sr.simulate(slider_crank(), until=500.0, t_eval=times, progress=told, rtol=1e-8, atol=1e-10)
     assert run.status == "stopped"
     assert "stopped by the user" in run.message
     assert 0 < run.t[-1] <= reached[-1]

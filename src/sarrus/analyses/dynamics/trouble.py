@@ -16,6 +16,7 @@ from ..rank import rank_of
 from .stepper import Trouble
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
+CLOSE = 0.3  # the same where a step failed for another reason, that is told first
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
@@ -48,14 +49,17 @@ def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
         return False
 
 
-def dependent_rows(system: System, q: Array, t: float, first: Independence) -> list[str]:
+def dependent_rows(
+    system: System, q: Array, t: float, first: Independence, nearly: float = NEARLY
+) -> list[str]:
     """Equations that (nearly) depend on each other at a position, besides those that do at the start.
 
+    `nearly` is the smallest singular value, in parts of that at the start, below which they do.
     Those of joints and drivers; normalizations, which take part where a body turns, only if there are no others.
     """
     if not np.all(np.isfinite(q)):
         return []
-    null = rank_of(system.Phi_q(q, t), NEARLY * min(first.smallest, 1.0)).null
+    null = rank_of(system.Phi_q(q, t), nearly * min(first.smallest, 1.0)).null
     if null.shape[1] <= first.known:
         return []
     size = abs(null).max(axis=1)
@@ -87,7 +91,17 @@ def trouble_of(
                 "root or logarithm of what may become negative there, or a division by zero",
             )
     rows = dependent_rows(system, q, t, first)
-    return singular(t, rows) if rows else otherwise
+    return (
+        singular(t, rows) if rows else _with_weak_rows(otherwise, dependent_rows(system, q, t, first, CLOSE))
+    )
+
+
+def _with_weak_rows(trouble: Trouble, rows: list[str]) -> Trouble:
+    """The same trouble, and the constraints that come close to being dependent."""
+    if not rows:
+        return trouble
+    told = f"{trouble.sentence}; constraints are not far from being dependent there, among {', '.join(rows)}"
+    return Trouble(trouble.status, told)
 
 
 def singular(t: float, rows: list[str]) -> Trouble:

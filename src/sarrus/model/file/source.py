@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os.path import exists  # false, not an error, for names that no file can have
 from pathlib import Path
 
 from ..errors import ModelError
@@ -18,9 +19,9 @@ def read_text(path: Path) -> str:
     ModelError
         If it is no file, too large, or not UTF-8 text.
     """
-    if (path / "zarr.json").exists():
+    if exists(path / "zarr.json"):
         raise _refusal(path, "is the folder of a saved run, not a model; open it with sarrus.load_run")
-    if path.suffix.lower() not in SUFFIXES and not (path.suffix == "" and not path.exists()):
+    if path.suffix.lower() not in SUFFIXES and not (path.suffix == "" and not exists(path)):
         raise _refusal(path, f"must end in {', '.join(SUFFIXES)}; rename it")
     text = _decoded(path, read_bytes(path))
     if not text.strip():

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..._jit.driver import compiled_function, compiled_part
-from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import RadauSteps
 from ...system import System
@@ -18,40 +17,23 @@ from ..dynamics.placed import (
     UNIT,
     Numbers,
     Part,
-    PlacedMatrix,
     compiled_solver,
     entries_of,
     leave_out,
 )
-from . import columns_loop
+from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
+from . import sweep_loop
+from .kernels import GROUPS, calls
+from .step_matrix import StepMatrix, solvers
+from .sweep import TRUSTED
 
-GROUPS: dict[
-    str, tuple[tuple[str, ...], int, int]
-] = {  # operators; scalars and arrays that their driver takes
-    "jacobian": (("Phi_q", "Phi_qT_lam_q"), 1, 4),
-    "inertia": (("M", "M_a_q", "S_q", "S_v"), 0, 7),
-    "stiffness": (("Q_q", "Q_v"), 1, 4),
-    "gamma_v": (("gamma_v",), 1, 3),
-    "gamma_q_v": (("gamma_q", "gamma_v"), 1, 4),
-    "Phi_q_xi_q": (("Phi_q_xi_q",), 1, 3),
-    "Phi_b": (("Phi_b",), 1, 2),
-    "Phi_qT_lam_b": (("Phi_qT_lam_b",), 1, 3),
-    "Phi_q_xi_b": (("Phi_q_xi_b",), 1, 3),
-    "Phi_t_b": (("Phi_t_b",), 1, 2),
-    "M_a_b": (("M_a_b",), 0, 3),
-    "S_b": (("S_b",), 0, 3),
-    "Q_b": (("Q_b",), 1, 3),
-    "gamma_b": (("gamma_b",), 1, 3),
-}
 BY_NUMBERS = ("Phi_b", "Phi_qT_lam_b", "Phi_q_xi_b", "Phi_t_b", "M_a_b", "S_b", "Q_b", "gamma_b")
 OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
-COLUMNS = ("factor_kept", "add", "add_transposed", "by_numbers", "by_numbers_transposed", "eliminate",
-           "eliminate_transposed", "copy", "solve", "solve_transposed")  # fmt: skip
-FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "subtract", "move", "stage_by_b",
+FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "subtract", "apply", "move", "stage_by_b",
              "forward_step", "backward_step", "factor_node", "quiet",
              "node_by_b", "forward_node", "backward_node", "forward",
              "backward")  # fmt: skip
@@ -62,12 +44,16 @@ NOTHING_BESIDE = loop.Beside(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)))
 @cache
 def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
-    known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
-    known |= compiled_solver()
-    for source, names in ((columns_loop, COLUMNS), (loop, FUNCTIONS)):
-        for name in names:
-            compile_one = compiled_function if name in ENTRIES else compiled_part
-            known[name] = compile_one(getattr(source, name), **known)
+    known = calls(loop.Entries._fields)
+    known |= {"leave_out": compiled_solver()["leave_out"], **solvers()}
+    parts = [
+        (sweep_loop, "by_numbers"),
+        (sweep_loop, "by_numbers_transposed"),
+        *((loop, name) for name in FUNCTIONS),
+    ]
+    for source, name in parts:
+        compile_one = compiled_function if name in ENTRIES else compiled_part
+        known[name] = compile_one(getattr(source, name), **known)
     return known
 
 
@@ -85,7 +71,7 @@ class RadauSweep:
     def __init__(self, system: System, steps: RadauSteps, columns: int, b_dot: Array | None = None) -> None:
         self.system, self.steps = system, steps
         self.b, self._columns = steps.b.copy(), columns
-        self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
+        self._groups = {name: system.group(*GROUPS[name][0]) for name in loop.Entries._fields}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
         self._record = _record(steps)
         nq, m = system.nq, system.m
@@ -93,8 +79,8 @@ class RadauSweep:
         self._step_numbers = Numbers(system, (*stages, UNIT, LEFT_OUT), {n: _operator(n) for n in stages})
         own = {name: _operator(name) for name in loop.Node._fields}
         self._node_numbers = Numbers(system, (*own, UNIT, LEFT_OUT), own)
-        self._step = PlacedMatrix(self._step_numbers, 6 * (nq + m), step_parts(nq, m))
-        self._node = PlacedMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
+        self._step = StepMatrix(self._step_numbers, 6 * (nq + m), step_parts(nq, m))
+        self._node = StepMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
         self._tables = self._make_tables(b_dot)
 
     def forward(self, bars: loop.Bars, given: loop.Given, sources: loop.Beside | None = None) -> None:
@@ -117,9 +103,14 @@ class RadauSweep:
         return loop.Beside(np.zeros((count, 6 * size, k)), np.zeros((count + 1, size, k)))
 
     def _go(self, name: str, n: int, stage: int, *arrays: Any) -> None:
+        failed = 0
         while 0 <= n <= len(self.steps):
+            if failed > 1:
+                raise SingularMatrix(f"the equations at t = {self.steps.t[n]:.6g} s are singular")
+            self._tables.trusted[0] = TRUSTED[failed]
             self._choose_pivots(name, n, stage)
-            n, stage = (int(x) for x in self._run(name, n, stage, *arrays))
+            before, (n, stage) = (n, stage), (int(x) for x in self._run(name, n, stage, *arrays))
+            failed = failed + 1 if (n, stage) == before else 0
 
     def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
         scheme = self.steps.scheme
@@ -138,9 +129,7 @@ class RadauSweep:
         at = {k: np.ascontiguousarray(getattr(self.steps, k)[n]) for k in ("q", "v", "a", "lam")}
         self._evaluate(tables.at_node, {"t": float(self.steps.t[n]), **at})
         loop.step_weights(scheme, h, self._step.weights)
-        placed = {"step": self._step.choose_pivots(), "node": self._node.choose_pivots()}
-        room = {f"{name}_data": np.zeros_like(matrix.factors) for name, matrix in placed.items()}
-        self._tables = tables._replace(**placed, **room)
+        self._tables = tables._replace(step=self._step.in_panels(), node=self._node.in_panels())
 
     def _evaluate(self, views: Any, operands: dict[str, Any]) -> None:
         for kind in ("jacobian", "inertia", "stiffness", "gamma_v"):
@@ -164,15 +153,13 @@ class RadauSweep:
         )
         numbers, by_b = _numbers(system, b_dot)
         room = [np.zeros(shape) for n in (6 * (nq + m), nq + m) for shape in ((n, k), (n, k), (3, n, k))]
-        views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q)]
+        views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), np.zeros(1)]
         at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
         return loop.Tables(
             None,
             step.values,
             None,
-            None,
             node.values,
-            None,
             stages,
             at_node,
             places,
@@ -225,7 +212,9 @@ def _numbers(system: System, b_dot: Array | None) -> tuple[loop.Numbers, loop.By
     cuts = np.column_stack([ends[:-1], ends[1:]])
     used = np.ones(len(system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
     chosen, values = np.flatnonzero(used[columns]), np.zeros(len(columns))
-    numbers = loop.Numbers(values, np.concatenate(rows), columns, np.searchsorted(chosen, cuts), chosen)
+    numbers = loop.Numbers(
+        values, np.concatenate(rows)[chosen], columns[chosen], np.searchsorted(chosen, cuts), chosen
+    )
     return numbers, loop.ByNumbers._make(values[start:end] for start, end in cuts)
 
 

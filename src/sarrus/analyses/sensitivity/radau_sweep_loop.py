@@ -34,16 +34,13 @@ M_A_B: Any = None
 S_B: Any = None
 Q_B: Any = None
 GAMMA_B: Any = None
-factor_kept: Any = None
+refactor: Any = None
 leave_out: Any = None
 copy: Any = None
-solve: Any = None
-solve_transposed: Any = None
-add: Any = None
-add_transposed: Any = None
+solve_columns: Any = None
+solve_columns_transposed: Any = None
 by_numbers: Any = None
 by_numbers_transposed: Any = None
-TRUSTED = 1e-6  # pivot over column, below which the order of the pivots is chosen anew
 STEP, NODE = 0, 1  # what is done next
 
 
@@ -114,7 +111,7 @@ class Places(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """The operators by b: which entry each number is, and which are an operator's; see `columns_loop.by_numbers`."""
+    """The operators by b: which entry each number is, and which are an operator's; see `sweep_loop.by_numbers`."""
 
     b_values: Any
     b_rows: Any
@@ -158,16 +155,15 @@ class Entries(NamedTuple):
 class Tables(NamedTuple):
     """All that does not change from step to step: matrices, operators' numbers, and room to work.
 
-    step, node : the placed matrices, the values from which they are assembled, and room for their numbers
+    step, node : the matrices (`step_matrix.Factors`), and the values from which they are assembled
+    trusted : last relative change of a refined solution, up to which pivots are kept (1,)
     left_out, node_left_out : 1 for equations that others imply, parts of both values
     """
 
     step: Any
     step_values: Any
-    step_data: Any
     node: Any
     node_values: Any
-    node_data: Any
     stages: Any
     at_node: Any
     places: Any
@@ -176,6 +172,7 @@ class Tables(NamedTuple):
     left_out: Any
     node_left_out: Any
     Phi_q_again: Any
+    trusted: Any
     right: Any
     solution: Any
     arranged: Any
@@ -223,7 +220,7 @@ def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
 
 
 def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
-    """Evaluate and factor the matrix of all stages of step n; how far the pivots can be trusted."""
+    """Evaluate and factor the matrix of all stages of step n; false if that cannot be."""
     h, places = record.h[n], tables.places
     for i in range(3):
         t, stage = record.t[n] + scheme.c[i] * h, tables.stages[i]
@@ -237,7 +234,15 @@ def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: 
         leave_out(stage.Phi_q, places.Phi_q[0], tables.left_out)
         leave_out(stage.gamma_v, places.gamma_v[0], tables.left_out)
     step_weights(scheme, h, tables.step.weights)
-    return factor_kept(tables.step_values, tables.step, tables.step_data)
+    return refactor(tables.step_values, tables.step)
+
+
+def apply(values: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight A x; with rows and columns exchanged, Aᵀ x."""
+    for k in range(len(values)):
+        value, row, column = weight * values[k], rows[k], columns[k]
+        for c in range(x.shape[1]):
+            out[row, c] += value * x[column, c]
 
 
 def step_weights(scheme: Any, h: Any, weights: Any) -> None:
@@ -318,7 +323,7 @@ def forward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
 ) -> Any:
     """The change of q and v over step n; false if pivots must be renewed."""
-    if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
+    if not factor_step(scheme, entries, b, record, n, tables):
         return False
     h, nq, m, right, places = record.h[n], len(bars.q), len(tables.left_out), tables.right, tables.places
     right[:] = 0.0
@@ -329,13 +334,14 @@ def forward_step(
             for c in range(right.shape[1]):
                 right[at + k, c] = share * bars.q[k, c]
         M = tables.stages[i].M
-        add(M, places.M, share, bars.v, right[at + nq :])
+        apply(M, places.M[0], places.M[1], share, bars.v, right[at + nq :])
         stage_by_b(scheme, entries, b, record, n, i, tables, bars.b, right, False)
     if len(beside.step) > 0:
         subtract(beside.step[n], right)
     silence(right, nq, m, tables.left_out)
     scale(right, nq, m, h, h * h, 1.0, h)
-    solve(tables.step, tables.step_data, right, tables.solution, tables.arranged)
+    if not solve_columns(tables.step, right, tables.solution, tables.arranged) <= tables.trusted[0]:
+        return False
     last = 4 * (nq + m)
     for k in range(nq):
         for c in range(right.shape[1]):
@@ -348,7 +354,7 @@ def backward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
 ) -> Any:
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
-    if not factor_step(scheme, entries, b, record, n, tables) > TRUSTED:
+    if not factor_step(scheme, entries, b, record, n, tables):
         return False
     h, nq, m, right, w = record.h[n], len(bars.q), len(tables.left_out), tables.right, tables.solution
     right[:] = 0.0
@@ -357,9 +363,10 @@ def backward_step(
         for c in range(right.shape[1]):
             right[last + k, c] = bars.q[k, c]
             right[last + nq + k, c] = bars.v[k, c] / h
-            bars.q[k, c] = 0.0
-            bars.v[k, c] = 0.0
-    solve_transposed(tables.step, tables.step_data, right, w, tables.arranged)
+    if not solve_columns_transposed(tables.step, right, w, tables.arranged) <= tables.trusted[0]:
+        return False
+    bars.q[:] = 0.0
+    bars.v[:] = 0.0
     scale(w, nq, m, h, h * h, 1.0, h)
     silence(w, nq, m, tables.left_out)
     for i in range(3):
@@ -369,7 +376,7 @@ def backward_step(
             for c in range(right.shape[1]):
                 bars.q[k, c] += share * w[at + k, c]
         M, places = tables.stages[i].M, tables.places.M
-        add_transposed(M, places, share, w[at + nq :], bars.v)
+        apply(M, places[1], places[0], share, w[at + nq :], bars.v)
         stage_by_b(scheme, entries, b, record, n, i, tables, w, bars.b, True)
     if len(beside.step) > 0:
         copy(w, beside.step[n])
@@ -399,7 +406,7 @@ def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
     S_B(entries.S_b, b, q, v, by_b.S_b)
     Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
     GAMMA_B(entries.gamma_b, b, t, q, v, by_b.gamma_b)
-    return factor_kept(tables.node_values, tables.node, tables.node_data)
+    return refactor(tables.node_values, tables.node)
 
 
 def quiet(x: Any, nq: Any, left_out: Any) -> None:
@@ -424,25 +431,26 @@ def forward_node(
     entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
 ) -> Any:
     """The changes of a and λ at node n, written with those of q and v; false if pivots must be renewed."""
-    if not factor_node(entries, b, record, n, tables) > TRUSTED:
+    if not factor_node(entries, b, record, n, tables):
         return False
     nq, right, at, p = len(bars.q), tables.node_right, tables.at_node, tables.places
     right[:] = 0.0
     below = right[nq:]
-    add(at.M_a_q, p.M_a_q, -1.0, bars.q, right)
-    add(at.Phi_qT_lam_q, p.Phi_qT_lam_q, -1.0, bars.q, right)
-    add(at.S_q, p.S_q, 1.0, bars.q, right)
-    add(at.Q_q, p.Q_q, 1.0, bars.q, right)
-    add(at.S_v, p.S_v, 1.0, bars.v, right)
-    add(at.Q_v, p.Q_v, 1.0, bars.v, right)
-    add(at.Phi_q_a_q, p.Phi_q_a_q, -1.0, bars.q, below)
-    add(at.gamma_q, p.gamma_q, 1.0, bars.q, below)
-    add(at.gamma_v, p.gamma_v, 1.0, bars.v, below)
+    apply(at.M_a_q, p.M_a_q[0], p.M_a_q[1], -1.0, bars.q, right)
+    apply(at.Phi_qT_lam_q, p.Phi_qT_lam_q[0], p.Phi_qT_lam_q[1], -1.0, bars.q, right)
+    apply(at.S_q, p.S_q[0], p.S_q[1], 1.0, bars.q, right)
+    apply(at.Q_q, p.Q_q[0], p.Q_q[1], 1.0, bars.q, right)
+    apply(at.S_v, p.S_v[0], p.S_v[1], 1.0, bars.v, right)
+    apply(at.Q_v, p.Q_v[0], p.Q_v[1], 1.0, bars.v, right)
+    apply(at.Phi_q_a_q, p.Phi_q_a_q[0], p.Phi_q_a_q[1], -1.0, bars.q, below)
+    apply(at.gamma_q, p.gamma_q[0], p.gamma_q[1], 1.0, bars.q, below)
+    apply(at.gamma_v, p.gamma_v[0], p.gamma_v[1], 1.0, bars.v, below)
     node_by_b(tables.numbers, nq, bars.b, right, False)
     if len(beside.node) > 0:
         subtract(beside.node[n], right)
     quiet(right, nq, tables.node_left_out)
-    solve(tables.node, tables.node_data, right, tables.node_solution, tables.node_arranged)
+    if not solve_columns(tables.node, right, tables.node_solution, tables.node_arranged) <= tables.trusted[0]:
+        return False
     copy(bars.q, given.q[n])
     copy(bars.v, given.v[n])
     copy(tables.node_solution[:nq], given.a[n])
@@ -462,20 +470,21 @@ def backward_node(
         for c in range(right.shape[1]):
             taken = taken or right[k, c] != 0.0
     if taken:
-        if not factor_node(entries, b, record, n, tables) > TRUSTED:
+        if not factor_node(entries, b, record, n, tables):
             return False
-        solve_transposed(tables.node, tables.node_data, right, y, tables.node_arranged)
+        if not solve_columns_transposed(tables.node, right, y, tables.node_arranged) <= tables.trusted[0]:
+            return False
         quiet(y, nq, tables.node_left_out)
         at, p, z = tables.at_node, tables.places, y[nq:]
-        add_transposed(at.M_a_q, p.M_a_q, -1.0, y, bars.q)
-        add_transposed(at.Phi_qT_lam_q, p.Phi_qT_lam_q, -1.0, y, bars.q)
-        add_transposed(at.S_q, p.S_q, 1.0, y, bars.q)
-        add_transposed(at.Q_q, p.Q_q, 1.0, y, bars.q)
-        add_transposed(at.S_v, p.S_v, 1.0, y, bars.v)
-        add_transposed(at.Q_v, p.Q_v, 1.0, y, bars.v)
-        add_transposed(at.Phi_q_a_q, p.Phi_q_a_q, -1.0, z, bars.q)
-        add_transposed(at.gamma_q, p.gamma_q, 1.0, z, bars.q)
-        add_transposed(at.gamma_v, p.gamma_v, 1.0, z, bars.v)
+        apply(at.M_a_q, p.M_a_q[1], p.M_a_q[0], -1.0, y, bars.q)
+        apply(at.Phi_qT_lam_q, p.Phi_qT_lam_q[1], p.Phi_qT_lam_q[0], -1.0, y, bars.q)
+        apply(at.S_q, p.S_q[1], p.S_q[0], 1.0, y, bars.q)
+        apply(at.Q_q, p.Q_q[1], p.Q_q[0], 1.0, y, bars.q)
+        apply(at.S_v, p.S_v[1], p.S_v[0], 1.0, y, bars.v)
+        apply(at.Q_v, p.Q_v[1], p.Q_v[0], 1.0, y, bars.v)
+        apply(at.Phi_q_a_q, p.Phi_q_a_q[1], p.Phi_q_a_q[0], -1.0, z, bars.q)
+        apply(at.gamma_q, p.gamma_q[1], p.gamma_q[0], 1.0, z, bars.q)
+        apply(at.gamma_v, p.gamma_v[1], p.gamma_v[0], 1.0, z, bars.v)
         node_by_b(tables.numbers, nq, y, bars.b, True)
         if len(beside.node) > 0:
             copy(y, beside.node[n])

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..._jit.driver import compiled_function, compiled_part
-from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Steps
 from ...system import System
@@ -17,25 +16,10 @@ from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, compiled_solver, entries_of
 from ..linear import SingularMatrix
 from . import sweep_loop as loop
+from .kernels import GROUPS, calls
 from .step_matrix import StepMatrix, solvers, unsigned
 
-GROUPS: dict[
-    str, tuple[tuple[str, ...], int, int]
-] = {  # operators; scalars and arrays that their driver takes
-    "velocity": (("Phi_q_xi", "Phi_t"), 1, 4),
-    "jacobian": (("Phi_q", "Phi_qT_lam_q"), 1, 4),
-    "inertia": (("M", "M_a_q", "S_q", "S_v"), 0, 7),
-    "stiffness": (("Q_q", "Q_v"), 1, 4),
-    "gamma_v": (("gamma_v",), 1, 3),
-    "Phi_b": (("Phi_b",), 1, 2),
-    "Phi_qT_lam_b": (("Phi_qT_lam_b",), 1, 3),
-    "Phi_q_xi_b": (("Phi_q_xi_b",), 1, 3),
-    "Phi_t_b": (("Phi_t_b",), 1, 2),
-    "M_a_b": (("M_a_b",), 0, 3),
-    "S_b": (("S_b",), 0, 3),
-    "Q_b": (("Q_b",), 1, 3),
-}
-BY_NUMBERS = list(GROUPS)[5:]
+BY_NUMBERS = loop.Entries._fields[5:]
 FUNCTIONS = ("times", "by_numbers", "by_numbers_transposed", "add_gradients", "remember", "linearize", "defect_change",
              "forward_step", "backward_step", "forward_rescale", "backward_rescale")  # fmt: skip
 TRUSTED = (
@@ -51,7 +35,7 @@ NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 @cache
 def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
-    known: dict[str, Any] = {name.upper(): run(*counts) for name, (_, *counts) in GROUPS.items()}
+    known = calls(loop.Entries._fields)
     known |= {"leave_out": compiled_solver()["leave_out"], "weigh": compiled_part(weigh), **solvers()}
     for name in ("evaluate", "factor", "weights_of"):
         known[name] = compiled_part(getattr(alpha_loop, name), **known)
@@ -78,7 +62,7 @@ class Sweep:
         self.b = steps.b.copy()
         self._matrix = StepMatrix(Numbers(system, NUMBERS), system.nq + system.m, alpha_parts(system.nq))
         self._numbers = self._matrix.numbers
-        self._groups = {name: system.group(*operators) for name, (operators, *_) in GROUPS.items()}
+        self._groups = {name: system.group(*GROUPS[name][0]) for name in loop.Entries._fields}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
         self.record = _record(steps)
         self._blocks, self._views = self._make_blocks(b_dot)

@@ -24,7 +24,7 @@ from sarrus.model import load
 from sarrus.studies import LatinHypercube, Range, Simulation, StudyTable, study
 from sarrus.studies.pool import available
 
-UNTIL = 5.0
+UNTIL = 10.0
 
 
 class Spent(NamedTuple):

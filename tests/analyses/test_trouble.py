@@ -139,3 +139,15 @@ def test_ctrl_c_returns_what_is_done() -> None:
     assert run.status == "stopped"
     assert "stopped by the user" in run.message
     assert 0 < run.t[-1] <= reached[-1]
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau()], ids=named)
+def test_newtons_method_that_does_not_converge(method: object) -> None:
+    """The third step is prescribed, and far too long; the first two are kept."""
+    system, lengths = slider_crank(), np.array([0.01, 0.01, 2.98])
+    times = np.linspace(0.0, 3.0, 301)
+    run = method.run(system, sr.assemble(system), times, rtol=1e-6, atol=1e-8, given=lengths)
+    assert run.status == "step too small"
+    assert "near t = 0.02 s: Newton's method" in run.message
+    assert run.t[-1] == pytest.approx(0.02)
+    assert run.nrejected > 0

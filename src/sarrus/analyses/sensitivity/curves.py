@@ -8,27 +8,30 @@ was solved for.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Steps
+from ...results import Steps, StepsTaken
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives, Entries
 from ..dynamics.alpha_loop import weights_of
 from .sweep import Sweep
 from .sweep_loop import Kept, Sources
 
+Kind = TypeVar("Kind", bound=StepsTaken)
 
-class Curves:
-    """The derivatives of all steps of a run by the numbers of curves.
+
+class CurvesOf(Generic[Kind]):
+    """What the derivatives of a run by the numbers of curves have in common for all methods.
 
     Parameters
     ----------
     system, steps : the run
     """
 
-    def __init__(self, system: System, steps: Steps) -> None:
+    def __init__(self, system: System, steps: Kind) -> None:
         self._system, self._steps, self._of = system, steps, CurveDerivatives(system)
 
     def __bool__(self) -> bool:
@@ -37,6 +40,10 @@ class Curves:
     def moved_by(self, db: Array) -> bool:
         """Whether changes of the numbers (len(b), k) change a curve."""
         return bool(self._of) and bool(np.any(db[self._system.nb :]))
+
+
+class Curves(CurvesOf[Steps]):
+    """The derivatives of all steps of HHT or generalized-α by the numbers of curves."""
 
     def sources(self, db: Array) -> Sources:
         """The changes of the residuals of all steps and changes of the step size (n, nq + m, k)."""

@@ -10,28 +10,13 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import RadauSteps
-from ...system import System
-from ...system.curve_derivatives import CurveDerivatives, Entries
+from ...system.curve_derivatives import Entries
+from .curves import CurvesOf
 from .radau_sweep_loop import Beside
 
 
-class RadauCurves:
-    """The derivatives of all stages and nodes of a run by the numbers of curves.
-
-    Parameters
-    ----------
-    system, steps : the run
-    """
-
-    def __init__(self, system: System, steps: RadauSteps) -> None:
-        self._system, self._steps, self._of = system, steps, CurveDerivatives(system)
-
-    def __bool__(self) -> bool:
-        return bool(self._of)
-
-    def moved_by(self, db: Array) -> bool:
-        """Whether changes of the numbers (len(b), k) change a curve."""
-        return bool(self._of) and bool(np.any(db[self._system.nb :]))
+class RadauCurves(CurvesOf[RadauSteps]):
+    """The derivatives of all stages and nodes of a run of Radau by the numbers of curves."""
 
     def sources(self, db: Array) -> Beside:
         """The changes of the equations of all steps and nodes."""

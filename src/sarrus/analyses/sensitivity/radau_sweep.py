@@ -24,7 +24,7 @@ from ..dynamics.placed import (
 from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
 from . import sweep_loop
-from .kernels import GROUPS, calls
+from .kernels import GROUPS, calls, operators_by_b
 from .step_matrix import StepMatrix, solvers
 from .sweep import TRUSTED
 
@@ -148,9 +148,7 @@ class RadauSweep:
         stages = tuple(
             loop.Stage._make(step.views[f"{name}@{i}"] for name in loop.Stage._fields) for i in range(3)
         )
-        places = loop.Places._make(
-            np.array(entries_of(system, _operator(name))) for name in loop.Places._fields
-        )
+        places = loop.Node._make(np.array(entries_of(system, _operator(name))) for name in loop.Node._fields)
         numbers, by_b = _numbers(system, b_dot)
         room = [np.zeros(shape) for n in (6 * (nq + m), nq + m) for shape in ((n, k), (n, k), (3, n, k))]
         views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), np.zeros(1)]
@@ -205,17 +203,9 @@ def _operator(name: str) -> str:
 
 def _numbers(system: System, b_dot: Array | None) -> tuple[loop.Numbers, loop.ByNumbers]:
     """The operators by b; `b_dot`: those numbers only that change."""
-    patterns = [system.pattern(name) for name in BY_NUMBERS]
-    rows = [np.repeat(np.arange(p.shape[0]), np.diff(p.indptr)).astype(np.int64) for p in patterns]
-    columns = np.concatenate([p.indices.astype(np.int64) for p in patterns])
-    ends = np.cumsum([0, *(len(x) for x in rows)])
-    cuts = np.column_stack([ends[:-1], ends[1:]])
-    used = np.ones(len(system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
-    chosen, values = np.flatnonzero(used[columns]), np.zeros(len(columns))
-    numbers = loop.Numbers(
-        values, np.concatenate(rows)[chosen], columns[chosen], np.searchsorted(chosen, cuts), chosen
-    )
-    return numbers, loop.ByNumbers._make(values[start:end] for start, end in cuts)
+    found = operators_by_b(system, BY_NUMBERS, b_dot)
+    parts = (found.values[start:end] for start, end in found.cuts)
+    return loop.Numbers(found.values, *found[2:]), loop.ByNumbers._make(parts)
 
 
 def _record(steps: RadauSteps) -> loop.Record:

@@ -94,22 +94,6 @@ class Node(NamedTuple):
     Phi_q_a_q: Any
 
 
-class Places(NamedTuple):
-    """Rows and columns of the operators' numbers, each (2, entries), in the order of `Node`."""
-
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    gamma_q: Any
-    gamma_v: Any
-    Phi_q_a_q: Any
-
-
 class Numbers(NamedTuple):
     """The operators by b: which entry each number is, and which are an operator's; see `sweep_loop.by_numbers`."""
 
@@ -157,6 +141,7 @@ class Tables(NamedTuple):
 
     step, node : the matrices (`step_matrix.Factors`), and the values from which they are assembled
     trusted : last relative change of a refined solution, up to which pivots are kept (1,)
+    places : rows and columns (2, entries) of the numbers of each operator
     left_out, node_left_out : 1 for equations that others imply, parts of both values
     """
 

@@ -16,7 +16,7 @@ from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, compiled_solver, entries_of
 from ..linear import SingularMatrix
 from . import sweep_loop as loop
-from .kernels import GROUPS, calls
+from .kernels import GROUPS, calls, flat, operators_by_b
 from .step_matrix import StepMatrix, solvers, unsigned
 
 BY_NUMBERS = loop.Entries._fields[5:]
@@ -74,26 +74,22 @@ class Sweep:
         self.steps, self.record = steps, _record(steps)
 
     def _make_blocks(self, b_dot: Array | None) -> tuple[loop.Blocks, loop.Views]:
-        rows, columns, segments = _flat([entries_of(self.system, name) for name in NUMBERS])
-        b_rows, b_columns, cuts = _flat([entries_of(self.system, name) for name in BY_NUMBERS])
-        values = np.zeros(len(b_rows))
-        used = np.ones(len(self.system.b), dtype=bool) if b_dot is None else np.any(b_dot != 0, axis=1)
-        chosen = np.flatnonzero(used[b_columns])
+        rows, columns, segments = flat([entries_of(self.system, name) for name in NUMBERS])
+        of_b = operators_by_b(self.system, BY_NUMBERS, b_dot)
         turned = entries_of(self.system, "gamma_v")
-        by_b = (b_rows[chosen], b_columns[chosen], np.searchsorted(chosen, cuts), chosen)
         more = (*turned, np.array([0, len(turned[0])]))
         own = unsigned((rows, columns, segments))
         fields = [
             self._numbers.values,
             *own,
-            values,
-            *unsigned(by_b),
+            of_b.values,
+            *unsigned(of_b[2:]),
             np.zeros(len(turned[0])),
             *unsigned(more),
         ]
         blocks = loop.Blocks._make(fields)
         return blocks, loop.Views._make(
-            [*self._numbers.of(NUMBERS), *(values[start:end] for start, end in cuts)]
+            [*self._numbers.of(NUMBERS), *(of_b.values[start:end] for start, end in of_b.cuts)]
         )
 
     def _make_work(self) -> loop.Work:
@@ -192,13 +188,6 @@ class Sweep:
             self._numbers.evaluate(GROUPS[kind][0], self.b, operands)
         h = 0.0 if stage == loop.RESCALE else float(steps.h[n])
         weigh(self._matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
-
-
-def _flat(parts: list[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
-    """Rows and columns of several operators one after another, and where each begins and ends."""
-    ends = np.cumsum([0, *(len(rows) for rows, _ in parts)])
-    rows, columns = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
-    return rows, columns, np.column_stack([ends[:-1], ends[1:]])
 
 
 def _record(steps: Steps) -> loop.Record:

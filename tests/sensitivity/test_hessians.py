@@ -102,7 +102,7 @@ def test_second_derivatives_of_every_element() -> None:
     """The change of the contracted first derivatives, along a change of everything at once."""
     system, steps = zoo(), all_swung().steps
     random, m = np.random.default_rng(4), system.m
-    db = 0.1 * changes(system, 1)[0][:, 0]
+    db = 0.1 * changes(all_swung(), 1)[0][:, 0]
     state = {"q": steps.q[3], "v": steps.v[3], "a": steps.a[3]}
     dots = {name: random.normal(size=system.nq) for name in state}
     xi, lam, nu, lam_dot = (random.normal(size=n) for n in (system.nq, m, m, m))

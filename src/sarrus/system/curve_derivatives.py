@@ -139,7 +139,7 @@ class CurveDerivatives:
                 Entries(
                     np.repeat(rows, len(basis)),
                     np.tile(columns, (len(rows), 1)),
-                    values.reshape(-1, *shape),
+                    values.reshape(len(rows) * len(basis), *shape),
                 )
             )
         return parts

@@ -2,13 +2,16 @@
 
 import numpy as np
 import pytest
+from tests.sensitivity.test_curves import NAMES, arm
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.sensitivity import long_run
 
 SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
 RESPONSES = [
     sr.Final("slider.x"),
+    sr.Final("pin.angle"),
     sr.Integral("energy.kinetic"),
     sr.At("spring.length", time=0.33),
     sr.Peak("slider.velocity.x"),
@@ -17,19 +20,51 @@ RESPONSES = [
 ]
 
 
-@pytest.mark.parametrize("every", [7, 400])
-def test_the_gradient_is_that_of_all_steps(every: int) -> None:
-    system = slider_crank()
-    run = sr.simulate(system, until=0.8, keep_steps=True, **SETTINGS)
-    wanted = sr.sensitivity(run, RESPONSES)
-    found = sr.sensitivity_by_checkpoints(system, RESPONSES, until=0.8, every=every, **SETTINGS)
-    assert len(run.steps) > 40
+def compared(
+    system: sr.System,
+    responses: object,
+    until: float,
+    names: list[str] | None = None,
+    memory: float = 100e6,
+    **settings: object,
+) -> None:
+    """By checkpoints and by all steps."""
+    run = sr.simulate(system, until=until, keep_steps=True, **settings)
+    wanted = sr.sensitivity(run, responses, names)
+    settings |= {"until": until, "memory": memory}
+    found = sr.sensitivity_by_checkpoints(system, responses, names, **settings)
     assert found.responses == wanted.responses
+    assert found.names == wanted.names
     assert np.allclose(found.values, wanted.values, rtol=1e-13, atol=0)
     for row, whole in zip(found.matrix, wanted.matrix, strict=True):
         assert abs(row - whole).max() < 1e-13 * abs(whole).max()
 
 
-def test_angles_with_turns_are_refused() -> None:
-    with pytest.raises(ValueError, match="count turns"):
-        sr.sensitivity_by_checkpoints(slider_crank(), "pin.angle", until=0.1)
+@pytest.mark.parametrize("first", [7, 400])
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+def test_the_gradient_is_that_of_all_steps(
+    method: object, first: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(long_run, "FIRST", first)
+    compared(slider_crank(), RESPONSES, 0.8, method=method, **SETTINGS)
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "FIRST", 3)
+    responses = ["pin.angle", sr.Integral("elbow.angle"), sr.Peak("tip.x")]
+    compared(sr.System(arm()), responses, 4.0, names=NAMES, method=method, **SETTINGS)
+
+
+def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "FIRST", 2)
+    begun: list[int] = []
+    take = long_run.LongRun.stretch
+    monkeypatch.setattr(long_run.LongRun, "stretch", lambda self, n: begun.append(len(self)) or take(self, n))
+    compared(slider_crank(), RESPONSES[0], 0.8, memory=5e5, **SETTINGS)
+    assert 1 < begun[0] < 20
+
+
+def test_too_little_memory_is_told() -> None:
+    with pytest.raises(ValueError, match=r"too few at t = .* give more than memory="):
+        sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=0.8, memory=1e5)

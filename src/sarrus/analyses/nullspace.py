@@ -8,9 +8,8 @@ import numpy as np
 
 from ..algebra import Array
 
-DEPENDENT = (
-    1e-9  # a singular value, of rows scaled to unit length, relative to the largest, that counts as zero
-)
+# A singular value, of rows scaled to unit length, relative to the largest, that counts as zero
+DEPENDENT = 1e-9
 
 
 class NullSpace:

@@ -29,9 +29,8 @@ FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_
 Plan = tuple[tuple[str, ...], str]  # functions, and the operand that is varied
 ROUNDS = 15
 BATCH_SECONDS = 0.004
-CALIBRATIONS = (
-    5  # runs of a batch, of which the fastest tells its length: one that was interrupted tells nothing
-)
+# Runs of a batch, of which the fastest tells its length: one that was interrupted tells nothing
+CALIBRATIONS = 5
 
 
 @dataclass(frozen=True)

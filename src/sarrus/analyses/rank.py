@@ -13,13 +13,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ..algebra import Array
 
-TOLERANCE = (
-    1e-8  # a singular value of the rows scaled to unit length, relative to the largest, that counts as zero
-)
+# A singular value of the rows scaled to unit length, relative to the largest, that counts as zero
+TOLERANCE = 1e-8
 DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
-LONG = (
-    0.01  # of the tolerance, in large components: that of a chain of N links falls with 1/N² and is not zero
-)
+# Share of the tolerance, in large components: that of a chain of N links falls with 1/N² and is not zero
+LONG = 0.01
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
 
 

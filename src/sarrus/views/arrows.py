@@ -14,9 +14,8 @@ from ..system import System
 from .applied import loads
 from .frames import Frames, interpolated
 
-LONG = (
-    90  # percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
-)
+# Percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
+LONG = 90
 SMALL = 1e-9  # of the largest: what is smaller all the time is not drawn
 FEW = 12  # joints, of which all reactions are shown if nobody says which
 

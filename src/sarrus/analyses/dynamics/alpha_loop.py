@@ -31,9 +31,8 @@ leave_out: Any = None
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
 NEWTON_LIMIT = 12  # iterations
-NEWTON_SHARE = (
-    0.03  # of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
-)
+# Share of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
+NEWTON_SHARE = 0.03
 RENEW, RENEWALS = 0.5, 3  # contraction at which the matrix is renewed within a step, and how often at most
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0

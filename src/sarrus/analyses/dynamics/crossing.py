@@ -36,9 +36,8 @@ CLOSE, AWAY = (
     1e-4,
 )  # of the smallest singular value at the start: from so far before a position it is gone over
 SHORT, RECENT = 1e-2, 24  # of the longest among recent steps: one that may be on the way to a position
-FURTHER = (
-    1.5  # each state from which the step is tried is so many times as far from the last as the one before
-)
+# Each state from which the step is tried is so many times as far from the last as the one before
+FURTHER = 1.5
 POINTS, SPACING = (
     8,
     0.4,

@@ -141,6 +141,11 @@ class RadauStepper(Implicit):
                 matrix.resume(*(state[f"{kind}_{name}"] for name in FACTORS))
             self._show()
 
+    def forget(self) -> None:
+        """Of what was kept for derivatives nothing but the present state stays."""
+        state, (a, lam) = self._state, self._last
+        self.keeping.forget(t=self.t, q=state.q0, v=state.v0, a=a, lam=lam)
+
     def _matrices(self) -> dict[str, PlacedMatrix]:
         return {"real": self.real, "pair": self.pair, "motion": self.motion}
 

@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
 from .chain import Nodes
-from .outputs import Outputs, States
+from .outputs import Angles, Outputs
 from .parameters import Parameters
 from .pieces import sampling_of
 from .responses import Response
@@ -35,7 +35,7 @@ class Evaluation:
     system, steps : the run
     responses : evaluated in this order
     parameters : whose numbers responses may use
-    nodes : states so near to each other that turns can be counted; by default all
+    angles : with their turns; by default counted along all nodes of the run
     """
 
     def __init__(
@@ -44,14 +44,14 @@ class Evaluation:
         steps: StepsTaken | Pieces,
         responses: Sequence[Response],
         parameters: Parameters,
-        nodes: States | None = None,
+        angles: Angles | None = None,
     ) -> None:
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
         self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]
-        nodes = sampling_of(steps).states if nodes is None else nodes
+        angles = angles or Angles(system, sampling_of(steps).states)
         self._outputs = [
-            Outputs(system, sampling.states, steps.b, parameters.number, nodes)
+            Outputs(system, sampling.states, steps.b, parameters.number, angles)
             for sampling in self._samplings
         ]
         pairs = zip(responses, self._outputs, strict=True)

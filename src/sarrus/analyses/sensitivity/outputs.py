@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from ...system.population import Population
 
 AXES = {"x": 0, "y": 1, "z": 2}
 SPRINGS = (TSDA, NonlinearTSDA)
+TURN = 2 * np.pi
 Key = tuple[str, int]
 
 
@@ -38,6 +40,31 @@ class States(NamedTuple):
     v: Array
     a: Array
     lam: Array
+
+
+class Angles:
+    """The joints' coordinates with all their turns.
+
+    Parameters
+    ----------
+    system : System
+    nodes : states so near to each other that turns can be counted
+    first : gives the coordinates at the first of them; by default they have less than a turn there
+    """
+
+    def __init__(self, system: System, nodes: States, first: Callable[[], Array] | None = None) -> None:
+        self._of, self._nodes, self._first = system.joint_coordinates, nodes, first
+
+    @cached_property
+    def values(self) -> Array:
+        """At the nodes (nt, number of coordinates)."""
+        values, _ = self._of.along(self._nodes.t, self._nodes.q, self._nodes.v)
+        whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / TURN)
+        return np.asarray(values + TURN * whole)
+
+    def near(self, name: str, t: Array) -> Array:
+        """A coordinate at times between the nodes, to less than half a turn."""
+        return np.interp(t, self._nodes.t, self.values[:, self._of.index(name)])
 
 
 class Outputs:
@@ -56,13 +83,13 @@ class Outputs:
         states: States,
         b: Array,
         parameters: Callable[[str], float],
-        nodes: States | None = None,
+        angles: Angles | None = None,
     ) -> None:
         self.tape = Tape()
         self.inputs: dict[Key, Traced] = {}
         self.named: dict[str, Traced] = {}
         self._system, self._states, self._b, self._parameters = system, states, b, parameters
-        self._nodes = nodes or states  # dense enough to count turns
+        self._angles = angles or Angles(system, states)
         self.t = self.tape.variable(states.t)
 
     def __call__(self, name: str) -> Any:
@@ -167,10 +194,8 @@ class Outputs:
         else:
             c, s = (_projection(element, axis).Phi(x)[0] for axis in (element.f_i, element.g_i))
             found = np.arctan2(s, c) - element.angle
-            values, _ = every.along(self._nodes.t, self._nodes.q, self._nodes.v)
-            near = np.interp(self._states.t, self._nodes.t, values[:, every.index(name)])
-            turns = np.round((near - found.value) / (2 * np.pi))
-            found = found + self.constant(2 * np.pi * turns)
+            turns = np.round((self._angles.near(name, self._states.t) - found.value) / TURN)
+            found = found + self.constant(TURN * turns)
         return found
 
     def multiplier(self, joint: str) -> Array:

@@ -24,9 +24,8 @@ from .chain import Gradients
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 GUESS = ("start.q.", "start.v.")
-SAME = (
-    1e-7  # [-] relative difference between numbers of a design and of the model that may come from rounding
-)
+# [-] relative difference between numbers of a design and of the model that may come from rounding
+SAME = 1e-7
 
 
 class UnknownParameter(SarrusError):

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from .analyses.sensitivity import sensitivity as sensitivity
     from .analyses.sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .analyses.workspace import workspace as workspace
+    from .analyses.workspace import workspace_field as workspace_field
     from .analyses.workspace import workspace_range as workspace_range
     from .analyses.workspace import workspace_volume as workspace_volume
     from .io import Robot as Robot
@@ -137,6 +138,7 @@ if TYPE_CHECKING:
     from .results import Solution as Solution
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
+    from .results import WorkspaceField as WorkspaceField
     from .results import WorkspaceRange as WorkspaceRange
     from .results import WorkspaceVolume as WorkspaceVolume
     from .results import load_run as load_run
@@ -180,12 +182,14 @@ _HOMES = {
         "input_singularities inverse_dynamics "
         "kinematics linearize mobility modes optimize repeat resume sensitivity sensitivity_by_checkpoints "
         "simulate singularities "
-        "state_derivatives verify_workspace workspace workspace_range workspace_volume"
+        "state_derivatives verify_workspace workspace workspace_field workspace_range "
+        "workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
         "Assembly Equilibrium Gradient Happened Hessian InputSingularities Mobility Modes Optimum Reaction "
-        "ShapeDerivative Singularity Solution Trajectory Workspace WorkspaceRange WorkspaceVolume load_run"
+        "ShapeDerivative Singularity Solution Trajectory Workspace WorkspaceField WorkspaceRange "
+        "WorkspaceVolume load_run"
     ),
     "views": "animate view",
     "studies": (

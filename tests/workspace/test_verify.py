@@ -39,6 +39,32 @@ def test_parts_that_were_missed_are_traced() -> None:
     assert found.verification.success
 
 
+def dropped(case: tuple, which: object) -> sr.Workspace:
+    """A map that says it is complete, without the curves of which a test of their outputs says so."""
+    system, output, limits = case
+    map_ = sr.WorkspaceMap(system, output, limits=limits).run()
+    lost = [branch for branch in map_.branches if which(np.array([point.u for point in branch.points]) * 1.0)]
+    assert lost
+    ends = {id(vertex) for branch in lost for vertex in (branch.start, branch.end)}
+    map_.explorer.branches = [branch for branch in map_.branches if branch not in lost]
+    map_.explorer.vertices = [vertex for vertex in map_.explorer.vertices if id(vertex) not in ends]
+    return map_.result()
+
+
+def test_a_void_that_was_missed_is_traced() -> None:
+    """Without the curves around one of the pivots it seems that everything there can be reached."""
+    system, _, _ = case = five_bar()
+    size = sr.WorkspaceMap(*case[:2]).problem.size
+    first = dropped(case, lambda u: abs(np.hypot(u[:, 0] * size + 1, u[:, 1] * size) - 0.3).max() < 1e-6)
+    assert first.success
+    assert first.area == pytest.approx(11.788984798867766 + np.pi * 0.09, rel=1e-6)
+    found = sr.verify_workspace(first, samples=200, rays=40)
+    assert found.verification is not None
+    assert found.verification.found_late > 0
+    assert found.verification.success
+    assert found.area == pytest.approx(11.788984798867766, rel=1e-6)
+
+
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_tests_run_on_an_executor(pool: type) -> None:
     """Random positions and rays that lead to the parts of a map that was stopped; the same curves as without it."""

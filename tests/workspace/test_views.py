@@ -23,10 +23,30 @@ def test_picture(arm: sr.Workspace) -> None:
     """All curves, each kind once in the legend, arrows on barriers, the mechanism in the number of positions wanted."""
     axes = arm.plot(ghosts=2)
     ghosts = [line for line in axes.get_lines() if line.get_marker() == "o"]
-    assert len(ghosts) == 2 * 3
+    assert len(ghosts) == 2 * (3 + 1)  # three links and the tip
     assert len(axes.get_lines()) - len(ghosts) == len([curve for curve in arm.curves if not curve.again])
     assert len(axes.get_legend().get_texts()) == 3
     assert len(axes.texts) > len(arm.of_kind("barrier"))
+
+
+def test_the_mechanism_is_drawn_where_it_is_wanted(arm: sr.Workspace) -> None:
+    """Its links have their lengths, and the last one ends there."""
+    axes = arm.plot(at=[(5.0, 2.5), (2.0, 6.0)])
+    marked = [np.array(line.get_xydata()) for line in axes.get_lines() if line.get_marker() == "o"]
+    tips = [line for line in marked if len(line) == 1]
+    assert np.concatenate(tips) == pytest.approx(np.array([(5.0, 2.5), (2.0, 6.0)]), abs=1e-9)
+    lengths = sorted(float(np.linalg.norm(line[1] - line[0])) for line in marked if len(line) == 2)
+    assert lengths == pytest.approx([1, 1, 2, 2, 4, 4])
+    with pytest.raises(sr.SarrusError, match="no position was found with the outputs at 0, 0"):
+        arm.plot(at=[(0.0, 0.0)])
+
+
+def test_kinds_of_curves_are_chosen(arm: sr.Workspace) -> None:
+    axes = arm.plot(kinds=["barrier"], ghosts=0)
+    assert len(axes.get_lines()) == len([curve for curve in arm.of_kind("barrier") if not curve.again])
+    assert len(axes.get_legend().get_texts()) == 1
+    with pytest.raises(sr.SarrusError, match='no curves of kind "barriers"; did you mean'):
+        arm.plot(kinds=["barriers"])
 
 
 def test_table(arm: sr.Workspace, tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ from .workspace import (
     input_singularities,
     verify_workspace,
     workspace,
+    workspace_field,
     workspace_range,
     workspace_volume,
 )
@@ -90,6 +91,7 @@ __all__ = [
     "state_derivatives",
     "verify_workspace",
     "workspace",
+    "workspace_field",
     "workspace_range",
     "workspace_volume",
 ]

@@ -17,6 +17,7 @@ from .solution import Solution, State
 from .steps import Pieces, RadauSteps, Steps, StepsTaken, Turn
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
+from .workspace_field import WorkspaceField
 from .workspace_range import CriticalValue, WorkspaceRange
 from .workspace_volume import Slice, WorkspaceVolume
 
@@ -54,6 +55,7 @@ __all__ = [
     "Turn",
     "Verification",
     "Workspace",
+    "WorkspaceField",
     "WorkspaceRange",
     "WorkspaceVolume",
     "load_run",

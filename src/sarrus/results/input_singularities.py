@@ -1,4 +1,4 @@
-"""Positions at which the inputs of a mechanism lose control of it, as curves."""
+"""Positions at which inputs lose control of a mechanism, or outputs a direction, as curves."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ from typing import Any, Literal
 
 from ..algebra import Array
 
+Lost = Literal["inputs", "outputs"]
+
 
 @dataclass(frozen=True)
 class SingularCurve:
-    """A curve of positions at which the mechanism can move while its inputs stand still.
+    """A curve of positions at which the mechanism can move while its inputs, or its outputs, stand still.
 
     Attributes
     ----------
     u : (k, 2) outputs along it; `line` (m, 2) the same more densely
-    v : (k, inputs) values of the inputs
+    v : (k, inputs) values of the inputs, `input_line` (m, inputs) more densely; angles go on from each other
     q : (k, nq) positions
     closed : whether it comes back to its start
     """
@@ -23,6 +25,7 @@ class SingularCurve:
     u: Array = field(repr=False)
     line: Array = field(repr=False)
     v: Array = field(repr=False)
+    input_line: Array = field(repr=False)
     q: Array = field(repr=False)
     closed: bool
 
@@ -34,7 +37,8 @@ class InputSingularities:
     Attributes
     ----------
     name : of the system
-    outputs, inputs : names of the functions
+    outputs, inputs : names of the functions, with `units` and `input_units` "m" or "rad"
+    lost : what loses a direction
     """
 
     name: str
@@ -43,14 +47,29 @@ class InputSingularities:
     curves: tuple[SingularCurve, ...] = field(repr=False)
     status: Literal["mapped", "incomplete"]
     message: str
+    lost: Lost
+    units: tuple[str, ...]
+    input_units: tuple[str, ...]
 
     @property
     def success(self) -> bool:
         """Whether nothing was lost."""
         return self.status == "mapped"
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the curves in the plane of the outputs; see `sarrus.views.plot_input_singularities`."""
+    def to_csv(self, path: Any) -> None:
+        """Write all curves as a table: curve, what is lost, outputs, inputs."""
+        import csv
+        from pathlib import Path
+
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["curve", "lost", *self.outputs, *self.inputs])
+            for n, curve in enumerate(self.curves):
+                for u, v in zip(curve.line.tolist(), curve.input_line.tolist(), strict=True):
+                    writer.writerow([n, self.lost, *map(repr, (*u, *v))])
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the curves over the outputs or the inputs; see `sarrus.views.plot_input_singularities`."""
         from importlib import import_module
 
-        return import_module("sarrus.views").plot_input_singularities(self, ax)
+        return import_module("sarrus.views").plot_input_singularities(self, ax, **options)

@@ -25,7 +25,7 @@ def write_netcdf(path: str | Path, columns: Mapping[str, Column], attributes: Ma
 
     with netcdf_file(str(path), "w", version=2) as file:
         for name, value in attributes.items():
-            setattr(file, name, value)
+            setattr(file, name, _encoded(value))
         for name, column in columns.items():
             values = np.asarray(column.values)
             for dimension, length in zip(column.dimensions, values.shape, strict=True):
@@ -35,7 +35,12 @@ def write_netcdf(path: str | Path, columns: Mapping[str, Column], attributes: Ma
             variable = file.createVariable(name, kind, column.dimensions)
             variable[:] = values.astype(kind)
             for key, value in column.attributes.items():
-                setattr(variable, key, value)
+                setattr(variable, key, _encoded(value))
+
+
+def _encoded(value: Any) -> Any:
+    """Words in UTF-8, which the format's readers expect."""
+    return value.encode() if isinstance(value, str) else value
 
 
 def flags(names: Sequence[str], chosen: Sequence[str], dimension: str) -> Column:

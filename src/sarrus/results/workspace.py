@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -76,6 +77,7 @@ class Verification:
     ----------
     samples, outside : random admissible positions, and how many of them lay outside beyond `tolerance`
     rays, known_rays : random rays that found an end, and how many of these ends lie on known curves
+    crossings, known_crossings : how often random walks crossed a singular curve, and how many of these are known
     inner, reached : places just inside the boundary, and how many inverse kinematics reached
     rounds, found_late : tests until nothing new was found, and curves that were traced because of them
     """
@@ -84,6 +86,8 @@ class Verification:
     outside: int
     rays: int
     known_rays: int
+    crossings: int
+    known_crossings: int
     inner: int
     reached: int
     rounds: int
@@ -93,7 +97,8 @@ class Verification:
     @property
     def success(self) -> bool:
         """Whether no test failed in the last round."""
-        return not self.outside and self.known_rays == self.rays and self.reached == self.inner
+        unknown = self.rays + self.crossings - self.known_rays - self.known_crossings
+        return not self.outside and not unknown and self.reached == self.inner
 
     @property
     def missed_share(self) -> float:
@@ -104,16 +109,22 @@ class Verification:
         told = [
             f"Of {self.samples} random admissible positions {self.outside or 'none'} lay outside.",
             f"{self.known_rays} of {self.rays} rays ended on known curves.",
+            *self._crossed(),
             f"{self.reached} of {self.inner} places just inside the boundary were reached by inverse kinematics.",
         ]
         if self.found_late:
+            many = ("curves", "they are") if self.found_late > 1 else ("curve", "it is")
             told.append(
-                f"The tests led to {self.found_late} curves that had been missed; they are traced now."
+                f"The tests led to {self.found_late} {many[0]} that had been missed; {many[1]} traced now."
             )
         told.append(
             f"With 95 % confidence less than {100 * self.missed_share:.3g} % of admissible positions were missed."
         )
         return " ".join(told)
+
+    def _crossed(self) -> Iterator[str]:
+        if self.crossings:
+            yield f"{self.known_crossings} of {self.crossings} crossings of singular curves were of known ones."
 
 
 @dataclass(frozen=True)

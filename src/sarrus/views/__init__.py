@@ -2,6 +2,7 @@
 
 from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient, tornado_figure
 from .histories import plot, plot_energies, plot_phase, plot_sensitivities, plot_steps, plot_violation
+from .input_singularities import plot_input_singularities
 from .mechanism import mechanism_figure
 from .mode_shapes import animate_mode
 from .modes import modes_table, plot_modes
@@ -10,9 +11,11 @@ from .reactions import plot_reaction
 from .shows import animate, view
 from .studies import plot_study
 from .tables import paper_tables
-from .workspace import plot_input_singularities, plot_workspace, workspace_report
+from .workspace import plot_workspace
+from .workspace_field import plot_workspace_field
 from .workspace_surface import view_workspace
 from .workspace_volume import plot_workspace_volume
+from .workspace_words import workspace_report
 
 __all__ = [
     "animate",
@@ -37,6 +40,7 @@ __all__ = [
     "plot_study",
     "plot_violation",
     "plot_workspace",
+    "plot_workspace_field",
     "plot_workspace_volume",
     "tornado_figure",
     "view",

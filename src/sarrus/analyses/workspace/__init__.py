@@ -1,8 +1,10 @@
 """Workspaces: what outputs of a mechanism can reach, its boundary, barriers and singularities, by continuation."""
 
 from .analysis import workspace
-from .control import Dexterity, dexterity, input_singularities
+from .control import input_singularities
+from .dexterity import Dexterity, dexterity
 from .extremes import workspace_range
+from .field import workspace_field
 from .mapping import WorkspaceMap
 from .shape import area_gradient, distance_gradient, end_gradient
 from .verify import verify_workspace
@@ -18,6 +20,7 @@ __all__ = [
     "input_singularities",
     "verify_workspace",
     "workspace",
+    "workspace_field",
     "workspace_range",
     "workspace_volume",
 ]

@@ -1,22 +1,25 @@
-"""Where the inputs of a mechanism lose control of it, and how well they move its outputs elsewhere."""
+"""Where inputs lose control of a mechanism, or outputs a direction, told in the outputs and in the inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError
-from ...results.input_singularities import InputSingularities, SingularCurve
+from ...results.input_singularities import InputSingularities, Lost, SingularCurve
 from ...system import System
-from .arc import Arc
+from .arc import DENSE, Arc
+from .change import changes
 from .explore import Branch
 from .formulate import Limits, formulate
 from .mapping import REPEATS, WorkspaceMap
+from .measures import measures
 from .problem import Problem
+
+CROSSINGS = 100  # by random walks, in a row of known curves, until the curves count as complete
 
 
 def input_singularities(
@@ -24,20 +27,24 @@ def input_singularities(
     output: Iterable[Any],
     inputs: Iterable[Any],
     *,
+    lost: Lost = "inputs",
     limits: Limits | None = None,
     fixed: Mapping[Any, float] | None = None,
     seed: int = 0,
     repeats: int = REPEATS,
 ) -> InputSingularities:
-    """Trace positions at which a motion is possible while all inputs stand still: Φ_qᵀ lam + V_qᵀ ν = 0.
+    """Trace positions at which a motion is possible while all inputs, or all outputs, stand still.
 
-    There the inputs cannot bear a load, and ways of assembly meet (type 2, or parallel, singularities).
+    With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot bear a load, and ways of assembly meet (type 2, or
+    parallel, singularities). With ``lost="outputs"``, Φ_qᵀ lam + U_qᵀ c = 0: the outputs cannot move in some direction,
+    and solutions of the inverse kinematics meet (type 1, or serial). Both are told in the outputs and in the inputs.
 
     Parameters
     ----------
     system, limits, seed, repeats : see `sarrus.workspace`; the curves end at limits
     output : two functions that are drawn
     inputs : as many functions as there are degrees of freedom
+    lost : what loses a direction, "inputs" or "outputs"
     fixed : values of functions, one for each degree of freedom beyond two, which choose a section
 
     Raises
@@ -45,93 +52,81 @@ def input_singularities(
     SarrusError
         If the numbers of inputs or fixed functions do not fit the degrees of freedom.
     """
-    problem = formulate(system, output, limits=limits, fixed=fixed, inputs=inputs, singular="inputs")
-    _refuse_counts(problem)
+    if lost not in ("inputs", "outputs"):
+        raise SarrusError(f"lost is {lost!r}; give 'inputs' or 'outputs'")
+    driven = list(inputs)
+    problem = formulate(system, output, limits=limits, fixed=fixed, inputs=driven, singular=lost)
+    names = [one.name for one in measures(system, driven)]
+    _refuse_counts(problem, len(names))
+    table = [one.name for one in problem.table]
+    places = [table.index(name) for name in names]
     map_ = WorkspaceMap.of(problem, seed, repeats).run()
+    crossed = _follow_changes(map_, seed)
     trouble = [branch.trouble for branch in map_.branches if branch.trouble]
     told = (
         f"{len(trouble)} curves were lost, the first because {trouble[0]}" if trouble else "no curve was lost"
     )
+    told += f"; the last {crossed} crossings by random walks were of known curves"
     return InputSingularities(
         system.name,
-        tuple(problem.table[k].name for k in problem.outputs),
-        tuple(problem.table[k].name for k in problem.normal),
-        tuple(_curve(branch) for branch in map_.branches),
+        tuple(table[k] for k in problem.outputs),
+        tuple(names),
+        tuple(_curve(branch, places) for branch in map_.branches if _is_singular(branch)),
         "incomplete" if trouble else "mapped",
         f"{system.name}: {told}",
+        lost,
+        tuple(problem.table[k].unit for k in problem.outputs),
+        tuple(problem.table[k].unit for k in places),
     )
 
 
-def _refuse_counts(problem: Problem) -> None:
+def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
+    """Trace what random walks cross; how many crossings in a row were of known curves in the end."""
+    in_a_row = 0
+    for start in changes(map_.problem, seed + 1, map_.explorer.tally):
+        in_a_row = 0 if map_.explorer.start(*start) else in_a_row + 1
+        map_.run()
+        if in_a_row >= CROSSINGS:
+            break
+    return in_a_row
+
+
+def _refuse_counts(problem: Problem, inputs: int) -> None:
     freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
-    if len(problem.normal) != freedoms:
-        told = f"{name} has {freedoms} degrees of freedom, but {len(problem.normal)} inputs are given"
+    if inputs != freedoms:
+        told = f"{name} has {freedoms} degrees of freedom, but {inputs} inputs are given"
         raise SarrusError(f"{told}; give as many inputs")
     if problem.freedoms != 2:
         told = f"{name} has {problem.freedoms} degrees of freedom beside what is fixed"
         raise SarrusError(f"{told}; fix functions until two are left, so that singularities are curves")
 
 
-def _curve(branch: Branch) -> SingularCurve:
-    p = branch.stratum.problem
-    q = np.array([point.x[: p.n] for point in branch.points])
-    values = np.array([p.values(one) for one in q])
+def _is_singular(branch: Branch) -> bool:
+    """Whether the mechanism itself loses a direction, and not only because a limit is reached."""
+    return not branch.stratum.problem.of_outputs or branch.stratum.dimension > 1
+
+
+def _curve(branch: Branch, driven: list[int]) -> SingularCurve:
+    p, steps = branch.stratum.problem, branch.steps()
     closed = branch.start is branch.end and branch.start.kind == "seed"
+    v = _along(branch, driven)
     return SingularCurve(
         np.array([point.u for point in branch.points]) * p.units[p.outputs],
-        Arc(np.array([step.quintic() for step in branch.steps()])).polyline * p.units[p.outputs],
-        np.array([p.shown(k, values[:, p.m + k]) for k in p.normal]).T,
-        q * p.scale,
+        Arc(np.array([step.quintic() for step in steps])).polyline * p.units[p.outputs],
+        v[::DENSE],
+        v,
+        np.array([point.x[: p.n] for point in branch.points]) * p.scale,
         closed,
     )
 
 
-class Dexterity(NamedTuple):
-    """How inputs move outputs at a position.
-
-    `jacobian` is (outputs, inputs) du/dv; `manipulability` sqrt(det J Jᵀ), the area of the outputs' ellipse over π for
-    unit rates of the inputs; `condition` the ratio of its axes, 1 where all directions are alike, infinite where one
-    is lost; `conditioning` its inverse.
-    """
-
-    jacobian: Array
-    manipulability: float
-    condition: float
-
-    @property
-    def conditioning(self) -> float:
-        """1 where all directions are alike, 0 where one is lost."""
-        return 1 / self.condition
-
-
-def dexterity(
-    system: System,
-    q: ArrayLike,
-    output: Iterable[Any],
-    inputs: Iterable[Any],
-    *,
-    fixed: Mapping[Any, float] | None = None,
-) -> list[Dexterity]:
-    """Manipulability and dexterity at positions, such as those of a workspace's curves or of random samples.
-
-    Parameters
-    ----------
-    system : System
-    q : (nq,) or (k, nq) positions that satisfy the constraints
-    output, inputs : functions of the position
-    fixed : functions that keep their values
-    """
-    problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
-    return [_dexterity(problem, one / problem.scale) for one in np.atleast_2d(np.asarray(q, dtype=float))]
-
-
-def _dexterity(problem: Problem, q: Array) -> Dexterity:
-    J = problem.jacobian(q)
-    rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
-    free = problem.n - len(rows)
-    Z = np.linalg.svd(J[rows], full_matrices=True)[2][problem.n - free :].T
-    U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, problem.normal))
-    found = U @ np.linalg.pinv(V)
-    sizes = np.linalg.svd(found, compute_uv=False)
-    condition = float(sizes[0] / sizes[-1]) if sizes[-1] > 0 else np.inf
-    return Dexterity(found, float(np.prod(sizes)), condition)
+def _along(branch: Branch, driven: list[int]) -> Array:
+    """The inputs along a branch, `DENSE` times for each step; angles go on from each other."""
+    p, steps = branch.stratum.problem, branch.steps()
+    inner = [step.x(n / DENSE) for step in steps for n in range(DENSE)]
+    values = np.array([p.values(x[: p.n]) for x in (*inner, steps[-1].b.x)])
+    columns = []
+    for k in driven:
+        shown = p.shown(k, values[:, p.m + k])
+        columns.append(np.unwrap(shown) if p.table[k].kind == "angle" else shown)
+    return np.stack(columns, axis=1)

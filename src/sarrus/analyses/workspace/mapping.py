@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import Model, SarrusError
@@ -17,6 +18,7 @@ from .formulate import Limits, formulate
 from .newton import Tally
 from .problem import Problem
 from .ray import Ray
+from .reach import reach
 from .region import Region, component_of
 from .sample import Samples
 from .seeds import Start, random_start
@@ -25,6 +27,7 @@ from .trace import LONGEST
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
 MOST_STARTS = 600
 CONFIDENCE = 0.95
+NEAREST = 40  # known positions from which one at a place is looked for
 
 
 Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
@@ -132,6 +135,14 @@ class WorkspaceMap:
         angle = self.random.uniform(0.0, 2 * np.pi)
         return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)]), self.explorer.tally).end()
 
+    def position_at(self, place: ArrayLike) -> Array | None:
+        """A position (nq,) with the outputs at a place (2,), within all limits; nothing, if none is found."""
+        p = self.problem
+        known = [point.x[: p.n] for branch in self.branches for point in branch.points]
+        target = np.asarray(place, dtype=float) / p.units[p.outputs]
+        q = reach(p, target, np.array([*self.met, *known]), NEAREST, np.random.default_rng(self.seed))
+        return None if q is None else q * p.scale
+
     @property
     def branches(self) -> list[Branch]:
         """The curves so far, without those of no length."""
@@ -167,7 +178,7 @@ class WorkspaceMap:
         return Workspace(
             p.system.name,
             (one.name, other.name),
-            ("rad" if one.kind == "angle" else "m", "rad" if other.kind == "angle" else "m"),
+            (one.unit, other.unit),
             tuple(region.curves(names)),
             region.area * float(units.prod()),
             region.area_error(self._checks) * float(units.prod()),

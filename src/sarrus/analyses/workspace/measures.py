@@ -26,6 +26,11 @@ class Measure(NamedTuple):
     placed: Placed
     kind: str  # "length", "angle" or "square" (of a length)
 
+    @property
+    def unit(self) -> str:
+        """Of what the user is told."""
+        return "rad" if self.kind == "angle" else "m"
+
     def value(self, wanted: float) -> float:
         """What the element shows for a wanted value."""
         return wanted**2 if self.kind == "square" else wanted

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from ...algebra import Array
 from ...results.workspace import Verification, Workspace
 from ...system import System
+from .change import can_change, changes
 from .formulate import formulate
 from .mapping import Asked, WorkspaceMap
 from .newton import Tally
@@ -24,7 +26,7 @@ from .seeds import Start
 
 TOLERANCE = 1e-6  # free of units: farther outside, a position is outside
 DEPTH = 1e-3  # of places just inside the boundary, free of units
-MOST_INNER = 60
+INNER = 50  # such places along the whole boundary
 WALK = 25  # positions of a random walk from each assembled one
 ROUNDS = 4
 DIRECTIONS = 6
@@ -41,10 +43,11 @@ class Part(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """Admissible positions, and the ends of rays."""
+    """Admissible positions, the ends of rays, and where random walks crossed singular curves."""
 
     positions: list[Array]
     ends: list[Start]
+    crossings: list[Start]
 
 
 def verify_workspace(
@@ -53,13 +56,14 @@ def verify_workspace(
     """Test a workspace, trace what was missed, and return it with a `Verification`.
 
     Random admissible positions, assembled and walked to, must not lie outside; random rays must end on known curves;
-    places just inside the boundary must be reached by inverse kinematics. Where a test fails, rays from there lead to
-    curves that were missed, and all is tested again.
+    with two degrees of freedom random walks must cross singular curves that are known; places just inside the boundary
+    must be reached by inverse kinematics. Where a test fails, it leads to curves that were missed, and all is tested
+    again.
 
     Parameters
     ----------
     found : Workspace
-    samples, rays : how many of each
+    samples, rays : how many of each; as many crossings as rays
     executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
     """
     map_: WorkspaceMap = found.map
@@ -75,15 +79,27 @@ def verify_workspace(
 
 
 def _round(map_: WorkspaceMap, drawn: Drawn) -> Verification:
-    p, (positions, ends) = map_.problem, drawn
+    p, (positions, ends, crossings) = map_.problem, drawn
     outputs, region = p.m + p.outputs, map_.region()
     u = np.array([p.values(q)[outputs] for q in positions]).reshape(-1, 2)
     outside = np.flatnonzero(region.outside(u, TOLERANCE)) if len(u) else np.zeros(0, dtype=int)
     for n in outside[:20]:
         _look_around(map_, positions[n])
-    known = _known(map_, ends)
+    known, crossed = _known(map_, ends), _known(map_, crossings)
     inner, reached = _inner(map_, map_.region())
-    return Verification(len(u), len(outside), len(ends), known, inner, reached, 1, 0, TOLERANCE * p.size)
+    return Verification(
+        len(u),
+        len(outside),
+        len(ends),
+        known,
+        len(crossings),
+        crossed,
+        inner,
+        reached,
+        1,
+        0,
+        TOLERANCE * p.size,
+    )
 
 
 def _parts(seed: int, samples: int, rays: int) -> Iterator[Part]:
@@ -99,7 +115,11 @@ def _drawn(map_: WorkspaceMap, parts: Sequence[Part], executor: Executor | None)
         found = [_draw(map_.problem, part) for part in parts]
     else:
         found = list(executor.map(_work, [map_.asked] * len(parts), parts))
-    return Drawn([q for one in found for q in one.positions], [end for one in found for end in one.ends])
+    return Drawn(
+        [q for one in found for q in one.positions],
+        [end for one in found for end in one.ends],
+        [start for one in found for start in one.crossings],
+    )
 
 
 def _work(asked: Asked, part: Part) -> Drawn:
@@ -109,13 +129,14 @@ def _work(asked: Asked, part: Part) -> Drawn:
 
 
 def _draw(problem: Problem, part: Part) -> Drawn:
-    """Random admissible positions, assembled and walked to, and ends of rays in random directions."""
+    """Random admissible positions, assembled and walked to, ends of rays in random directions, and crossings."""
     samples, random = Samples(problem, part.seed), np.random.default_rng(part.seed)
     positions: list[Array] = []
     while len(positions) < part.samples and (q := next(samples, None)) is not None:
         positions += [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
     ends = [_ray(problem, next(samples, None), random) for _ in range(part.rays)]
-    return Drawn(positions, [end for end in ends if end is not None])
+    crossed = islice(changes(problem, part.seed, Tally()), part.rays) if can_change(problem) else ()
+    return Drawn(positions, [end for end in ends if end is not None], list(crossed))
 
 
 def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Start | None:
@@ -134,7 +155,7 @@ def _look_around(map_: WorkspaceMap, q: Array) -> None:
 
 
 def _known(map_: WorkspaceMap, ends: Sequence[Start]) -> int:
-    """How many ends of rays lie on known curves; the others are starts."""
+    """How many ends of rays, or crossings, lie on known curves; the others are starts."""
     known = 0
     for end in ends:
         known += not map_.explorer.start(*end)
@@ -144,20 +165,27 @@ def _known(map_: WorkspaceMap, ends: Sequence[Start]) -> int:
 
 
 def _inner(map_: WorkspaceMap, region: Region) -> tuple[int, int]:
-    """Places a little inside of boundary pieces, and how many are reached from positions that were met."""
-    p, edges = map_.problem, np.flatnonzero(region.bounds).tolist()
-    chosen = edges[:: max(1, len(edges) // MOST_INNER)]
+    """Places a little inside of the boundary, and how many are reached from positions that were met."""
     tried = reached = 0
-    for k in chosen:
+    for k, at in _evenly(region):
         piece = region.division.pieces[k]
-        middle = 0.5 * piece.arc.end
-        slope = piece.arc.slope(middle)
+        slope = piece.arc.slope(at)
         left = np.array([-slope[1], slope[0]]) / np.linalg.norm(slope)
-        target = piece.arc.point(middle) + DEPTH * left * (1 if region.can[region.sides[k, 0]] else -1)
+        target = piece.arc.point(at) + DEPTH * left * (1 if region.can[region.sides[k, 0]] else -1)
         if region.can[region.cells.locate(target[None])[0]]:
             tried += 1
-            reached += reach(p, target, _starts(map_, region, k), 8, map_.random) is not None
+            reached += reach(map_.problem, target, _starts(map_, region, k), 8, map_.random) is not None
     return tried, reached
+
+
+def _evenly(region: Region) -> Iterator[tuple[int, float]]:
+    """Pieces of the boundary and parameters of their arcs: the middle of every piece, and more along long ones."""
+    edges = np.flatnonzero(region.bounds).tolist()
+    lengths = [region.division.pieces[k].arc.length for k in edges]
+    for k, length in zip(edges, lengths, strict=True):
+        count = max(1, round(INNER * length / sum(lengths)))
+        for n in range(count):
+            yield k, (n + 0.5) / count * region.division.pieces[k].arc.end
 
 
 def _starts(map_: WorkspaceMap, region: Region, k: int) -> Array:

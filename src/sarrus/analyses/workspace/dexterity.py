@@ -1,0 +1,67 @@
+"""How well inputs move the outputs of a mechanism at a position: manipulability and conditioning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...system import System
+from .formulate import formulate
+from .problem import Problem
+
+
+class Dexterity(NamedTuple):
+    """How inputs move outputs at a position.
+
+    `jacobian` is (outputs, inputs) du/dv; `manipulability` sqrt(det J Jᵀ), the area of the outputs' ellipse over π for
+    unit rates of the inputs; `condition` the ratio of its axes, 1 where all directions are alike, infinite where one
+    is lost; `conditioning` its inverse.
+    """
+
+    jacobian: Array
+    manipulability: float
+    condition: float
+
+    @property
+    def conditioning(self) -> float:
+        """1 where all directions are alike, 0 where one is lost."""
+        return 1 / self.condition
+
+
+def dexterity(
+    system: System,
+    q: ArrayLike,
+    output: Iterable[Any],
+    inputs: Iterable[Any],
+    *,
+    fixed: Mapping[Any, float] | None = None,
+) -> list[Dexterity]:
+    """Manipulability and dexterity at positions, such as those of a workspace's curves or of random samples.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) or (k, nq) positions that satisfy the constraints
+    output, inputs : functions of the position
+    fixed : functions that keep their values
+    """
+    problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
+    positions = np.atleast_2d(np.asarray(q, dtype=float)) / problem.scale
+    return [dexterity_at(problem, one, problem.normal) for one in positions]
+
+
+def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:
+    """The same at a scaled position; inputs by their places in the table."""
+    J = problem.jacobian(q)
+    rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
+    free = problem.n - len(rows)
+    Z = np.linalg.svd(J[rows], full_matrices=True)[2][problem.n - free :].T
+    U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, inputs))
+    found = U @ np.linalg.pinv(V)
+    sizes = np.linalg.svd(found, compute_uv=False)
+    condition = float(sizes[0] / sizes[-1]) if sizes[-1] > 0 else np.inf
+    return Dexterity(found, float(np.prod(sizes)), condition)

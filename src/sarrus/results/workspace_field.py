@@ -1,0 +1,110 @@
+"""How well a mechanism can move and turn at the places of its workspace: numbers on a grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ..algebra import Array
+from .netcdf import Column, write_netcdf
+from .workspace import Workspace
+
+Quantity = Literal[
+    "solutions",
+    "manipulability",
+    "worst_manipulability",
+    "conditioning",
+    "worst_conditioning",
+    "turn",
+]
+MEANINGS: dict[Quantity, str] = {
+    "solutions": "solutions of the inverse kinematics",
+    "manipulability": "manipulability √det J Jᵀ, of the best solution",
+    "worst_manipulability": "manipulability √det J Jᵀ, of the worst solution",
+    "conditioning": "conditioning (smallest over largest singular value of J), of the best solution",
+    "worst_conditioning": "conditioning (smallest over largest singular value of J), of the worst solution",
+    "turn": "range of orientation",
+}
+
+
+@dataclass(frozen=True)
+class WorkspaceField:
+    """Numbers at the centres of a grid's cells, nan where the outputs cannot be.
+
+    Attributes
+    ----------
+    workspace : on which the grid lies
+    inputs : by which J takes derivatives; `turn` the name of the function whose range is told
+    x, y : (nx,), (ny,) values of the outputs
+    values : quantity -> (ny, nx)
+    positions : how many positions of the mechanism were found
+    missed : cells inside the boundary that no solution was found for
+    """
+
+    workspace: Workspace = field(repr=False)
+    inputs: tuple[str, ...]
+    turn: str
+    x: Array = field(repr=False)
+    y: Array = field(repr=False)
+    values: dict[Quantity, Array] = field(repr=False)
+    positions: int
+    missed: int
+
+    @property
+    def name(self) -> str:
+        """Of the system."""
+        return self.workspace.name
+
+    def meaning(self, quantity: Quantity) -> str:
+        """What a quantity is, in words."""
+        told = MEANINGS[quantity]
+        return f"{told} {self.turn} [rad]" if quantity == "turn" else told
+
+    def to_csv(self, path: Any) -> None:
+        """Write one line for each cell inside: both outputs, then all quantities."""
+        import csv
+        from pathlib import Path
+
+        x, y = np.meshgrid(self.x, self.y)
+        columns = [x, y, *self.values.values()]
+        inside = np.isfinite(columns[2:]).any(axis=0)
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*self.workspace.outputs, *self.values])
+            for row in np.stack([one[inside] for one in columns], axis=1).tolist():
+                writer.writerow([repr(number) for number in row])
+
+    def to_netcdf(self, path: Any) -> None:
+        """Write the grid in the NetCDF format: x, y, and an array (y, x) for each quantity."""
+        names, units = self.workspace.outputs, self.workspace.units
+        told = [{"long_name": name, "units": unit} for name, unit in zip(names, units, strict=True)]
+        columns = {"x": Column(("x",), self.x, told[0]), "y": Column(("y",), self.y, told[1])}
+        for quantity, values in self.values.items():
+            meaning = {"long_name": self.meaning(quantity)}
+            columns[quantity] = Column(("y", "x"), values, meaning)
+        write_netcdf(path, columns, {"title": self.name, "inputs": ", ".join(self.inputs)})
+
+    def plot(self, quantity: Quantity | None = None, ax: Any = None) -> Any:
+        """Draw one quantity inside the boundary; see `sarrus.views.plot_workspace_field`."""
+        from importlib import import_module
+
+        return import_module("sarrus.views").plot_workspace_field(self, quantity, ax)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.name}: a grid of {len(self.x)} x {len(self.y)} places, {self.positions} positions of the "
+            f"mechanism, on {self._cells()} places inside the boundary."
+        ]
+        for quantity, values in self.values.items():
+            known = values[np.isfinite(values)]
+            if len(known):
+                told = f"{known.min():.4g} to {known.max():.4g}, in the middle {np.median(known):.4g}"
+                lines.append(f"{self.meaning(quantity)[0].upper()}{self.meaning(quantity)[1:]}: {told}.")
+        if self.missed:
+            lines.append(f"At {self.missed} places inside the boundary no position was found.")
+        return "\n".join(lines)
+
+    def _cells(self) -> int:
+        return int(np.isfinite(next(iter(self.values.values()))).sum())

@@ -1,0 +1,95 @@
+"""Positions at which inputs or outputs are lost, drawn over the outputs or over the inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..model import SarrusError
+from ..model.show import quote, suggest
+from ..results.input_singularities import InputSingularities, Lost, SingularCurve
+from .plots import BLUE, _tidy, _window_axes
+
+RED = "#c23b4e"
+STYLES: dict[Lost, dict[str, Any]] = {
+    "inputs": {"color": RED, "linewidth": 1.4, "linestyle": (0, (4, 2))},
+    "outputs": {"color": BLUE, "linewidth": 1.6},
+}
+TOLD: dict[Lost, str] = {"inputs": "lose control", "outputs": "lose a direction"}
+DOT = 1e-6  # of a turn or a metre: a curve that is a point of the inputs
+
+
+def plot_input_singularities(
+    found: InputSingularities, ax: Any = None, *, over: Lost = "outputs", axes: Sequence[str] | None = None
+) -> Any:
+    """Draw where inputs lose control (dashed) or outputs a direction, over the plane of two outputs or of two inputs.
+
+    Over the outputs it may be drawn into the axes of a workspace; over the inputs, both kinds into the same axes.
+
+    Parameters
+    ----------
+    found : InputSingularities
+    ax : Matplotlib axes to draw into; by default a new figure's
+    over : "outputs" or "inputs"
+    axes : which two of the inputs; by default the first ones
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    SarrusError
+        If there are not two such inputs.
+    ImportError
+        If Matplotlib is not installed.
+    """
+    columns = _columns(found, axes) if over == "inputs" else [0, 1]
+    if ax is None:
+        ax = _window_axes()
+        ax.figure.set_size_inches(7.5, 7.0)
+        _name(ax, found, over, columns)
+    names = found.inputs if found.lost == "inputs" else found.outputs
+    label = f"{', '.join(names)} {TOLD[found.lost]}"
+    for n, curve in enumerate(found.curves):
+        line = _wrapped(found, curve, columns) if over == "inputs" else curve.line
+        point = np.ptp(line[np.isfinite(line[:, 0])], axis=0).max() < DOT
+        style = STYLES[found.lost] | ({"marker": "o"} if point else {})
+        ax.plot(*line.T, **style, label=label if n == 0 else None)
+    if found.curves:
+        ax.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2)
+    return _tidy(ax)
+
+
+def _columns(found: InputSingularities, axes: Sequence[str] | None) -> list[int]:
+    names = list(found.inputs[:2] if axes is None else axes)
+    unknown = [name for name in names if name not in found.inputs]
+    if unknown:
+        raise SarrusError(f"there is no input {quote(unknown[0])}; {suggest(unknown[0], found.inputs)}")
+    if len(names) != 2:
+        raise SarrusError(
+            f"a picture is over two inputs, not {len(names)}; name two of {', '.join(found.inputs)}"
+        )
+    return [found.inputs.index(name) for name in names]
+
+
+def _name(ax: Any, found: InputSingularities, over: Lost, columns: list[int]) -> None:
+    names, units = (found.inputs, found.input_units) if over == "inputs" else (found.outputs, found.units)
+    ax.set_xlabel(f"{names[columns[0]]} [{units[columns[0]]}]")
+    ax.set_ylabel(f"{names[columns[1]]} [{units[columns[1]]}]")
+    if units[columns[0]] == units[columns[1]]:
+        ax.set_aspect("equal", adjustable="datalim")
+    ax.set_title(f"{found.name}: singular positions", loc="left", fontsize=10)
+
+
+def _wrapped(found: InputSingularities, curve: SingularCurve, columns: list[int]) -> Array:
+    """A curve over the inputs, angles between -π and π, with a gap where it leaves at one side and comes back."""
+    line = curve.input_line[:, columns].copy()
+    for n, column in enumerate(columns):
+        if found.input_units[column] == "rad":
+            line[:, n] = (line[:, n] + np.pi) % (2 * np.pi) - np.pi
+    jumps = np.flatnonzero((abs(np.diff(line, axis=0)) > np.pi).any(axis=1))
+    return np.insert(line, jumps + 1, np.nan, axis=0)

@@ -19,7 +19,7 @@ class Gradient:
     responses, names : of the responses and of the numbers
     values : (r,) of the responses
     at : (p,) values of the numbers
-    matrix : (r, p) derivatives
+    matrix : (r, p) derivatives; not a number for those that do not exist
     """
 
     responses: tuple[str, ...]
@@ -27,6 +27,12 @@ class Gradient:
     values: Array
     at: Array = field(repr=False)
     matrix: Array = field(repr=False)
+
+    @property
+    def undefined(self) -> tuple[str, ...]:
+        """Numbers whose change alone contradicts equations that others imply: there is no derivative."""
+        missing = np.isnan(self.matrix).any(axis=0)
+        return tuple(self.names[k] for k in np.flatnonzero(missing))
 
     def __getitem__(self, name: str) -> float | Array:
         """The derivative with respect to a number, ``g["spring.k"]``; of several responses, an array (r,).
@@ -53,9 +59,13 @@ class Gradient:
         return np.asarray(0.01 * self.matrix[response] * self.at)
 
     def ranked(self, response: int = 0) -> list[str]:
-        """Names of the numbers by falling influence; those that are 0 at the end, by falling derivative."""
+        """Names of the numbers by falling influence; those that are 0 at the end, by falling derivative.
+
+        Those without a derivative are left out.
+        """
         keys = -abs(self.matrix[response]), -abs(self.influences(response))
-        return [self.names[k] for k in np.lexsort(keys)]
+        undefined = self.undefined
+        return [self.names[k] for k in np.lexsort(keys) if self.names[k] not in undefined]
 
     def table(self, response: int = 0, most: int = 20) -> str:
         """The numbers of the largest influence as a text."""

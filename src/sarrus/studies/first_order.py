@@ -103,6 +103,10 @@ def uncertainty_of(asked: Asked) -> Uncertainty:
         raise SarrusError(motion.message)
     outer = Outer([differentiable(response, run.until) for response in asked.task.responses])
     gradient = sensitivity(motion, outer.parts, list(names))
+    if gradient.undefined:
+        raise SarrusError(
+            f"{gradient.undefined[0]} alone cannot vary: its change contradicts equations that repeat others"
+        )
     values, slopes = outer.linear(gradient.values)
     return Uncertainty(names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1])
 

@@ -23,12 +23,18 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     width = max([len(name) for name in found.names] + [10])
     lines.append(f"  {'number':<{width}}{'value':>14}{'derivative':>16}{'by 1 % more':>14}")
     influences = found.influences(response)
-    for name in found.ranked(response)[:most]:
+    ranked, undefined = found.ranked(response), found.undefined
+    for name in ranked[:most]:
         k = found.names.index(name)
         change = f"{influences[k]:>+14.4g}" if found.at[k] else f"{'(value 0)':>14}"
         lines.append(f"  {name:<{width}}{found.at[k]:>14.6g}{found.matrix[response, k]:>+16.7g}{change}")
-    if len(found.names) > most:
-        lines.append(f"  and {len(found.names) - most} more of less influence")
+    if len(ranked) > most:
+        lines.append(f"  and {len(ranked) - most} more of less influence")
+    if undefined:
+        told = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
+        lines.append(
+            f"  {len(undefined)} have no derivative alone, they contradict redundant equations: {told}"
+        )
     return "\n".join(lines)
 
 

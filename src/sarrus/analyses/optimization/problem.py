@@ -22,6 +22,7 @@ from ..sensitivity.derivatives import inner, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
+from ..sensitivity.undefined import refuse
 from .combined import Outer, Part
 
 KEPT = 3  # designs whose simulations are remembered
@@ -226,8 +227,12 @@ class Point:
         return {"wrt": self.problem.names, "design": values, "formula": self.problem.formula}
 
     def _parameters(self) -> Parameters:
-        start = None if self.run.steps is None else self.run.steps.start
-        return Parameters(self.system, **self._named(), start=start)
+        """The variables, each of which must have derivatives."""
+        steps = self.run.steps
+        assert steps is not None
+        found = Parameters(self.system, **self._named(), start=steps.start)
+        refuse(self.system, steps, found)
+        return found
 
     def evaluation(self) -> Evaluation:
         """The responses with their outputs over time."""
@@ -243,6 +248,20 @@ class Point:
     def values(self) -> Array:
         """The responses (r,)."""
         return self.problem.outer.values(self.evaluation().values)
+
+    @property
+    def slopes(self) -> Array:
+        """The gradients of the responses (r, p).
+
+        Raises
+        ------
+        NoDerivative
+            For a variable whose change alone contradicts equations that others imply.
+        """
+        found = self.gradient
+        if found.undefined:
+            self._parameters()
+        return found.matrix
 
     @property
     def gradient(self) -> Gradient:

@@ -153,7 +153,7 @@ class Search:
     def slope(self, z: Array) -> Array:
         """Its gradient by z (p,)."""
         try:
-            matrix = self.point(z).gradient.matrix
+            matrix = self.point(z).slopes
         except Infeasible:
             return self._wall(z)[1]
         slope = np.asarray(matrix[: self.count].sum(axis=0) * self.variables.scale)
@@ -193,9 +193,9 @@ class Search:
     def other_slopes(self, z: Array) -> Array:
         """Their gradients by z (c, p)."""
         try:
-            matrix = self.point(z).gradient.matrix
+            matrix = self.point(z).slopes
         except Infeasible:
-            matrix = self.point(self.anchor).gradient.matrix
+            matrix = self.point(self.anchor).slopes
         return np.asarray(matrix[self.count :] * self.variables.scale)
 
     def iterate(self, z: Array) -> None:

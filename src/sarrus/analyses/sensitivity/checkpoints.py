@@ -29,6 +29,7 @@ from .pieces import sampling_of
 from .responses import At, Final, Integral, Response
 from .stretches import Stretches, stretches_of
 from .sweep_loop import Given as Ends
+from .undefined import undefined
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
 STEP, GRADIENT = 20, 6
@@ -156,12 +157,14 @@ class LongGradient:
             for r, response in enumerate(self._responses)
         ]
         values, total = np.zeros(k), Totals.zeros(run.system, parameters, k)
+        missing = np.zeros(len(parameters.names), dtype=bool)
         back: Stretches | None = None
         for n in reversed(range(len(run))):
             steps, before = run.stretch(n)
             present, evaluation = self._evaluation(n, steps, weights)
             nodes = self._given(steps, present, evaluation, total)
             values[present] += evaluation.values
+            missing |= undefined(run.system, steps, parameters)
             back = back or stretches_of(run.system, steps, k)
             back.over(steps, before, nodes)
         assert back is not None
@@ -172,11 +175,10 @@ class LongGradient:
         b, q, v = through(AssemblyDerivatives(run.system, steps.start), by_q, by_v)
         by = Gradients(by_b + b, q, v)
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
-        told = Explicit(total.b, total.c, total.named)
+        matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
+        matrix[:, missing] = np.nan
         titles = tuple(response.title for response in self._responses)
-        return Gradient(
-            titles, tuple(parameters.names), values, parameters.values, matrix + own_parts(told, parameters)
-        )
+        return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)
 
     def _given(self, steps: StepsTaken, present: list[int], evaluation: Evaluation, total: Totals) -> Nodes:
         """The gradients by the states of a stretch, a column for each response; what is explicit is added up."""

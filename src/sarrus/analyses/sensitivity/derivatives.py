@@ -16,6 +16,7 @@ from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
 from .parameters import Design, Parameters
 from .responses import Final, Output, Response
+from .undefined import refuse, undefined
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]
@@ -47,6 +48,7 @@ def sensitivity(
     Returns
     -------
     Gradient
+        not a number for numbers whose change alone contradicts equations that others imply (`Gradient.undefined`)
 
     Raises
     ------
@@ -63,7 +65,9 @@ def sensitivity(
     wanted = as_responses(responses)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     chain = chain_of(run.system, steps)
-    found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters)
+    missing = undefined(run.system, steps, parameters)
+    found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters, ~missing)
+    found[:, missing] = np.nan
     titles = tuple(response.title for response in wanted)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
 
@@ -88,6 +92,7 @@ def state_derivatives(
     if isinstance(steps, Pieces):
         raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    refuse(run.system, steps, parameters)
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
     return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
 
@@ -143,22 +148,24 @@ def _curvature(
 ) -> tuple[Curvature, Parameters]:
     steps = kept(run)
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    refuse(run.system, steps, parameters)
     evaluation = Evaluation(run.system, steps, as_responses(response), parameters)
     return Curvature(curved_chain(run.system, steps, parameters), evaluation, parameters), parameters
 
 
-def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
+def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, _: Array) -> Array:
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c + by.c)
     return np.asarray(through.T + own_parts(explicit, parameters))
 
 
-def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
+def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, chosen: Array) -> Array:
     nodes, explicit = evaluation.gradients()
-    b, q, v, c = parameters.along(np.eye(len(parameters.names)))
-    total = inner(nodes, chain.along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
-    return np.asarray(total + own_parts(explicit, parameters))
+    b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
+    total = own_parts(explicit, parameters)
+    total[:, chosen] += inner(nodes, chain.along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
+    return total
 
 
 def inner(bars: Nodes, dots: Nodes) -> Array:

@@ -1,0 +1,68 @@
+"""Numbers whose change alone contradicts equations that others imply have no derivative, and it is said so."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.sensitivity.frozen import again, values
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.parameters import Parameters
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+RESPONSES = [sr.Final("rod_2.x"), sr.Integral("energy.kinetic")]
+
+
+@cache
+def bricard() -> sr.Trajectory:
+    system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
+    return sr.simulate(system, until=0.4, t_eval=[0.4], rtol=1e-6, atol=1e-8, keep_steps=True)
+
+
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+def test_axes_and_points_of_bricards_hinges(method: str) -> None:
+    """A hinge may slide along its axis; to shift it across, or to tilt it, locks the linkage."""
+    found = sr.sensitivity(bricard(), RESPONSES, ["hinge_1", "rod_2.mass"], method=method)
+    across = ("hinge_1.point.x", "hinge_1.point.z", "hinge_1.axis.x", "hinge_1.axis.z")
+    assert found.undefined == across
+    assert np.isfinite(found["rod_2.mass"]).all()
+    assert np.isfinite(found["hinge_1.point.y"]).all()
+    assert found.ranked()[0] == "rod_2.mass"
+    assert "4 have no derivative alone" in found.table()
+
+
+def test_together_they_have_one() -> None:
+    """A linkage that is twice as large: the gradient by its size is that of differenced simulations."""
+    run, numbers = bricard(), Parameters(bricard().system, None, start=bricard().steps.start)
+    given = dict(zip(numbers.names, numbers.values, strict=True))
+    lengths = {name: value for name, value in given.items() if ".point." in name or ".position." in name}
+
+    def larger(size: float) -> dict[str, float]:
+        return {name: size * value for name, value in lengths.items()}
+
+    found = sr.sensitivity(run, RESPONSES, design={"size": 1.0}, formula=lambda p: larger(p["size"]))
+    assert not found.undefined
+    ends = [values(*again(run.system, run.steps, sr.HHT(), larger(1 + e)), RESPONSES) for e in (1e-4, -1e-4)]
+    assert np.allclose(found["size"], (ends[0] - ends[1]) / 2e-4, rtol=1e-6)
+
+
+def test_nobody_searches_along_them() -> None:
+    what = RESPONSES[0], ["hinge_1.point.x"]
+    problem = sr.Problem(bricard().system, *what, until=0.1)
+    assert problem.gradient(problem.x0).undefined == ("hinge_1.point.x",)
+    for search in (
+        lambda: sr.optimize(problem.system, *what, until=0.1),
+        lambda: problem.vjp(problem.x0, [1.0]),
+    ):
+        with pytest.raises(sr.NoDerivative, match=r"hinge_1.point.x alone contradicts"):
+            search()
+
+
+def test_second_derivatives_and_those_of_states_are_refused() -> None:
+    for ask in (
+        lambda: sr.hessian(bricard(), RESPONSES[0], ["hinge_1.axis.z"]),
+        lambda: sr.state_derivatives(bricard(), ["hinge_1.axis.z"]),
+    ):
+        with pytest.raises(sr.NoDerivative, match=r"hinge_1.axis.z alone contradicts"):
+            ask()

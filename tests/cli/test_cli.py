@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+import sarrus as sr
 from sarrus import mechanisms
-from sarrus.cli import VERBS, main
+from sarrus.analyses.dynamics import METHODS
+from sarrus.cli import VERBS, main, shared
 
 SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 
@@ -132,6 +134,23 @@ def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
     assert capsys.readouterr().err == "sarrus: matrix of odd size (--debug shows where)\n"
     assert main(["run", SLIDER_CRANK, "--debug"]) == 2
     assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("method", shared.METHODS)
+def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
+    if method == "ida":
+        pytest.importorskip("sksundae")
+    line = ["run", "slider_crank", "--until", "0.2", "--rtol", "1e-6", "--atol", "1e-8", "--method", method]
+    assert main([*line, "--json", "-q"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    system = sr.System(sr.load(mechanisms.path("slider_crank")))
+    wanted = sr.simulate(system, until=0.2, rtol=1e-6, atol=1e-8, method=METHODS[method]())
+    assert found["nsteps"] == wanted.nsteps
+    assert found["bodies"]["slider"]["position"] == pytest.approx(wanted["slider"].position[-1])
+
+
+def test_the_shell_has_every_method() -> None:
+    assert set(shared.METHODS) == set(METHODS)
 
 
 def test_a_run_that_fails_at_the_start_still_says_why(

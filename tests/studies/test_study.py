@@ -138,6 +138,7 @@ def test_a_case_may_not_take_forever(model: Model) -> None:
         ({"analysis": {"type": "simulate"}}, "needs an end time"),
         ({"analysis": {"type": "simulat"}}, "there is no analysis 'simulat'; did you mean"),
         ({"analysis": {"type": "simulate", "until": 1, "method": "euler"}}, "there is no method 'euler'"),
+        ({"analysis": {"type": "simulate", "until": 1, "method": "event"}}, "there is no method 'event'"),
         ({"workers": 0}, "workers must be 1 at least"),
     ],
 )

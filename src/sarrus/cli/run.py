@@ -20,6 +20,7 @@ STILL = 1e-12  # [m, 1] less is round-off
 EXAMPLES = (
     "sarrus run crank.yaml --until 5",
     "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
+    "sarrus run crank.yaml --until 5 --method radau --rtol 1e-11 --atol 1e-12",
     "sarrus run panda.urdf --base floating --json",
 )
 
@@ -29,6 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     model_file.arguments(parser)
     shared.times(parser)
     shared.tolerances(parser, 1e-8, 1e-10)
+    shared.method(parser)
     shared.table(parser, "t, q and v")
     parser.add_argument(
         "--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x pin.angle"
@@ -54,8 +56,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
         times = np.linspace(0.0, chosen.until, chosen.steps + 1)
-        tolerances = {"rtol": chosen.rtol, "atol": chosen.atol}
-        motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **tolerances)
+        settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
+        motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings)
     seconds = time.perf_counter() - began
     answer.say(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)

@@ -33,6 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="numbers or parts of the model, e.g. spring.k rod pin.point, or parameters of its file (all numbers)",
     )
     shared.tolerances(parser, 1e-6, 1e-8)
+    shared.method(parser, shared.KEEPING_STEPS)
     parser.add_argument("--most", type=natural, default=20, help="how many numbers are listed (20)")
     shared.figure(parser, "a tornado plot")
 
@@ -49,7 +50,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.figure])
     system = System(model_file.read(chosen))
     wanted = [differentiable(one, chosen.until) for one in responses_of(chosen.response)]
-    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, rtol=chosen.rtol, atol=chosen.atol)
+    settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
+    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, **settings)
     try:
         found = problem.gradient(problem.x0)
     except Infeasible as trouble:

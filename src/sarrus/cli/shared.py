@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from .values import figure_file, finite, intervals, natural, positive
+
+METHODS = ("hht", "generalizedalpha", "radau", "ode", "ida")
+KEEPING_STEPS = METHODS[:3]
 
 
 def times(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +27,18 @@ def tolerances(parser: argparse.ArgumentParser, rtol: float, atol: float) -> Non
     """``--rtol`` and ``--atol`` of a simulation."""
     parser.add_argument("--rtol", type=positive, default=rtol, help=f"relative tolerance ({rtol:g})")
     parser.add_argument("--atol", type=positive, default=atol, help=f"absolute tolerance ({atol:g})")
+
+
+def method(parser: argparse.ArgumentParser, of: tuple[str, ...] = METHODS) -> None:
+    """``--method``: how a motion is integrated."""
+    parser.add_argument("--method", choices=of, default=of[0], help=f"how to integrate ({of[0]})")
+
+
+def method_of(chosen: argparse.Namespace) -> Any:
+    """The method chosen, with its own settings as they are by default."""
+    from ..analyses.dynamics import METHODS as KNOWN
+
+    return KNOWN[chosen.method]()
 
 
 def rest(parser: argparse.ArgumentParser) -> None:

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..analyses import (
     assemble,
-    dynamics,
     equilibrium,
     kinematics,
     modes,
     simulate,
 )
+from ..analyses.dynamics import METHODS
 from ..analyses.sensitivity.outputs import Outputs, States, UnknownOutput
 from ..model import SarrusError
 from ..model.show import suggest
@@ -27,8 +27,6 @@ from ..results import Equilibrium, Modes
 from ..system import System
 from .parameters import Array, number, whole
 from .source import Start
-
-METHODS = {name.lower(): getattr(dynamics, name) for name in dynamics.__all__ if name[0].isupper()}
 
 
 class TooLong(SarrusError):

@@ -3,6 +3,7 @@
 from .alpha import HHT, GeneralizedAlpha
 from .events import Event, Impact
 from .ida import IDA
+from .methods import METHODS
 from .ode import ODE
 from .radau import Radau
 from .recipe import repeat, resume
@@ -11,6 +12,7 @@ from .simulation import simulate
 __all__ = [
     "HHT",
     "IDA",
+    "METHODS",
     "ODE",
     "Event",
     "GeneralizedAlpha",

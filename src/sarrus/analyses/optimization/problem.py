@@ -15,7 +15,7 @@ from ...model import SarrusError
 from ...results import Gradient, Trajectory
 from ...system import System
 from ..assembly import assemble
-from ..dynamics import HHT, GeneralizedAlpha, simulate
+from ..dynamics import HHT, GeneralizedAlpha, Radau, simulate
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.derivatives import inner, sensitivity
@@ -44,7 +44,7 @@ class Problem:
     until : end time of the simulation [s]
     design : values of named design variables at the start
     formula : the function that gives numbers of the model from them; differentiated exactly
-    method : `HHT` (the default) or `GeneralizedAlpha`
+    method : `HHT` (the default), `GeneralizedAlpha` or `Radau`
     rtol, atol, max_step : tolerances and longest step of the simulation
     time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
         took, 10 s at least
@@ -75,7 +75,7 @@ class Problem:
         until: float,
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
-        method: HHT | GeneralizedAlpha | None = None,
+        method: HHT | GeneralizedAlpha | Radau | None = None,
         rtol: float = 1e-6,
         atol: float = 1e-8,
         max_step: float = np.inf,

@@ -14,6 +14,7 @@ from ...system import System
 from ...system.population import Population
 from .alpha import HHT, GeneralizedAlpha
 from .events import Event, Impact
+from .radau import Radau
 
 
 def refuse(system: System, method: object, events: Sequence[Event]) -> None:
@@ -25,10 +26,8 @@ def refuse(system: System, method: object, events: Sequence[Event]) -> None:
         For other events and methods, and where motions or forces depend on time by themselves: after an event their
         steps are taken at other times.
     """
-    if not isinstance(method, HHT | GeneralizedAlpha):
-        raise ValueError(
-            "where there are events, steps are kept by HHT() and GeneralizedAlpha() only; take one"
-        )
+    if not isinstance(method, HHT | GeneralizedAlpha | Radau):
+        raise ValueError("steps are kept by HHT(), GeneralizedAlpha() and Radau() only; take one")
     for event in events:
         if not isinstance(event.function, str) or not (
             event.reset is None or isinstance(event.reset, Impact)

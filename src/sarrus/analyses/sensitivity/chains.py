@@ -17,7 +17,12 @@ AnyChain: TypeAlias = Chain | PieceChain | RadauChain
 def chain_of(system: System, steps: StepsTaken | Pieces) -> AnyChain:
     """The chain of a run, for first derivatives."""
     if isinstance(steps, Pieces):
-        return PieceChain(system, steps)
+        return PieceChain(system, steps, [_chain_of(system, piece) for piece in steps.pieces])
+    return _chain_of(system, steps)
+
+
+def _chain_of(system: System, steps: StepsTaken) -> Chain | RadauChain:
+    """The chain of steps without events."""
     if isinstance(steps, RadauSteps):
         return RadauChain(system, steps)
     assert isinstance(steps, Steps)

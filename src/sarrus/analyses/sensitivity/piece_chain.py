@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, Steps
+from ...results import Pieces
 from ...system import System
 from .chain import Chain, Gradients, Nodes, through
+from .radau_chain import RadauChain
 from .turn import TurnDerivatives
 
 KINDS = ("q", "v", "a")
 
 
 class PieceChain:
-    """The derivatives of one run with events that was simulated with ``keep_steps=True``; see `Chain`."""
+    """The derivatives of one run with events that was simulated with ``keep_steps=True``; see `Chain`.
 
-    def __init__(self, system: System, steps: Pieces) -> None:
-        self.system, self.steps = system, steps
-        pieces = [piece for piece in steps.pieces if isinstance(piece, Steps)]
-        self._chains = [Chain(system, piece) for piece in pieces]
-        ends = steps.first + [len(piece) for piece in pieces]
+    Parameters
+    ----------
+    system, steps : the run
+    chains : of its stretches
+    """
+
+    def __init__(self, system: System, steps: Pieces, chains: Sequence[Chain | RadauChain]) -> None:
+        self.system, self.steps, self._chains = system, steps, chains
+        ends = steps.first + [len(piece) for piece in steps.pieces]
         self._parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
 
     @property

@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, StepsTaken
+from ...results import Pieces, RadauSteps, StepsTaken
 from .chain import Nodes
-from .sampling import Places, Sampling, _placed
+from .sampling import KINDS, Places, Sampling, _placed
 
 FIXED, NODE, END = 0, 1, 2  # what a time is
 
@@ -69,8 +69,16 @@ class PieceSampling(Sampling):
         return found
 
     def _rate(self, kind: str, n: int) -> Array:
-        """The derivative of a coordinate within its step (nt,): that of the motion, without the waves of quintics."""
+        """The derivative of a coordinate within its step (nt,).
+
+        Of Radau it is that of the interpolating quintic, of the methods of order 2 that of the motion, without the
+        waves that quintics through their nodes have.
+        """
         first, _, s = self._places
+        if kind != "lam" and isinstance(self._all.pieces[0], RadauSteps):
+            weights = self._weights[1][:, KINDS.index(kind) + 1]
+            ends = [[self._array(k)[first + e, n] for k in KINDS] for e in (0, 1)]
+            return np.asarray(np.einsum("tel,elt->t", weights, ends))
         if kind in ("q", "v"):
             now = self._array("v" if kind == "q" else "a")[:, n]
             return np.asarray((1 - s) * now[first] + s * now[first + 1])

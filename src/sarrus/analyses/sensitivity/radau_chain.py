@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ...algebra import Array
@@ -19,28 +21,39 @@ class RadauChain:
 
     def __init__(self, system: System, steps: RadauSteps) -> None:
         self.system, self.steps = system, steps
-        self.assembly = AssemblyDerivatives(system, steps.start)
         self.curves = RadauCurves(system, steps)
+
+    @cached_property
+    def assembly(self) -> AssemblyDerivatives:
+        """The derivatives of the assembly from which the run started."""
+        return AssemblyDerivatives(self.system, self.steps.start)
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv), db)
+
+    def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
+        """The same for changes of the first state."""
         found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
-        q, v = (np.ascontiguousarray(x) for x in self.assembly.along(db, dq=dq, dv=dv))
-        bars = Bars(q, v, np.ascontiguousarray(db, dtype=float))
+        bars = Bars(*(np.array(x, dtype=float, order="C") for x in (q, v, db)))
         sources = self.curves.sources(db) if self.curves.moved_by(db) else None
         RadauSweep(self.system, self.steps, k, db).forward(bars, _given(found), sources)
         return found
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
+        by_q, by_v, by_b = self.by_start(given)
+        b, q, v = through(self.assembly, by_q, by_v)
+        return Gradients(by_b + b, q, v)
+
+    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
+        """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
         k, nq = given.q.shape[2], self.system.nq
         bars = Bars(np.zeros((nq, k)), np.zeros((nq, k)), np.zeros((len(self.system.b), k)))
         sweep = RadauSweep(self.system, self.steps, k)
         kept = sweep.kept() if self.curves else None
         sweep.backward(bars, _given(given), kept)
-        by_b = bars.b if kept is None else bars.b + self.curves.gradient(kept)
-        b, q, v = through(self.assembly, bars.q, bars.v)
-        return Gradients(by_b + b, q, v)
+        return bars.q, bars.v, bars.b if kept is None else bars.b + self.curves.gradient(kept)
 
 
 def _given(nodes: Nodes) -> Given:

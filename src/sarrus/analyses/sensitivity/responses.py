@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -104,8 +104,7 @@ class Integral(Response):
         return trapezoidal(t)
 
     def by_times(self, g: Array, t: Array) -> Array:
-        means = 0.5 * (g[1:] + g[:-1])
-        return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))
+        return trapezoidal_by_times(g)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +126,10 @@ class Peak(Response):
         return np.asarray(share / share.sum())
 
     def by_times(self, g: Array, t: Array) -> Array:
-        raise ValueError(
-            f"{self.title}: where a run has events, derivatives are those of Final, At, Integral and Misfit"
-        )
+        share = np.exp(self.sharpness * (g - g.max()))
+        whole, length = trapezoidal(t) @ share, np.zeros_like(t)
+        length[0], length[-1] = -1 / (t[-1] - t[0]), 1 / (t[-1] - t[0])
+        return np.asarray((trapezoidal_by_times(share) / whole - length) / self.sharpness)
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         w = self.weights(g, t)
@@ -140,7 +140,8 @@ class _Extreme(Response):
     """The value at the vertex of a parabola through the outermost node and its neighbours.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
-    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time.
+    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At an event,
+    where an output may jump or have a corner, it is the value just before or just after it.
     """
 
     def outermost(self, g: Array) -> int:
@@ -151,18 +152,18 @@ class _Extreme(Response):
         return float(self.weights(g, t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
-        near, basis, _, _ = _vertex(g, t, self.outermost(g))
-        return _placed(basis, near, len(g))
+        vertex = _vertex(g, t, self.outermost(g))
+        return vertex.placed(vertex.basis, len(g))
 
     def by_times(self, g: Array, t: Array) -> Array:
-        raise ValueError(
-            f"{self.title}: where a run has events, derivatives are those of Final, At, Integral and Misfit"
-        )
+        vertex = _vertex(g, t, self.outermost(g))
+        slopes = vertex.bend * vertex.before
+        return vertex.placed(vertex.basis * slopes, len(g))
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
-        near, _, slopes, bend = _vertex(g, t, self.outermost(g))
-        moved = -(slopes @ g_dot[near]) / bend if bend else 0.0
-        return _placed(moved * slopes, near, len(g))
+        vertex = _vertex(g, t, self.outermost(g))
+        moved = -(vertex.slopes @ g_dot[vertex.near]) / vertex.bend if vertex.bend else 0.0
+        return vertex.placed(moved * vertex.slopes, len(g))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,10 +213,38 @@ def trapezoidal(t: Array) -> Array:
     return np.asarray(np.concatenate([[0.0], h / 2]) + np.concatenate([h / 2, [0.0]]))
 
 
-def _vertex(g: Array, t: Array, n: int) -> tuple[slice, Array, Array, float]:
-    """Samples about sample n, their Lagrange polynomials and slopes at the parabola's vertex, and its bend."""
-    near = slice(max(n - 1, 0), n + 2)
-    if 0 < n < len(g) - 1:
+def trapezoidal_by_times(g: Array) -> Array:
+    """The derivatives of the trapezoidal rule by the times (nt,)."""
+    means = 0.5 * (g[1:] + g[:-1])
+    return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))
+
+
+class Vertex(NamedTuple):
+    """Of a parabola through three samples, or one sample.
+
+    near : which samples
+    basis, slopes : their Lagrange polynomials and slopes at the vertex
+    bend : the parabola's second derivative; 0 for one sample
+    before : from each of them to the vertex [s]
+    """
+
+    near: slice
+    basis: Array
+    slopes: Array
+    bend: float
+    before: Array
+
+    def placed(self, values: Array, count: int) -> Array:
+        """Zeros but for these samples (count,)."""
+        whole = np.zeros(count)
+        whole[self.near] = values
+        return whole
+
+
+def _vertex(g: Array, t: Array, n: int) -> Vertex:
+    """The parabola about sample n; sample n alone at an end, or beside an event, where a time stands twice."""
+    if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
+        near = slice(n - 1, n + 2)
         a, c = (float(x) for x in t[[n - 1, n + 1]] - t[n])
         bend_of = 2 / np.array(
             [a * (a - c), a * c, c * (c - a)]
@@ -225,13 +254,5 @@ def _vertex(g: Array, t: Array, n: int) -> tuple[slice, Array, Array, float]:
         if bend:
             u = -slope / bend
             basis = np.array([0.0, 1.0, 0.0]) + slope_of * u + bend_of * u**2 / 2
-            return near, basis, slope_of + bend_of * u, bend
-    own = np.asarray(np.arange(len(g))[near] == n, dtype=float)
-    return near, own, 0 * own, 0.0
-
-
-def _placed(values: Array, near: slice, count: int) -> Array:
-    """Zeros but for some neighbours (count,)."""
-    whole = np.zeros(count)
-    whole[near] = values
-    return whole
+            return Vertex(near, basis, slope_of + bend_of * u, bend, u - np.array([a, 0.0, c]))
+    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1), 0.0, np.zeros(1))

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.expression import parse
-from ...results import Steps, Turn
+from ...results import RadauSteps, StepsTaken, Turn
 from ...system import System
 from ..saddle import Saddle
 from .outputs import Outputs, States
@@ -50,7 +50,7 @@ class TurnDerivatives:
         coordinates, and by the restitutions
     """
 
-    def __init__(self, system: System, steps: Steps, turn: Turn, restitutions: Sequence[str]) -> None:
+    def __init__(self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str]) -> None:
         self.system, self._turn, n, nq = system, turn, len(steps) - 1, system.nq
         self._b = steps.b.copy()
         self._b[steps.places] = steps.memory[n]
@@ -68,7 +68,9 @@ class TurnDerivatives:
         weights = interpolation(np.array([s]), np.array([h]))[0]
         ends = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
         q_z, v_z = (self._by_nodes(weights[order]) for order in (0, 1))
-        v, a = np.einsum("el,eln->n", weights[1], ends), (1 - s) * ends[0, 2] + s * ends[1, 2]
+        v, a = (np.einsum("el,eln->n", weights[order], ends) for order in (1, 2))
+        if not isinstance(steps, RadauSteps):  # second derivatives of quintics are of the first order only
+            a = (1 - s) * ends[0, 2] + s * ends[1, 2]
         before = self._consistent(q_z, v_z, v)
         along = self._consistent(v[:, None], a[:, None], v, moving=True)
         self.matrix = self._turned(before, along)

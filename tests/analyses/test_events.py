@@ -184,3 +184,11 @@ def test_first_and_longest_steps() -> None:
     run = sr.simulate(ball(), until=1.0, first_step=0.003, max_step=0.02)
     assert run.history[0, 1] == pytest.approx(0.003)
     assert run.history[:, 1].max() <= 0.02 * (1 + 1e-12)
+
+
+def test_an_event_of_a_velocity_that_its_own_reset_changes_happens_once() -> None:
+    """The function is away from zero after it, on the other side than its change with the place alone tells."""
+    fast = sr.Event(lambda t, q, v: -v[2] - q[2], reset=lambda t, q, v: 0.5 * v, name="fast")
+    run = sr.simulate(ball(), until=0.12, events=fast)
+    assert run.success and len(run.events) == 1
+    assert run.events[0].t == pytest.approx(np.sqrt(1 + 2 / 9.81) - 1, abs=1e-9)

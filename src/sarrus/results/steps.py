@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -103,17 +103,19 @@ class Turn:
     ----------
     name : of the event
     t : its time [s]
-    function : the formula that crossed zero
+    function : what crossed zero: a formula, or a Python function (t, q, v)
     along, restitution : of its `Impact`; None where the run ended
+    reset : its function (t, q, v) that gives new velocities, or None
     q, v : (nq,) state just before, on the constraints
-    after : (nq,) velocities just after
+    after : (nq,) velocities just after; those that `reset` gives are not yet on the constraints
     """
 
     name: str
     t: float
-    function: str
+    function: str | Callable[..., Any]
     along: str | None
     restitution: float | None
+    reset: Callable[..., Any] | None
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)

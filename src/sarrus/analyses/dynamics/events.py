@@ -21,6 +21,7 @@ from .sampler import Sampler
 LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
 AHEAD = 1e-7  # s, after which its direction is seen
+JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
 NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
 Function = Callable[[float, Array, Array], float]
 
@@ -132,9 +133,10 @@ class Watch:
         self.count, self.last = 0, 0.0
 
     def begin(self, t: float, q: Array, v: Array, crossed: bool) -> None:
-        """A start; where it has just crossed zero, its sign is that of its change."""
+        """A start; where it has just crossed zero and has not jumped away from it, its sign is that of its change."""
         value = float(self.function(t, q, v))
-        self.last = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else value
+        change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else 0.0
+        self.last = change if crossed and not abs(value) > JUMPED * abs(change) else value
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..._jit.emit import Recording
@@ -13,29 +11,22 @@ from ...elements.recorder import record
 from ...system import System
 from ...system.population import Population
 from .alpha import HHT, GeneralizedAlpha
-from .events import Event, Impact
 from .radau import Radau
 
 
-def refuse(system: System, method: object, events: Sequence[Event]) -> None:
-    """Steps are kept where every event is a formula that ends the run, has an `Impact`, or only notes.
+def refuse(system: System, method: object, saved: bool) -> None:
+    """Refuse a run with events that shall keep its steps, where it cannot.
 
     Raises
     ------
     ValueError
-        For other events and methods, and where motions or forces depend on time by themselves: after an event their
-        steps are taken at other times.
+        For other methods, for a run that is saved, whose folder has room for the steps since the last event only, and
+        where motions or forces depend on time by themselves: after an event their steps are taken at other times.
     """
     if not isinstance(method, HHT | GeneralizedAlpha | Radau):
         raise ValueError("steps are kept by HHT(), GeneralizedAlpha() and Radau() only; take one")
-    for event in events:
-        if not isinstance(event.function, str) or not (
-            event.reset is None or isinstance(event.reset, Impact)
-        ):
-            raise ValueError(
-                "where steps are kept for derivatives, an event is a formula, and its reset an Impact; a Python "
-                "function has no derivatives"
-            )
+    if saved:
+        raise ValueError("the steps of a run with events are not saved; leave save= or keep_steps= away")
     timed = [p for p in system.populations if p.count and _timed(p)]
     if timed:
         told = f"{timed[0].owners[0]} depends on time by itself"

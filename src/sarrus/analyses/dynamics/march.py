@@ -199,15 +199,17 @@ class March:
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
         """Where steps are kept: those up to an event, and the event."""
-        steps, impact = self.stepper.steps(), watch.event.reset
+        steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
         self._pieces.append(steps_until(steps, t))
-        function, along, restitution = str(watch.event.function), None, None
-        if isinstance(impact, Impact) and not watch.ends:
-            along, restitution = impact.along or function, impact.restitution
-        told: dict[str, Any] = {"along": along, "restitution": restitution, "q": q.copy(), "v": v.copy()}
-        self._turns.append(Turn(name=watch.name, t=t, function=function, after=after.copy(), **told))
+        told: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
+        if isinstance(event.reset, Impact) and not watch.ends:
+            told |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
+        elif not watch.ends:
+            told |= {"reset": event.reset}
+        told |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
+        self._turns.append(Turn(name=watch.name, t=t, function=event.function, **told))
 
     def _steps(self) -> Any:
         """All steps that were kept."""

@@ -82,7 +82,7 @@ def simulate(
     ------
     ValueError
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
-        events where steps are kept.
+        where the steps of a run with events cannot be kept.
     """
     if not (np.isfinite(until) and until > 0):
         raise ValueError(f"until must be a positive time in s, but is {until}")
@@ -96,7 +96,7 @@ def simulate(
     )  # fmt: skip
     stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
-        kept_events.refuse(system, chosen, watched)
+        kept_events.refuse(system, chosen, save is not None)
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)

@@ -54,7 +54,7 @@ class PieceChain:
                 getattr(found, name)[part] = getattr(own, name)
             if p < len(self._turns):
                 ends = np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
-                moved = self._turns[p] @ np.concatenate([ends, db, held])
+                moved = self._turns[p] @ np.concatenate([ends, db, held, found.shift[p : p + 1]])
                 q, v = moved[:nq], moved[nq:-1]
                 found.shift[p + 1] = found.shift[p] + moved[-1]
         return found
@@ -69,13 +69,13 @@ class PieceChain:
             own = given.part(self._parts[p])
             if p < len(self._turns):
                 bars = self._turns[p].T @ np.concatenate([q, v, shift[p + 1 : p + 2]])
-                shift[p] += shift[p + 1]
+                shift[p] += shift[p + 1] + bars[-1]
                 ends = bars[: 6 * nq].reshape(2, 3, nq, k)
                 for e in (0, 1):
                     for place, kind in enumerate(KINDS):
                         getattr(own, kind)[e - 2] += ends[e, place]
                 b += bars[6 * nq : 6 * nq + size]
-                c += bars[6 * nq + size :]
+                c += bars[6 * nq + size : -1]
             q, v, by_b = self._chains[p].by_start(own)
             b += by_b
         by_b, by_q, by_v = through(self._chains[0].assembly, q, v)

@@ -1,36 +1,45 @@
-"""An event differentiated: when a function crosses zero within a step, and what an impact then does to the velocities.
+"""An event differentiated: when a function crosses zero within a step, and what then happens to the velocities.
 
 The state at an event is interpolated, q̃, ṽ, and made consistent: q by the least change (which is so small that its
-derivative is that of a linear projection), v = ṽ - s with M s + Φ_qᵀσ_s = 0, Φ_q s = Φ_q ṽ. Then
+derivative is that of a linear projection), v = ṽ - s with
 
-    ψ(q) = 0,    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ = 0,    f_q v⁺ = -e f_q v
+    M s + Φ_qᵀσ = 0,    Φ_q s = Φ_q ṽ + Φ_t.                                                             (a)
 
-for the function ψ, and the output f along which an impulse p acts.
+The event is where ψ(t, q, v) = 0. After an impact along the output f by an impulse p
+
+    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ = -Φ_t,    f_q v⁺ = -e f_q v;
+
+velocities that a function gives are made consistent by (a).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...model.expression import parse
+from ...elements.operators import OPERATORS
 from ...results import RadauSteps, StepsTaken, Turn
 from ...system import System
+from ...system.curve_derivatives import CurveDerivatives
 from ..saddle import Saddle
-from .outputs import Outputs, States
+from .event_functions import Recorded, Slopes, recorded
 from .sampling import interpolation
 
+SHALLOW = (
+    1e-3  # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
+)
 
-class Measure(NamedTuple):
-    """Of a formula of outputs: gradients by q (nq,) and the joints' numbers c, second ones by q, and by q and c."""
+
+class State(NamedTuple):
+    """Derivatives of a state by all that it depends on: q, v (nq, size) and the time t (size,)."""
 
     q: Array
-    c: Array
-    qq: Array
-    qc: Array
+    v: Array
+    t: Array
 
 
 class TurnDerivatives:
@@ -41,132 +50,161 @@ class TurnDerivatives:
     system : System
     steps : those before it; it lies in the last one
     turn : the event
-    restitutions : names of those of all events, which are the last numbers
+    restitutions : names of those of all events
 
     Attributes
     ----------
-    matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions) those of q, of v⁺ (v, where the run ended), of the time
-        since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of joints'
-        coordinates, and by the restitutions
+    matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions + 1) those of q, of v⁺ (v, where the run ended), of the
+        time since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of joints'
+        coordinates, by the restitutions, and by the time at which the stretch began
+
+    Raises
+    ------
+    ValueError
+        For an event that only grazes, and for Python functions that cannot be recorded.
     """
 
     def __init__(self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str]) -> None:
-        self.system, self._turn, n, nq = system, turn, len(steps) - 1, system.nq
+        self.system, self._turn, self._steps = system, turn, steps
         self._b = steps.b.copy()
-        self._b[steps.places] = steps.memory[n]
-        kept = np.flatnonzero(~steps.left_out[n]) if len(steps.left_out) else None
+        self._b[steps.places] = steps.memory[-1]
+        kept = np.flatnonzero(~steps.left_out[len(steps) - 1]) if len(steps.left_out) else None
+        self._curves = CurveDerivatives(system)
         self._saddle = Saddle(system, "M", kept)
         self._saddle.factor(system.M(turn.q, b=self._b).data, system.Phi_q(turn.q, turn.t, b=self._b).data)
-        self._widths = np.cumsum([6 * nq, len(system.b)])
-        self._size = int(self._widths[-1]) + len(system.joint_coordinates.b) + len(restitutions)
+        widths = (6 * system.nq, len(system.b), len(system.joint_coordinates.b), len(restitutions), 1)
+        self._ends = np.cumsum([0, *widths])
+        self._by_e = np.zeros(self._ends[-1])
         name = f"{turn.name}.restitution"
-        self._by_e = np.zeros(self._size)
         if name in restitutions:
-            self._by_e[self._size - len(restitutions) + restitutions.index(name)] = 1.0
+            self._by_e[self._ends[3] + list(restitutions).index(name)] = 1.0
+        self.matrix = self._turned(*self._interpolated())
+
+    def _interpolated(self) -> tuple[State, State]:
+        """The derivatives of the consistent state within the step: at a fixed part of it, and along the motion."""
+        steps, n, nq = self._steps, len(self._steps) - 1, self.system.nq
         h = float(steps.h[n])
-        s = (turn.t - float(steps.t[n])) / h
+        s = (self._turn.t - float(steps.t[n])) / h
         weights = interpolation(np.array([s]), np.array([h]))[0]
         ends = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
-        q_z, v_z = (self._by_nodes(weights[order]) for order in (0, 1))
         v, a = (np.einsum("el,eln->n", weights[order], ends) for order in (1, 2))
         if not isinstance(steps, RadauSteps):  # second derivatives of quintics are of the first order only
             a = (1 - s) * ends[0, 2] + s * ends[1, 2]
-        before = self._consistent(q_z, v_z, v)
-        along = self._consistent(v[:, None], a[:, None], v, moving=True)
-        self.matrix = self._turned(before, along)
+        q_z, v_z = (self._placed(np.kron(weights[order].ravel(), np.eye(nq)), 0) for order in (0, 1))
+        began = np.zeros(self._ends[-1])
+        began[-1] = 1.0
+        before = self._consistent(State(q_z, v_z, began), v)
+        return before, self._consistent(State(v[:, None], a[:, None], np.ones(1)), v)
 
-    def _by_nodes(self, weights: Array) -> Array:
-        """The derivatives of what is interpolated with these weights (nq, size)."""
-        found = np.zeros((self.system.nq, self._size))
-        found[:, : self._widths[0]] = np.kron(weights.ravel(), np.eye(self.system.nq))
+    def _placed(self, matrix: Array, part: int) -> Array:
+        """Derivatives by one part of all that there is."""
+        found = np.zeros((len(matrix), self._ends[-1]))
+        found[:, self._ends[part] : self._ends[part] + matrix.shape[1]] = matrix
         return found
 
-    def _consistent(self, q_z: Array, v_z: Array, given: Array, moving: bool = False) -> tuple[Array, Array]:
-        """The derivatives of the consistent state with those of the interpolated one; `moving`: with b held."""
-        system, t, q, v, b = self.system, self._turn.t, self._turn.q, self._turn.v, self._b
-        none = np.zeros((system.nq, q_z.shape[1]))
+    def _by_b(self, name: str, moved: State, *operands: Array) -> Array | float:
+        """An operator by the numbers, also those of curves; nothing along the motion, which holds them."""
+        if moved.q.shape[1] == 1:
+            return 0.0
+        q, t, b = self._turn.q, self._turn.t, self._b
+        found = self._placed(getattr(self.system, f"{name}_b")(q, *operands, t, b=b).toarray(), 1)
+        if self._curves:
+            kinds = dict(zip(OPERATORS[name].operands, operands, strict=False))
+            found += self._placed(self._curves.matrix(name, b=b, t=t, q=q, **kinds).toarray(), 1)
+        return found
+
+    def _consistent(self, found: State, given: Array) -> State:
+        """The derivatives of the consistent state with those of the interpolated one, whose velocity is given."""
+        system, turn, b = self.system, self._turn, self._b
+        moved = system.Phi_q(turn.q, turn.t, b=b) @ found.q + self._by_b("Phi", found)
+        moved = moved + np.outer(system.Phi_t(turn.q, turn.t, b=b), found.t)
+        return self._settled(found._replace(q=found.q - self._solved(0 * found.q, moved)[0]), given)
+
+    def _settled(self, found: State, given: Array) -> State:
+        """The derivatives of velocities that are made consistent from given ones, with those of q and of these."""
+        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
         J = system.Phi_q(q, t, b=b)
-        by_b = (lambda matrix: 0.0) if moving else self._by_b
-        s = given - v
-        _, sigma = self._saddle.solve(np.zeros(system.nq), J @ s)
-        q_dot = q_z - self._solved(none, J @ q_z + by_b(system.Phi_b(q, t, b=b)))[0]
-        pulled = system.M_a_q(q, s, b=b) + system.Phi_qT_lam_q(q, sigma, t, b=b)
-        pulled_b = by_b(system.M_a_b(q, s, b=b)) + by_b(system.Phi_qT_lam_b(q, sigma, t, b=b))
-        turned = system.Phi_q_xi_q(q, v, t, b=b) @ q_dot + by_b(system.Phi_q_xi_b(q, v, t, b=b))
-        return q_dot, v_z - self._solved(-(pulled @ q_dot + pulled_b), J @ v_z + turned)[0]
+        s, sigma = self._saddle.solve(np.zeros(system.nq), J @ given + system.Phi_t(q, t, b=b))
+        drift = J @ found.v + self._drifted(found, given - s)
+        return found._replace(v=found.v - self._solved(-self._pulled(found, s, sigma), drift)[0])
 
-    def _by_b(self, matrix: Any) -> Array:
-        found = np.zeros((matrix.shape[0], self._size))
-        found[:, self._widths[0] : self._widths[0] + matrix.shape[1]] = matrix.toarray()
-        return found
+    def _pulled(self, found: State, s: Array, sigma: Array) -> Array:
+        """The derivatives of M s + Φ_qᵀσ with s and σ held."""
+        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
+        pulled = (system.M_a_q(q, s, b=b) + system.Phi_qT_lam_q(q, sigma, t, b=b)) @ found.q
+        if found.q.shape[1] > 1:
+            pulled = pulled + self._placed(system.M_a_b(q, s, b=b).toarray(), 1)
+        pulled = pulled + self._by_b("Phi_qT_lam", found, sigma)
+        return np.asarray(pulled + np.outer(self._turning.T @ sigma, found.t))
 
-    def _by_c(self, matrix: Array) -> Array:
-        found = np.zeros((len(matrix), self._size))
-        found[:, self._widths[1] : self._widths[1] + matrix.shape[1]] = matrix
-        return found
+    def _drifted(self, found: State, v: Array) -> Array:
+        """The derivatives of Φ_q v + Φ_t with v held."""
+        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
+        moved = (system.Phi_q_xi_q(q, v, t, b=b).toarray() + self._turning) @ found.q
+        moved = moved + self._by_b("Phi_q_xi", found, v) + self._by_b("Phi_t", found)
+        return np.asarray(moved + np.outer(self._turning @ v + system.Phi_tt(q, t, b=b), found.t))
+
+    @cached_property
+    def _turning(self) -> Array:
+        """Φ_qt (m, nq)."""
+        system, turn = self.system, self._turn
+        columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self._b) for xi in np.eye(system.nq)]
+        return np.array(columns).reshape(system.nq, system.m).T
 
     def _solved(self, f: Array, g: Array) -> tuple[Array, Array]:
         found = [self._saddle.solve(*pair) for pair in zip(f.T, g.T, strict=True)]
         x, y = (np.array([pair[n] for pair in found]).T for n in (0, 1))
         return x, y
 
-    def _turned(self, before: tuple[Array, Array], along: tuple[Array, Array]) -> Array:
-        """The whole matrix: the time moves so that ψ stays zero; the state moves with it; the impact."""
-        psi = self._measure(self._turn.function)
-        change = psi.q @ before[0] + self._by_c(psi.c[None])[0]
-        when = -change / (psi.q @ along[0][:, 0])
-        q, v = (x + rate * when for x, rate in zip(before, along, strict=True))
-        if self._turn.along is not None:
-            v = self._struck(q, v, self._measure(self._turn.along))
-        return np.vstack([q, v, when])
+    def _turned(self, before: State, along: State) -> Array:
+        """The whole matrix: the time moves so that ψ stays zero; the state moves with it; the velocities turn."""
+        turn, psi = self._turn, self._recorded(self._turn.function).slopes
+        rate = float(self._change(psi, along)[0, 0])
+        self._refuse_grazing(psi, rate)
+        when = -self._change(psi, before)[0] / rate
+        now = State._make(
+            x + np.multiply.outer(dx[..., 0], when) for x, dx in zip(before, along, strict=True)
+        )
+        if turn.along is not None:
+            now = now._replace(v=self._struck(now, self._recorded(turn.along)))
+        elif turn.reset is not None:
+            given = now._replace(v=self._change(self._recorded(turn.reset).slopes, now))
+            now = self._settled(given, turn.after)
+        return np.vstack([now.q, now.v, when])
 
-    def _struck(self, q_z: Array, v_z: Array, f: Measure) -> Array:
+    def _recorded(self, function: Any) -> Recorded:
+        return recorded(self.system, self._turn, function, self._b)
+
+    def _change(self, slopes: Slopes, found: State) -> Array:
+        """The derivatives of what has these slopes."""
+        moved = slopes.q @ found.q + slopes.v @ found.v + slopes.t * found.t
+        return np.asarray(moved if found.q.shape[1] == 1 else moved + self._placed(slopes.c, 2))
+
+    def _refuse_grazing(self, psi: Slopes, rate: float) -> None:
+        """An event whose function hardly crosses zero may come or not: its time has no derivative."""
+        steps, turn = self._steps, self._turn
+        ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
+        bend = abs(float((ends[1] - ends[0])[0])) / steps.h[-1]
+        known = sum(
+            abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
+        )
+        if not rate * rate > 2 * bend * SHALLOW * known:
+            raise ValueError(
+                f"the event {turn.name} at t = {turn.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
+                "second there, so that a slightly other motion would not meet it, and its time has no derivative; "
+                "move what it looks for away from where the function turns, or leave the event out"
+            )
+
+    def _struck(self, found: State, output: Recorded) -> Array:
         """The derivatives of the velocities after an impact."""
-        system, turn, b, e = self.system, self._turn, self._b, self._turn.restitution
+        system, turn, e = self.system, self._turn, self._turn.restitution
         assert e is not None
-        q, v, after = turn.q, turn.v, turn.after
-        w, sigma = self._saddle.solve(f.q, np.zeros(system.m))
-        p = -(1 + e) * (f.q @ v) / (f.q @ w)
-        curved = f.qq @ q_z + self._by_c(f.qc)
-        pulled = system.M_a_q(q, after - v, b=b) + system.Phi_qT_lam_q(q, p * sigma, turn.t, b=b)
-        pulled_b = self._by_b(system.M_a_b(q, after - v, b=b)) + self._by_b(
-            system.Phi_qT_lam_b(q, p * sigma, turn.t, b=b)
-        )
-        force = system.M(q, b=b) @ v_z - pulled @ q_z - pulled_b + p * curved
-        turned = system.Phi_q_xi_q(q, after, turn.t, b=b) @ q_z + self._by_b(
-            system.Phi_q_xi_b(q, after, turn.t, b=b)
-        )
-        free = self._solved(force, -turned)[0]
-        wanted = -((after + e * v) @ curved + e * f.q @ v_z + (f.q @ v) * self._by_e)
-        return np.asarray(free + np.outer(w, (wanted - f.q @ free) / (f.q @ w)))
-
-    def _measure(self, text: str) -> Measure:
-        system, turn = self.system, self._turn
-        none = np.zeros((1, system.m))
-        state = States(np.array([turn.t]), turn.q[None], turn.v[None], 0 * turn.q[None], none)
-        outputs, tree = Outputs(system, state, self._b, _unknown), parse(text)
-        found = tree.value({name: outputs(name) for name in tree.names()})
-        places = {key: variable.at for key, variable in outputs.inputs.items()}
-        sizes = {"q": system.nq, "c": len(system.joint_coordinates.b)}
-        first = outputs.tape.gradient({found.at: 1.0})
-        by = {kind: _gathered(places, first, kind, size) for kind, size in sizes.items()}
-        second = {kind: np.zeros((system.nq, size)) for kind, size in sizes.items()}
-        for (kind, n), place in places.items():
-            if kind == "q":
-                change = outputs.tape.gradient_along({found.at: 1.0}, {}, outputs.tape.along({place: 1.0}))[1]
-                for other, size in sizes.items():
-                    second[other][n] = _gathered(places, change, other, size)
-        return Measure(by["q"], by["c"], second["q"], second["c"])
-
-
-def _gathered(places: dict[tuple[str, int], int], bars: list[Any], kind: str, size: int) -> Array:
-    """The gradient by the inputs of one kind."""
-    found = np.zeros(size)
-    for (own, n), place in places.items():
-        if own == kind:
-            found[n] = float(np.sum(bars[place]))
-    return found
-
-
-def _unknown(name: str) -> float:
-    raise ValueError(f"an event cannot depend on the number {name!r}")
+        f_q, bends = output.slopes.q[0], output.bends
+        w, sigma = self._saddle.solve(f_q, np.zeros(system.m))
+        p = -(1 + e) * (f_q @ turn.v) / (f_q @ w)
+        curved = bends.q @ found.q + self._placed(bends.c, 2) + bends.t * found.t
+        force = system.M(turn.q, b=self._b) @ found.v + p * curved
+        force = force - self._pulled(found, turn.after - turn.v, p * sigma)
+        free = self._solved(force, -self._drifted(found, turn.after))[0]
+        wanted = -((turn.after + e * turn.v) @ curved + e * f_q @ found.v + (f_q @ turn.v) * self._by_e)
+        return np.asarray(free + np.outer(w, (wanted - f_q @ free) / (f_q @ w)))

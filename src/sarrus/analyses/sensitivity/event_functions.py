@@ -1,0 +1,116 @@
+"""How do an event's functions change with the state: formulas of outputs, and functions (t, q, v) written in Python?
+
+Both are recorded at the state of the event, and the record is differentiated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.expression import parse
+from ...model.tape import Tape, Traced
+from ...results import Turn
+from ...system import System
+from .outputs import Key, Outputs, States
+
+
+class Slopes(NamedTuple):
+    """Derivatives of some numbers by q (n, nq), v (n, nq), numbers c of joints' coordinates (n, nc), and t (n, 1)."""
+
+    q: Array
+    v: Array
+    c: Array
+    t: Array
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Numbers on a tape, and the places of what they depend on.
+
+    Attributes
+    ----------
+    sizes : how many there are of each kind of input, in the order of `Slopes`
+    """
+
+    tape: Tape
+    found: list[Any]
+    places: Mapping[Key, int]
+    sizes: Sequence[int]
+
+    @property
+    def slopes(self) -> Slopes:
+        """Their derivatives."""
+        every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Traced) else {}) for x in self.found]
+        return Slopes._make(
+            np.array([self._gathered(bars, kind) for bars in every]) for kind in Slopes._fields
+        )
+
+    @property
+    def bends(self) -> Slopes:
+        """The derivatives of the first number's gradient by q."""
+        found = Slopes._make(np.zeros((self.sizes[0], size)) for size in self.sizes)
+        for (kind, n), place in self.places.items():
+            if kind == "q":
+                along = self.tape.along({place: 1.0})
+                change = self.tape.gradient_along({self.found[0].at: 1.0}, {}, along)[1]
+                for by in Slopes._fields:
+                    getattr(found, by)[n] = self._gathered(change, by)
+        return found
+
+    def _gathered(self, bars: list[Any], kind: str) -> Array:
+        """The gradient by the inputs of one kind."""
+        gathered = np.zeros(self.sizes[Slopes._fields.index(kind)])
+        for (own, n), place in self.places.items():
+            if own == kind:
+                gathered[n] = float(np.sum(bars[place]))
+        return gathered
+
+
+def recorded(system: System, turn: Turn, function: Any, b: Array) -> Recorded:
+    """The value of a formula, or of what a Python function returns, at an event.
+
+    Raises
+    ------
+    ValueError
+        For Python functions that cannot be recorded.
+    """
+    sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1
+    if isinstance(function, str):
+        return _of_formula(system, turn, function, b, sizes)
+    return _of_python(turn, function, sizes)
+
+
+def _of_formula(system: System, turn: Turn, text: str, b: Array, sizes: Sequence[int]) -> Recorded:
+    none = np.zeros((1, system.m))
+    state = States(np.array([turn.t]), turn.q[None], turn.v[None], 0 * turn.q[None], none)
+    outputs, tree = Outputs(system, state, b, _unknown), parse(text)
+    found = tree.value({name: outputs(name) for name in tree.names()})
+    places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
+    return Recorded(outputs.tape, [found], places, sizes)
+
+
+def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]) -> Recorded:
+    tape = Tape()
+    t, q, v = tape.variable(turn.t), _variables(tape, turn.q), _variables(tape, turn.v)
+    try:
+        found = list(np.ravel(np.asarray(function(t, q, v), dtype=object)))
+    except (TypeError, AttributeError) as trouble:
+        raise ValueError(
+            f"the event {turn.name} at t = {turn.t:.6g} s cannot be differentiated through its Python function: "
+            f"{trouble}; write it with arithmetic and NumPy's functions of the entries of q and v, or as a formula"
+        ) from None
+    inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
+    return Recorded(tape, found, inputs, sizes)
+
+
+def _variables(tape: Tape, values: Array) -> Array:
+    return np.array([tape.variable(float(x)) for x in values], dtype=object)
+
+
+def _unknown(name: str) -> float:
+    raise ValueError(f"an event cannot depend on the number {name!r}")

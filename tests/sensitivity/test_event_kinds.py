@@ -1,0 +1,159 @@
+"""Every kind of event that a simulation takes: forward, backward, and differences of runs with the same steps."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.sensitivity.frozen_pieces import at, differenced
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.responses import Response
+from sarrus.model.written import with_numbers
+
+X = slider_crank().coordinates_of("slider").start
+NUMBERS = ["rod.mass", "spring.k", "pin.point.y", "ball.point.z", "crank.angular_velocity.x", "gravity.z"]
+RESPONSES = [
+    sr.Final("slider.x"),
+    sr.Final("pin.angle.rate"),
+    sr.At("slider.velocity.x", time=0.31),
+    sr.At("rod.acceleration.y", time=0.22),
+    sr.Final("pin.force.z"),
+    sr.Integral(lambda o: o.t * o("energy.kinetic"), name="integral"),
+    sr.Maximum("slider.velocity.x"),
+    sr.Peak("pin.angle"),
+]
+WHEN = "pin.angle + slider.x - 4.4"
+
+
+def slowed(t, q, v):
+    """Other velocities, not on the constraints: they are projected."""
+    after = -0.4 * v
+    after[X] = -0.7 * v[X] + 0.1 * q[X] * np.cos(3 * t)
+    return after
+
+
+def passed(t, q, v):
+    """The slider's place, and the speed of its coming."""
+    return q[X] + 0.3 * v[X] ** 2 - 4.45 + 0.2 * np.sin(t)
+
+
+EVENTS = {
+    "formula": sr.Event(WHEN, direction=1, reset=sr.Impact(0.5, along="pin.angle"), name="hit"),
+    "formula of time": sr.Event(
+        "slider.x - 4.34 + 0.3*t", reset=sr.Impact(0.2, along="slider.x + 0.1*t*slider.x^2"), name="hit"
+    ),
+    "function": sr.Event(passed, reset=sr.Impact(0.5, along="pin.angle"), name="hit"),
+    "velocities by a function": sr.Event(WHEN, direction=1, reset=slowed, name="hit"),
+    "both functions": sr.Event(passed, reset=slowed, name="hit"),
+    "function that ends": sr.Event(passed, terminal=True, name="hit"),
+}
+
+
+@cache
+def run(kind: str) -> sr.Trajectory:
+    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.4]}
+    found = sr.simulate(slider_crank(), until=0.4, events=EVENTS[kind], **settings)
+    assert len(found.events) == 1
+    return found
+
+
+def responses(kind: str) -> list[Response]:
+    """For the run that ends early none behind its end, but the time of it."""
+    early = [one for one in RESPONSES if getattr(one, "time", 0.0) < 0.25]
+    return [*early, sr.Final("t")] if kind.endswith("ends") else RESPONSES
+
+
+def names(kind: str) -> list[str]:
+    return [*NUMBERS, "hit.restitution"] if isinstance(EVENTS[kind].reset, sr.Impact) else NUMBERS
+
+
+@cache
+def gradient(kind: str, method: str = "adjoint") -> sr.Gradient:
+    return sr.sensitivity(run(kind), responses(kind), names(kind), method=method)
+
+
+def moved(kind: str, changes: dict[str, float]) -> tuple[sr.System, sr.Event]:
+    """Another model, or another restitution."""
+    changes, event = dict(changes), EVENTS[kind]
+    e = changes.pop("hit.restitution", None)
+    if e is not None:
+        reset = sr.Impact(e, along=event.reset.along)
+        event = sr.Event(event.function, direction=event.direction, reset=reset, name="hit")
+    return sr.System(with_numbers(slider_crank().model, changes)), event
+
+
+@pytest.mark.parametrize("kind", EVENTS)
+def test_forward_and_backward_agree(kind: str) -> None:
+    found, direct = gradient(kind), gradient(kind, "direct")
+    scale = abs(found.matrix).max(axis=1, keepdims=True)
+    assert np.all(scale > 0)
+    assert np.all(abs(direct.matrix - found.matrix) < 1e-11 * scale)
+
+
+@pytest.mark.parametrize("kind", EVENTS)
+def test_gradients_are_those_of_differenced_simulations(kind: str) -> None:
+    found = gradient(kind)
+    scale = abs(found.matrix).max(axis=1)
+    for name, value in zip(found.names, found.at, strict=True):
+        wanted = differenced(
+            run(kind), responses(kind), sr.Radau(), 1e-3, lambda e, n=name, x=value: moved(kind, {n: x + e})
+        )
+        assert np.all(abs(found[name] - wanted) < 2e-8 * scale), (name, (found[name] - wanted) / scale)
+
+
+def test_what_a_gradient_leaves_falls_with_the_square() -> None:
+    """Taylor's remainder with all numbers changed at once, the restitution too."""
+    kind, found = "formula", gradient("formula")
+    change, rest = np.random.default_rng(3).normal(size=len(found.names)) * 0.1, []
+    for size in (1e-2, 5e-3, 2.5e-3):
+        there = moved(kind, dict(zip(found.names, found.at + size * change, strict=True)))
+        rest.append(at(run(kind), RESPONSES, sr.Radau(), there) - found.values - size * found.matrix @ change)
+    slopes = np.log2(abs(np.array(rest[:-1]) / np.array(rest[1:])))
+    assert np.all(abs(slopes - 2) < 0.1), slopes
+
+
+def test_all_numbers_of_the_model() -> None:
+    found = [sr.sensitivity(run("both functions"), RESPONSES, method=way) for way in ("adjoint", "direct")]
+    assert len(found[0].names) == len(Parameters(slider_crank()).names)
+    scale = abs(found[0].matrix).max(axis=1, keepdims=True)
+    assert np.all(abs(found[0].matrix - found[1].matrix) < 1e-10 * scale)
+
+
+TIP = "tip.y + 0.2*t*tip.x^2 + 1.2"
+STRUCK = sr.Event(TIP, direction=-1, reset=sr.Impact(0.6, along="tip.x + 2*t*tip.y"), name="struck")
+
+
+def two_links(**changes: float) -> sr.System:
+    """Two links that fall: with two freedoms the direction of an impulse counts, and two impacts follow each other."""
+    link, tip = (
+        sr.Body(name, mass=1, inertia=(0.1, 0.1, 0.1), position=(x, 0, 0))
+        for name, x in (("link", 0.5), ("tip", 1.5))
+    )
+    axis = (0, 0, 1)
+    pin = sr.Revolute("pin", sr.ground, link, point=(0, 0, 0), axis=axis)
+    elbow = sr.Revolute("elbow", link, tip, point=(1, 0, 0), axis=axis)
+    model = sr.Model("links", bodies=[link, tip], joints=[pin, elbow], gravity=(0, -9.81, 0))
+    return sr.System(with_numbers(model, changes))
+
+
+def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
+    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [1.5]}
+    fall = sr.simulate(two_links(), until=1.5, events=STRUCK, **settings)
+    assert len(fall.events) == 2
+    told = [
+        sr.Final("tip.x"),
+        sr.Final("tip.y"),
+        sr.Final("link.velocity.x"),
+        sr.Integral(lambda o: o.t * o("tip.x")),
+    ]
+    names = ["link.mass", "tip.position.x", "gravity.y", "pin.point.y"]
+    found, direct = (sr.sensitivity(fall, told, names, method=way) for way in ("adjoint", "direct"))
+    scale = abs(found.matrix).max(axis=1)
+    assert np.all(abs(found.matrix - direct.matrix).T < 1e-11 * scale)
+    for name, x in zip(names, found.at, strict=True):
+        wanted = differenced(
+            fall, told, sr.Radau(), 1e-3, lambda e, n=name, x=x: (two_links(**{n: x + e}), STRUCK)
+        )
+        assert np.all(abs(found[name] - wanted) < 2e-8 * scale), (name, (found[name] - wanted) / scale)

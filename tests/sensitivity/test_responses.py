@@ -1,0 +1,51 @@
+"""Responses as functions of an output at some times: their weights, and their derivatives by the times."""
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+T = np.array([0.0, 0.1, 0.25, 0.3, 0.3, 0.55, 0.7])  # 0.3 stands twice: an event
+G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, -0.4])
+KINDS = {
+    "integral": (sr.Integral("x"), G),
+    "peak": (sr.Peak("x", sharpness=3.0), G),
+    "maximum": (sr.Maximum("x"), G),
+    "minimum": (sr.Minimum("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, 0.4])),
+    "maximum at the end": (sr.Maximum("x"), np.sort(G)),
+    "maximum before an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 2.1, 0.7, 1.3, -0.4])),
+    "maximum after an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 1.1, 2.7, 1.3, -0.4])),
+    "misfit": (sr.Misfit("x", at=T, data=0.1 * T, sigma=0.3), G),
+}
+
+
+def slopes(function: object, at: np.ndarray) -> np.ndarray:
+    """Richardson's extrapolation of central differences."""
+
+    def coarse(e: float) -> np.ndarray:
+        return np.array([(function(at + e * d) - function(at - e * d)) / (2 * e) for d in np.eye(len(at))])
+
+    return (4 * coarse(5e-4) - coarse(1e-3)) / 3
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_weights_are_the_derivatives_by_the_output(kind: str) -> None:
+    response, g = KINDS[kind]
+    assert response.weights(g, T) == pytest.approx(slopes(lambda x: response.value(x, T), g), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives_by_the_times(kind: str) -> None:
+    """Those of the times at an event move together here, as they do in a run."""
+    response, g = KINDS[kind]
+    found = response.by_times(g, T)
+    wanted = slopes(lambda t: response.value(g, t[[0, 1, 2, 3, 3, 4, 5]]), T[[0, 1, 2, 3, 5, 6]])
+    assert np.array([*found[:3], found[3] + found[4], *found[5:]]) == pytest.approx(wanted, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_change_of_weights(kind: str) -> None:
+    response, g = KINDS[kind]
+    g_dot = np.cos(np.arange(len(g)))
+    wanted = (response.weights(g + 1e-4 * g_dot, T) - response.weights(g - 1e-4 * g_dot, T)) / 2e-4
+    assert response.weights_along(g, T, g_dot) == pytest.approx(wanted, abs=1e-6)

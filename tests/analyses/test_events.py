@@ -190,5 +190,6 @@ def test_an_event_of_a_velocity_that_its_own_reset_changes_happens_once() -> Non
     """The function is away from zero after it, on the other side than its change with the place alone tells."""
     fast = sr.Event(lambda t, q, v: -v[2] - q[2], reset=lambda t, q, v: 0.5 * v, name="fast")
     run = sr.simulate(ball(), until=0.12, events=fast)
-    assert run.success and len(run.events) == 1
+    assert run.success
+    assert len(run.events) == 1
     assert run.events[0].t == pytest.approx(np.sqrt(1 + 2 / 9.81) - 1, abs=1e-9)

@@ -92,7 +92,9 @@ def test_a_linkage_with_equations_that_others_imply() -> None:
     assert np.any(run.steps.left_out)
     responses = [sr.Final("rod_1.x"), sr.Integral("energy.kinetic"), sr.At("rod_1.acceleration.z", time=0.3)]
     direct, back = (sr.sensitivity(run, responses, method=way) for way in ("direct", "adjoint"))
-    assert np.allclose(direct.matrix, back.matrix, rtol=0, atol=1e-11 * abs(direct.matrix).max())
+    scale = np.nanmax(abs(direct.matrix))  # numbers that would close the linkage otherwise have no derivative
+    assert np.allclose(direct.matrix, back.matrix, rtol=0, atol=1e-11 * scale, equal_nan=True)
+    assert np.all(np.isfinite(back["rod_1.mass"]))
     assert np.allclose(
         back["rod_1.mass"], differenced(run, responses, "rod_1.mass", 1e-3, sr.Radau()), rtol=1e-7
     )

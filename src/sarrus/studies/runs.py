@@ -268,7 +268,7 @@ def _states(result: Any) -> States:
 
 def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     """Histories by name: outputs of a motion, what modes have, and numbers of the model."""
-    outputs = Outputs(system, _states(result), system.b, lambda name: number_of(system, name))
+    outputs = Outputs(system, _states(result), system.b, lambda name, _: number_of(system, name))
 
     def lookup(name: str) -> Any:
         if isinstance(result, Modes) and MODAL.fullmatch(name):

@@ -26,6 +26,7 @@ AXES = {"x": 0, "y": 1, "z": 2}
 SPRINGS = (TSDA, NonlinearTSDA)
 TURN = 2 * np.pi
 Key = tuple[str, int]
+Variable = Callable[[str, float], Traced]
 
 
 class UnknownOutput(SarrusError):
@@ -82,7 +83,7 @@ class Outputs:
         system: System,
         states: States,
         b: Array,
-        parameters: Callable[[str], float],
+        parameters: Callable[[str, Variable], Any],
         angles: Angles | None = None,
     ) -> None:
         self.tape = Tape()
@@ -158,8 +159,14 @@ class Outputs:
 
     def parameter(self, name: str) -> Any:
         """A number of the model by name, for responses that depend on it themselves."""
+        if name in self._system.number_names:
+            return self._input("b", self._system.number_names.index(name))
+        return self._parameters(name, self._variable)
+
+    def _variable(self, name: str, value: float) -> Traced:
+        """A number that derivatives are taken by."""
         if name not in self.named:
-            self.named[name] = self.tape.variable(self._parameters(name))
+            self.named[name] = self.tape.variable(value)
         return self.named[name]
 
     def position(self, body: str, point: Sequence[Any] = (0, 0, 0)) -> Array:

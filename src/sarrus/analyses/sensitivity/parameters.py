@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,8 @@ class Parameters:
         self.values = np.array([self._value(name) for name in self.names])
         self.variables = {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
         self._own_q, self._own_v = _own_start(system, start)
-        self._record()
+        self._moving = self._places(self.variables)
+        self._refuse_other(self._moving)
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
@@ -99,29 +101,36 @@ class Parameters:
             return float(whole[_coordinate(self.system, name)])
         return float(self.system.b[self._element_numbers[name]])
 
-    def _record(self) -> None:
-        """Build the model of recorded numbers; note where they arrive."""
+    @cached_property
+    def _outputs(self) -> list[tuple[int, int]]:
+        """Where recorded numbers arrive when the model is built of them: place in [b; q₀; v₀; c], place on the tape."""
         system, size = self.system, len(self.system.b)
         plan = blueprint(self._model())
-        self._outputs: list[tuple[int, int]] = []  # place in [b; q0; v0; c], place on the tape
+        found: list[tuple[int, int]] = []
+
+        def note(place: int, value: Any) -> None:
+            if isinstance(value, Traced):
+                found.append((place, value.at))
+
         for place, value in places_of(system.populations, plan.placed, system.b):
-            self._note(place, value)
+            note(place, value)
         for first, whole, own in ((size, plan.q, self._own_q), (size + system.nq, plan.v, self._own_v)):
             for k, value in enumerate(whole if own else ()):
-                self._note(first + k, value)
+                note(first + k, value)
         for place, value in places_of(
             system.joint_coordinates.populations, plan.coordinates, system.joint_coordinates.b
         ):
-            self._note(size + 2 * system.nq + place, value)
+            note(size + 2 * system.nq + place, value)
         first = size + 2 * system.nq + len(system.joint_coordinates.b)
         for name, variable in self.variables.items():
             if name in self.restitutions:
-                self._outputs.append((first + list(self.restitutions).index(name), variable.at))
+                found.append((first + list(self.restitutions).index(name), variable.at))
             elif name.startswith(GUESS):
                 at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
-                self._outputs.append((at, variable.at))
+                found.append((at, variable.at))
             elif name in self._element_numbers and name not in self._design and name not in self._known:
-                self._outputs.append((self._element_numbers[name], variable.at))
+                found.append((self._element_numbers[name], variable.at))
+        return found
 
     @property
     def c_size(self) -> int:
@@ -133,28 +142,28 @@ class Parameters:
         """Whether they change numbers of tables or functions."""
         return any(self.system.nb <= place < len(self.system.b) for place, _ in self._outputs)
 
-    def _note(self, place: int, value: Any) -> None:
-        if isinstance(value, Traced):
-            self._outputs.append((place, value.at))
-
     def _model(self) -> Model:
         """The model with recorded numbers in the places that depend on the parameters."""
-        model, places = self.system.model, self._places(self.variables)
-        self._refuse_other(places)
-        return exchanged(model, lambda steps, value: places.get(named(steps), value))
+        return exchanged(self.system.model, lambda steps, value: self._moving.get(named(steps), value))
 
     def _places(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """The numbers of the model, by name, for numbers of any kind as values of the parameters."""
         places = self._from_file(given) | self._from_design(given)
         return places | {name: value for name, value in given.items() if name in self._known}
 
+    def _of_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The names of the model file, with values as they follow from its parameters; empty if none is given."""
+        formulas = self.system.model.formulas
+        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._known}
+        return formulas.values(own) if own else {}
+
     def _from_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Numbers that follow from the parameters of the model file."""
         formulas = self.system.model.formulas
-        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._known}
+        values = self._of_file(given)
+        own = {n: v for n, v in given.items() if n in values and n in formulas.parameters}
         if not own:
             return {}
-        values = formulas.values(own)
         moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
         inside = in_functions(self.system.model).items()
         return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
@@ -210,24 +219,28 @@ class Parameters:
                     f"{told}; make the model with `with_numbers` from the design's numbers"
                 )
 
-    def number(self, name: str) -> float:
-        """The value of any number by name.
+    def number(self, name: str, variable: Callable[[str, float], Any]) -> Any:
+        """Any number by name, as it follows from the parameters, which `variable` records.
 
         Raises
         ------
         UnknownParameter
             If there is none.
         """
-        return self._value(self._matches(name)[0])
+        value = self._value(self._matches(name)[0])
+        if name in self.names:
+            return variable(name, value)
+        own = {given: variable(given, self._value(given)) for given in self.names}
+        return (self._of_file(own) | self._places(own)).get(name, value)
 
     def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
         """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
         change = np.asarray(change, dtype=float)
         size = len(self.system.b) + 2 * self.system.nq + self.c_size
-        whole = np.zeros((size, change.shape[1]))
+        whole, outputs = np.zeros((size, change.shape[1])), self._outputs
         for k in range(change.shape[1]):
             dots = self._tape.along(self._seeds(change[:, k]))
-            for place, at in self._outputs:
+            for place, at in outputs:
                 whole[place, k] += dots[at]
         return self._split(whole)
 

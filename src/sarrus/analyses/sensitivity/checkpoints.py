@@ -22,6 +22,7 @@ from ..dynamics.tolerance import Given, Tolerances
 from .chain import Gradients, Nodes, through
 from .derivatives import Wanted, as_responses, own_parts
 from .evaluation import Evaluation, Explicit
+from .fine import fine
 from .long_run import LongRun
 from .outputs import Angles
 from .parameters import Parameters
@@ -66,6 +67,8 @@ def sensitivity_by_checkpoints(
     settings = Settings(Tolerances.of(system, rtol, atol), max_step, keep_steps=True)
     per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(wanted))
     run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step)
+    if isinstance(method, Radau):
+        wanted = [fine(response) for response in wanted]
     return LongGradient(run, wanted, Parameters(system, wrt, start=begin)).gradient()
 
 

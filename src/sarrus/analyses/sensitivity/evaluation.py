@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, StepsTaken
+from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
+from .fine import fine
 from .outputs import Angles, Outputs
 from .parameters import Parameters
 from .pieces import sampling_of
@@ -46,6 +47,8 @@ class Evaluation:
         parameters: Parameters,
         angles: Angles | None = None,
     ) -> None:
+        if isinstance(steps, RadauSteps):
+            responses = [fine(response) for response in responses]
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
         self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]

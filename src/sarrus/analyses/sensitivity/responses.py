@@ -57,6 +57,10 @@ class Response:
         """Its derivatives by the times themselves, where events move them."""
         return np.zeros_like(g)
 
+    def rule(self, t: Array) -> Array:
+        """The weights of its times in integrals over the run."""
+        return trapezoidal(t)
+
     def evaluate(self, outputs: Outputs) -> Traced:
         """The output, recorded."""
         found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
@@ -95,13 +99,13 @@ class At(Response):
 
 @dataclass(frozen=True, eq=False)
 class Integral(Response):
-    """The output integrated over time, by the trapezoidal rule on the steps, of the order of the method."""
+    """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`."""
 
     def value(self, g: Array, t: Array) -> float:
-        return float(trapezoidal(t) @ g)
+        return float(self.rule(t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
-        return trapezoidal(t)
+        return self.rule(t)
 
     def by_times(self, g: Array, t: Array) -> Array:
         return trapezoidal_by_times(g)
@@ -118,11 +122,11 @@ class Peak(Response):
 
     def value(self, g: Array, t: Array) -> float:
         top = float(g.max())
-        mean = trapezoidal(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
+        mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
         return top + float(np.log(mean)) / self.sharpness
 
     def weights(self, g: Array, t: Array) -> Array:
-        share: Array = trapezoidal(t) * np.exp(self.sharpness * (g - g.max()))
+        share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
         return np.asarray(share / share.sum())
 
     def by_times(self, g: Array, t: Array) -> Array:

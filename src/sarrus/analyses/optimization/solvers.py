@@ -29,6 +29,7 @@ WORDS = {  # by what SciPy's messages contain
     "terminated successfully": "converged: no direction is better and allowed",
     "iteration": "the number of iterations is used up",
     "function evaluations is exceeded": "the number of simulations is used up",
+    "abnormal": "no step along the search direction makes it better",
     "positive directional derivative": "no step along the search direction makes it better",
 }
 

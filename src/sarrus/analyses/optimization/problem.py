@@ -228,20 +228,24 @@ class Point:
         return {"wrt": self.problem.names, "design": values, "formula": self.problem.formula}
 
     @cached_property
+    def _variables(self) -> Parameters:
+        steps = self.run.steps
+        assert steps is not None
+        return Parameters(self.system, **self._named(), start=steps.start)
+
     def _parameters(self) -> Parameters:
         """The variables, each of which must have derivatives."""
         steps = self.run.steps
         assert steps is not None
-        found = Parameters(self.system, **self._named(), start=steps.start)
-        refuse(self.system, steps, found)
-        return found
+        refuse(self.system, steps, self._variables)
+        return self._variables
 
     def evaluation(self) -> Evaluation:
         """The responses with their outputs over time."""
         if self._evaluation is None:
             steps, parts = self.run.steps, self.problem.outer.parts
             assert steps is not None
-            self._evaluation = Evaluation(self.system, steps, parts, self._parameters)
+            self._evaluation = Evaluation(self.system, steps, parts, self._variables)
         return self._evaluation
 
     @property
@@ -278,7 +282,7 @@ class Point:
 
     def along(self, changes: Array) -> Array:
         """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""
-        parameters, evaluation = self._parameters, self.evaluation()
+        parameters, evaluation = self._parameters(), self.evaluation()
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
         named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
@@ -287,7 +291,7 @@ class Point:
 
     def gradient_of_sum(self, weights: Array) -> Array:
         """The gradient (p,) of the responses' sum with weights (r,): one column, however many responses there are."""
-        parameters, evaluation = self._parameters, self.evaluation()
+        parameters, evaluation = self._parameters(), self.evaluation()
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
         by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
@@ -315,7 +319,7 @@ class Point:
     def _curvature(self, place: int) -> Curvature:
         """The Hessian of one part, in products."""
         if place not in self._curvatures:
-            steps, parameters = self.run.steps, self._parameters
+            steps, parameters = self.run.steps, self._parameters()
             assert steps is not None
             evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
             chain = curved_chain(self.system, steps, parameters)
@@ -324,7 +328,7 @@ class Point:
 
     def signals(self) -> tuple[list[Array], list[Array]]:
         """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""
-        parameters, evaluation = self._parameters, self.evaluation()
+        parameters, evaluation = self._parameters(), self.evaluation()
         every = np.eye(len(parameters.names))
         b, q, v, c = parameters.along(every)
         named = dict(zip(parameters.names, every, strict=True))

@@ -16,7 +16,7 @@ from ...model.expression import parse
 from ...model.tape import Tape, Traced
 from ...results import Turn
 from ...system import System
-from .outputs import Key, Outputs, States
+from .outputs import Key, Outputs, States, Variable
 
 
 class Slopes(NamedTuple):
@@ -112,5 +112,5 @@ def _variables(tape: Tape, values: Array) -> Array:
     return np.array([tape.variable(float(x)) for x in values], dtype=object)
 
 
-def _unknown(name: str) -> float:
+def _unknown(name: str, _: Variable) -> float:
     raise ValueError(f"an event cannot depend on the number {name!r}")

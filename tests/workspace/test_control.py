@@ -103,6 +103,24 @@ def test_pictures_over_the_inputs(found: sr.InputSingularities) -> None:
         found.plot(over="inputs", axes=["a1.angle", "b1"])
 
 
+def test_an_arm_within_limits() -> None:
+    """Outputs lose a direction where the elbow is straight, between the limits; its motors never lose control."""
+    system, tip = arm([1, 0.7])
+    limits = {"q1": (-1.0, 2.0), "q2": (-0.5, 1.5)}
+    found = sr.input_singularities(system, tip["x", "y"], ("q1", "q2"), lost="outputs", limits=limits)
+    assert found.success
+    v = np.concatenate([curve.v for curve in found.curves])
+    assert v[:, 1] == pytest.approx(0, abs=1e-9)
+    assert (v[:, 0].min(), v[:, 0].max()) == (pytest.approx(-1), pytest.approx(2))
+    lines = found.plot(over="inputs").get_lines()
+    drawn = {tuple(along) for line in lines for along in (line.get_xdata(), line.get_ydata())}
+    assert {(-1.0, -1.0), (2.0, 2.0), (-0.5, -0.5), (1.5, 1.5)} <= drawn
+    other = sr.input_singularities(system, tip["x", "y"], ("q1", "q2"), limits=limits)
+    assert str(other) == (
+        "arm: q1.angle and q2.angle lose control on no curve. No curve broke off; random walks crossed none."
+    )
+
+
 def test_table(found: sr.InputSingularities, tmp_path: Path) -> None:
     found.to_csv(tmp_path / "lost.csv")
     with (tmp_path / "lost.csv").open(encoding="utf-8") as file:

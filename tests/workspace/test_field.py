@@ -110,7 +110,7 @@ def test_tables(arm: sr.WorkspaceField, tmp_path: Path) -> None:
 
 
 def test_report(arm: sr.WorkspaceField) -> None:
-    assert "Solutions of the inverse kinematics: 1 to 2" in str(arm)
+    assert "Solutions of the inverse kinematics: from 1 to 2, median 2." in str(arm)
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,11 @@ from scipy.io import netcdf_file
 
 import sarrus as sr
 from sarrus.cli import main
+from sarrus.results.polygons import inside
+from sarrus.results.workspace_volume import Loop, Slice
+from sarrus.views.workspace_sheets import barrier_sheets
 
-from .mechanisms import arm_3r
+from .mechanisms import arm_3r, platform_haug
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +50,44 @@ def test_kinds_of_curves_are_chosen(arm: sr.Workspace) -> None:
     assert len(axes.get_legend().get_texts()) == 1
     with pytest.raises(sr.SarrusError, match='no curves of kind "barriers"; did you mean'):
         arm.plot(kinds=["barriers"])
+
+
+def test_parts_are_told_and_numbered() -> None:
+    """Four parts in two mirrored pairs; each has its number, and the report tells in which the model stands."""
+    system, output, limits = platform_haug()
+    found = sr.workspace(system, output, limits=limits, verify=False)
+    told = str(found)
+    assert "It falls into 4 parts; no motion leads from one to another" in told
+    assert f"  1: {found.components[0].area:.6g} m², platform.x from 0.185" in told
+    stands = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
+    assert f"stands in {stands}." in told
+    axes = found.plot(ghosts=0)
+    numbers = [text for text in axes.texts if text.get_text()]
+    assert [text.get_text() for text in numbers] == ["1", "2", "3", "4"]
+    for text, part in zip(numbers, found.components, strict=True):
+        assert inside(list(part.loops), np.array([text.get_position()]))[0]
+
+
+def cone(height: float) -> Slice:
+    """A slice with a barrier: a circle, as wide as it is high."""
+    angle = np.linspace(0, 2 * np.pi, 181)
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    loop = Loop(0, False, 3 * circle, (), ("singularity",))
+    return Slice(height, 9 * np.pi, 0.0, (loop,), (height * circle,), True)
+
+
+def test_barriers_inside_of_a_volume_are_sheets() -> None:
+    """Circles of 1, 1.1 ... 2 m at heights of as much: a truncated cone, seen from both sides."""
+    vertices, triangles = barrier_sheets([cone(1 + k / 10) for k in range(11)])
+    radius = np.linalg.norm(vertices[:, :2], axis=1)
+    assert radius == pytest.approx(vertices[:, 2], abs=1e-3)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    area = 0.5 * np.linalg.norm(normals, axis=1).sum()
+    assert area == pytest.approx(2 * np.pi * np.sqrt(2) * (2**2 - 1), rel=1e-3)  # both sides
+    assert normals.sum(axis=0) == pytest.approx(0, abs=1e-9)
+    alone, _ = barrier_sheets([cone(1), cone(2)])
+    assert len(alone) == 0  # too far from each other
 
 
 def test_table(arm: sr.Workspace, tmp_path: Path) -> None:
@@ -124,3 +165,53 @@ def test_one_and_three_outputs_in_the_shell(tmp_path: Path, capsys: pytest.Captu
     }
     assert main([*words, "tool.x", "--netcdf", str(files[3])]) == 2
     assert "not written so" in capsys.readouterr().err
+
+
+ARM = """
+name: arm
+bodies:
+  upper: {mass: 1, inertia: [1, 1, 1]}
+  lower: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}
+joints:
+  q1: {type: revolute, bodies: [ground, upper], point: [0, 0, 0], axis: [0, 0, 1]}
+  q2: {type: revolute, bodies: [upper, lower], point: [1, 0, 0], axis: [0, 0, 1]}
+"""
+
+
+def test_fields_and_singular_positions_in_the_shell(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "arm.yaml").write_text(ARM)
+    files = [tmp_path / name for name in ("field.png", "lost.png", "field.csv", "field.nc", "told.txt")]
+    options = zip(("--figure", "--singular", "--csv", "--netcdf", "--report"), map(str, files), strict=True)
+    words = ["workspace", str(tmp_path / "arm.yaml"), "--samples", "50", "--limit", "q1=-1,1", "q2=-1,2"]
+    words += ["--output", "lower(1, 0, 0).x", "lower(1, 0, 0).y"]
+    asked = ["--inputs", "q1", "q2", "--field", "manipulability"]
+    assert main([*words, *asked, *(word for pair in options for word in pair)]) == 0
+    assert all(file.stat().st_size > 100 for file in files)
+    with files[2].open(encoding="utf-8") as table:
+        assert max(float(row["manipulability"]) for row in csv.DictReader(table)) == pytest.approx(
+            1, abs=0.01
+        )
+    assert files[4].read_text() == capsys.readouterr().out
+    places = ["--at", "1.5,0.5", "--at=1.5,-0.5", "--curves", "outer", "--figure", str(files[0])]
+    assert main([*words, *places]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--field", "conditioning"], "--field conditioning needs to know what drives it; add --inputs NAME"),
+        (["--field", "turn"], "add --turn NAME"),
+        (["--turn", "x.turn_z"], "--turn is for --field turn; add it"),
+        (["--singular", "x.png"], "add --inputs NAME"),
+        (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1; leave it out"),
+    ],
+)
+def test_options_that_do_not_fit(
+    options: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "table.yaml").write_text(TABLE)
+    words = ["workspace", str(tmp_path / "table.yaml"), "--output", "tool.x", "tool.y"]
+    assert main([*words, *options]) == 2
+    assert told in capsys.readouterr().err

@@ -9,16 +9,28 @@ from typing import TYPE_CHECKING, Any
 from . import model_file, shared
 from .answer import Answer
 from .progress import Bar
-from .values import natural, positive, refuse_unwritable
+from .values import figure_file, natural, positive, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..analyses.workspace.formulate import Limits
-    from ..results import Workspace, WorkspaceRange, WorkspaceVolume
+    from ..results import InputSingularities, Workspace, WorkspaceField, WorkspaceRange, WorkspaceVolume
+    from ..results.input_singularities import Lost
     from ..system import System
 
+QUANTITIES = (  # see results/workspace_field.py
+    "solutions",
+    "manipulability",
+    "worst_manipulability",
+    "conditioning",
+    "worst_conditioning",
+    "turn",
+)
+KINDS = ("outer", "void", "barrier", "crossable")
+LOST: tuple[Lost, ...] = ("inputs", "outputs")
 EXAMPLES = (
     "sarrus workspace arm.yaml --output tool.x tool.y --limit q1=-60deg,60deg q2=-60deg,60deg",
     "sarrus workspace delta.yaml --output tool.x tool.y tool.z --rtol 1e-6 --view reach.html --netcdf reach.nc",
+    "sarrus workspace five_bar.yaml --output tip.x tip.y --inputs a b --field conditioning --singular lost.png",
     "sarrus workspace robot.urdf --output 'hand(0, 0, 0.1).x' hand.z --fix q1=0 q3=0 --csv map.csv",
 )
 
@@ -44,15 +56,36 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fix", nargs="+", default=[], type=_fixed, metavar="NAME=VALUE", help="functions that keep a value"
     )
+    parser.add_argument(
+        "--inputs", nargs="+", default=[], metavar="NAME", help="what drives it, for --field and --singular"
+    )
+    parser.add_argument("--field", choices=QUANTITIES, help="what the picture shows in colours")
+    parser.add_argument("--turn", metavar="NAME", help="what can turn at a place, for --field turn")
+    parser.add_argument(
+        "--at",
+        action="append",
+        type=_place,
+        metavar="X,Y",
+        help="a place at which the mechanism is drawn; --at=-1,2",
+    )
+    parser.add_argument(
+        "--curves", nargs="+", choices=KINDS, default=KINDS, help="curves that are drawn (all)"
+    )
     parser.add_argument("--samples", type=natural, default=1000, help="random positions that test it (1000)")
     shared.seed(parser, "numbers")
     shared.figure(parser, "the picture", "workspace.png")
-    shared.table(parser, "all curves")
+    shared.table(parser, "all curves, or the field")
     parser.add_argument(
-        "--netcdf", type=Path, metavar="FILE", help="file for curves or the surface as arrays, .nc"
+        "--netcdf", type=Path, metavar="FILE", help="file for curves, field or surface as arrays, .nc"
     )
     parser.add_argument(
         "--view", type=Path, metavar="FILE", help="file for the surface of three outputs, .html or .glb"
+    )
+    parser.add_argument(
+        "--singular",
+        type=figure_file,
+        metavar="FILE",
+        help="picture, over two inputs, of where they lose control and outputs a direction",
     )
     parser.add_argument("--rtol", type=positive, default=1e-4, help="error of a volume, relative (1e-4)")
     parser.add_argument("--report", type=Path, help="file for the report, which is also printed")
@@ -62,7 +95,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Map and draw; 1 if the map is not complete."""
     from ..system import System
 
-    refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view])
+    refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])
+    _refuse_options(chosen)
     system = System(model_file.read(chosen))
     limits: Limits = dict(chosen.limit) if chosen.limit else "model"
     given = {"limits": limits, "fixed": dict(chosen.fix), "seed": chosen.seed}
@@ -70,10 +104,73 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     found = by_count.get(len(chosen.output), _area)(system, chosen, answer, given)
     answer.say(found)
     answer.put(model=system.name, status=found.status, message=found.message)
+    told, shown = [str(found)], found
+    if chosen.field:
+        shown = _field(found, chosen, answer)
+        told.append(str(shown))
+    lost = _singular(system, chosen, answer, given) if chosen.singular else []
+    told += [str(one) for one in lost]
     if len(chosen.output) > 1:
-        answer.draw(found.plot().figure, chosen.figure)
-    _write(chosen, found, answer)
+        answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
+    _write(chosen, shown, answer)
+    if chosen.report:
+        chosen.report.write_text("\n\n".join(told) + "\n", encoding="utf-8")
+        answer.wrote(chosen.report)
     return 0 if found.success else 1
+
+
+def _refuse_options(chosen: argparse.Namespace) -> None:
+    """Options that only two outputs have, or that need others."""
+    from ..model.errors import SarrusError
+
+    planar = {"--field": chosen.field, "--at": chosen.at, "--singular": chosen.singular}
+    given = [option for option, value in planar.items() if value]
+    if given and len(chosen.output) != 2:
+        raise SarrusError(f"{given[0]} is for two outputs, not {len(chosen.output)}; leave it out")
+    if chosen.singular and not chosen.inputs:
+        raise SarrusError("--singular needs to know what drives the mechanism; add --inputs NAME ...")
+    if chosen.turn and chosen.field != "turn":
+        raise SarrusError("--turn is for --field turn; add it")
+    if chosen.field == "turn" and not chosen.turn:
+        raise SarrusError(
+            "--field turn needs to know what turns; add --turn NAME, e.g. --turn platform.turn_z"
+        )
+    if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
+        raise SarrusError(f"--field {chosen.field} needs to know what drives it; add --inputs NAME ...")
+
+
+def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer) -> WorkspaceField:
+    from ..analyses import workspace_field
+
+    with Bar("filling the grid", 1):
+        field = workspace_field(found, chosen.inputs, turn=chosen.turn, seed=chosen.seed)
+    answer.say(f"\n{field}")
+    answer.put(positions=field.positions, missed=field.missed)
+    return field
+
+
+def _singular(
+    system: System, chosen: argparse.Namespace, answer: Answer, given: Any
+) -> list[InputSingularities]:
+    """Both kinds of singular positions, drawn over the inputs."""
+    from ..analyses import input_singularities
+
+    found, ax = [], None
+    for lost in LOST:
+        with Bar(f"singular positions of {lost}", 1):
+            found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
+        ax = found[-1].plot(ax, over="inputs")
+        answer.say(f"\n{found[-1]}")
+    answer.draw(ax.figure if ax else None, chosen.singular)
+    return found
+
+
+def _picture(shown: Any, chosen: argparse.Namespace, lost: list[InputSingularities]) -> Any:
+    """Of what was found, and where inputs lose control."""
+    if len(chosen.output) == 3:
+        return shown.plot()
+    ax = shown.plot(chosen.field) if chosen.field else shown.plot(kinds=chosen.curves, at=chosen.at)
+    return lost[0].plot(ax) if lost else ax
 
 
 def _interval(system: System, chosen: argparse.Namespace, answer: Answer, given: Any) -> WorkspaceRange:
@@ -117,9 +214,6 @@ def _write(chosen: argparse.Namespace, found: Any, answer: Answer) -> None:
                 raise SarrusError(f"{file}: {len(chosen.output)} outputs are not written so; leave it out")
             getattr(found, method)(file)
             answer.wrote(file)
-    if chosen.report:
-        chosen.report.write_text(f"{found}\n", encoding="utf-8")
-        answer.wrote(chosen.report)
 
 
 def _limit(text: str) -> tuple[str, tuple[float | None, float | None]]:
@@ -136,6 +230,13 @@ def _fixed(text: str) -> tuple[str, float]:
     if found is None:
         raise argparse.ArgumentTypeError(f"must be NAME=VALUE, but is {text}")
     return name, found
+
+
+def _place(text: str) -> tuple[float, float]:
+    numbers = [_number(part) for part in text.split(",")]
+    if len(numbers) != 2 or None in numbers:
+        raise argparse.ArgumentTypeError(f"must be X,Y, but is {text}")
+    return numbers[0] or 0.0, numbers[1] or 0.0
 
 
 def _number(text: str) -> float | None:

@@ -39,6 +39,7 @@ class InputSingularities:
     name : of the system
     outputs, inputs : names of the functions, with `units` and `input_units` "m" or "rad"
     lost : what loses a direction
+    input_limits : (lowest, highest) of each input, infinite where there is none
     """
 
     name: str
@@ -50,10 +51,11 @@ class InputSingularities:
     lost: Lost
     units: tuple[str, ...]
     input_units: tuple[str, ...]
+    input_limits: tuple[tuple[float, float], ...]
 
     @property
     def success(self) -> bool:
-        """Whether nothing was lost."""
+        """Whether no curve broke off."""
         return self.status == "mapped"
 
     def to_csv(self, path: Any) -> None:
@@ -73,3 +75,13 @@ class InputSingularities:
         from importlib import import_module
 
         return import_module("sarrus.views").plot_input_singularities(self, ax, **options)
+
+    def __str__(self) -> str:
+        names, what = (
+            (self.inputs, "lose control") if self.lost == "inputs" else (self.outputs, "lose a direction")
+        )
+        closed = sum(curve.closed for curve in self.curves)
+        count = f"{len(self.curves)} curve{'s' * (len(self.curves) != 1)}, {closed} of them closed"
+        told = self.message.removeprefix(f"{self.name}: ")
+        lost = f"{self.name}: {' and '.join(names)} {what} on {count if self.curves else 'no curve'}"
+        return f"{lost}. {told[0].upper()}{told[1:]}."

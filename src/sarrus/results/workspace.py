@@ -148,7 +148,8 @@ class Workspace:
     outputs : their names, `units` "m" or "rad"
     curves : all parts of boundary, barriers and crossable curves
     area, area_error, perimeter : of what can be reached; the error is an estimate
-    components : connected parts, the largest first
+    components : connected parts, the largest first; no motion leads from one to another
+    drawn : number of the part, counted from 0, in which the model's own position lies; None if it is not admissible
     status : "mapped", or "incomplete" if a curve was lost or a test failed
     message : one sentence
     verification : of `sarrus.verify_workspace`, None before
@@ -164,6 +165,7 @@ class Workspace:
     area_error: float
     perimeter: float
     components: tuple[Component, ...] = field(repr=False)
+    drawn: int | None
     status: Literal["mapped", "incomplete"]
     message: str
     verification: Verification | None = None

@@ -100,7 +100,8 @@ class WorkspaceField:
         for quantity, values in self.values.items():
             known = values[np.isfinite(values)]
             if len(known):
-                told = f"{known.min():.4g} to {known.max():.4g}, in the middle {np.median(known):.4g}"
+                told = f"from {known.min():.4g} to {known.max():.4g}, median {np.median(known):.4g}"
+                told = f"{known.min():.4g} everywhere" if known.min() == known.max() else told
                 lines.append(f"{self.meaning(quantity)[0].upper()}{self.meaning(quantity)[1:]}: {told}.")
         if self.missed:
             lines.append(f"At {self.missed} places inside the boundary no position was found.")

@@ -11,7 +11,7 @@ from ..algebra import Array
 from ..model import SarrusError
 from ..model.show import quote, suggest
 from ..results.input_singularities import InputSingularities, Lost, SingularCurve
-from .plots import BLUE, _tidy, _window_axes
+from .plots import BLUE, GREY, _tidy, _window_axes
 
 RED = "#c23b4e"
 STYLES: dict[Lost, dict[str, Any]] = {
@@ -52,6 +52,8 @@ def plot_input_singularities(
         ax = _window_axes()
         ax.figure.set_size_inches(7.5, 7.0)
         _name(ax, found, over, columns)
+        if over == "inputs":
+            _limit(ax, found, columns)
     names = found.inputs if found.lost == "inputs" else found.outputs
     label = f"{', '.join(names)} {TOLD[found.lost]}"
     for n, curve in enumerate(found.curves):
@@ -83,6 +85,14 @@ def _name(ax: Any, found: InputSingularities, over: Lost, columns: list[int]) ->
     if units[columns[0]] == units[columns[1]]:
         ax.set_aspect("equal", adjustable="datalim")
     ax.set_title(f"{found.name}: singular positions", loc="left", fontsize=10)
+
+
+def _limit(ax: Any, found: InputSingularities, columns: list[int]) -> None:
+    """Grey lines where the inputs have limits."""
+    for draw, column in zip((ax.axvline, ax.axhline), columns, strict=True):
+        for value in found.input_limits[column]:
+            if np.isfinite(value):
+                draw(value, color=GREY, linewidth=1.0, linestyle=(0, (1, 2)))
 
 
 def _wrapped(found: InputSingularities, curve: SingularCurve, columns: list[int]) -> Array:

@@ -14,9 +14,11 @@ from .browser import Page
 from .looks import Part
 from .shapes import Mesh
 from .shows import put, still
+from .workspace_sheets import barrier_sheets
 
 COLORS = ("#3b76b5", "#d9822b", "#4b9b5f", "#8a4fa3", "#c23b4e", "#2b9aa8", "#a1783a", "#6b7683")
-SEEN_THROUGH = 0.45
+INSIDE = "#e8590c"  # of barriers
+SEEN_THROUGH = 0.3
 
 
 def view_workspace(
@@ -29,6 +31,7 @@ def view_workspace(
     """Show the surface of a workspace in three dimensions, with the mechanism in it.
 
     Every part of the surface has the colour of its cause, a limit or a singularity, which is told where the pointer is.
+    Barriers inside, which motion can meet from one side only, are sheets that are not seen through.
 
     Parameters
     ----------
@@ -60,23 +63,32 @@ def view_workspace(
 
 
 def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
-    """A mesh for each cause."""
+    """A mesh for each cause, and one for the barriers inside."""
     axes = ["xyz".find(name[-1]) for name in found.outputs]
     if sorted(axes) != [0, 1, 2] or not len(found.triangles):
         told = (
             f"the outputs {', '.join(found.outputs)} are no coordinates x, y and z, or nothing can be reached"
         )
         raise SarrusError(f"{found.name}: {told}; draw its slices with plot instead")
-    vertices = np.empty_like(found.vertices)
-    vertices[:, axes] = found.vertices
-    flipped = np.linalg.det(np.eye(3)[axes]) < 0
     parts = []
     for n, cause in enumerate(found.causes):
         mine = found.triangles[found.cause_of == n]
         if len(mine):
-            used, faces = np.unique(mine, return_inverse=True)
-            faces = faces.reshape(-1, 3)
-            mesh = Mesh(vertices[used], faces[:, ::-1] if flipped else faces)
             color = COLORS[(n - 1) % len(COLORS)] if n else "#9aa3ad"
+            mesh = _mesh(found.vertices, mine, axes)
             parts.append(Part(cause, "body", "ends the workspace", 0, mesh, color, opacity))
+    vertices, triangles = barrier_sheets(found.slices)
+    if len(triangles):
+        told = "inside: motion can meet it from one side only"
+        mesh = _mesh(vertices, triangles, axes)
+        parts.append(Part("barrier", "body", told, 0, mesh, INSIDE))
     return parts
+
+
+def _mesh(vertices: Array, triangles: Array, axes: list[int]) -> Mesh:
+    """Of the vertices that are used, with the outputs as coordinates x, y and z."""
+    used, faces = np.unique(triangles, return_inverse=True)
+    placed = np.empty((len(used), 3))
+    placed[:, axes] = vertices[used]
+    faces = faces.reshape(-1, 3)
+    return Mesh(placed, faces[:, ::-1] if np.linalg.det(np.eye(3)[axes]) < 0 else faces)

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..results.workspace_volume import WorkspaceVolume
-from .plots import BLUE, figure_of
+from .plots import BLUE, ORANGE, figure_of
 
 SHOWN = 9  # slices drawn as lines
+BARRIER = "barrier inside"
 
 
 def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
-    """Draw the surface through the slices.
+    """Draw the surface through the slices, and the barriers inside.
 
     Parameters
     ----------
@@ -37,6 +38,11 @@ def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
     for one in found.slices[:: max(1, len(found.slices) // SHOWN)]:
         for loop in one.loops:
             ax.plot(*loop.points.T, np.full(len(loop.points), one.height), color=BLUE, linewidth=0.8)
+        for line in one.barriers:
+            ax.plot(*line.T, np.full(len(line), one.height), color=ORANGE, linewidth=1.2, label=BARRIER)
+    handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
+    if handles:
+        ax.legend(handles.values(), handles, frameon=False, fontsize=8, loc="upper right")
     names = zip((ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), found.outputs, strict=True)
     for set_label, name in names:
         set_label(name)

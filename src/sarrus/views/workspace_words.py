@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from ..results.workspace import CurveKind, Workspace
+import numpy as np
 
-TOLD: tuple[CurveKind, ...] = ("outer", "void", "barrier", "crossable")
+from ..results.workspace import Component, CurveKind, Workspace
+
+TOLD: dict[CurveKind, str] = {
+    "outer": "Boundary",
+    "void": "Boundaries of voids",
+    "barrier": "Barriers inside, which motion can meet from one side only",
+    "crossable": "Singular, but no impediment",
+}
+MOST = 6  # causes that are listed
 
 
 def area_unit(found: Workspace) -> str:
@@ -19,7 +27,7 @@ def workspace_report(found: Workspace) -> str:
         f"(± {found.area_error:.1g}), perimeter {found.perimeter:.9g}.",
         _parts(found, unit),
         *(_causes(found, kind) for kind in TOLD),
-        found.message + ".",
+        sentence(found.name, found.message),
         str(found.verification or "It was not tested by random positions; see verify_workspace."),
     ]
     if found.effort:
@@ -31,15 +39,35 @@ def workspace_report(found: Workspace) -> str:
     return "\n".join(line for line in lines if line)
 
 
+def sentence(name: str, message: str) -> str:
+    """A message without the name of the model in front."""
+    told = message.removeprefix(f"{name}: ")
+    return f"{told[0].upper()}{told[1:]}."
+
+
 def _parts(found: Workspace, unit: str) -> str:
+    """What hangs together, and where the model stands."""
     count = len(found.components)
+    if count == 0:
+        return ""
     if count == 1:
         return "It hangs together in one part."
-    areas = ", ".join(f"{part.area:.6g}" for part in found.components)
-    return f"It falls into {count} parts that do not hang together, of {areas} {unit}."
+    lines = [
+        f"It falls into {count} parts; no motion leads from one to another, only another way of assembly:"
+    ]
+    lines += [f"  {n}: {_part(found, part, unit)}" for n, part in enumerate(found.components, 1)]
+    stands = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
+    return "\n".join([*lines, f"The model as it is drawn stands in {stands}."])
 
 
-def _causes(found: Workspace, kind: str) -> str:
+def _part(found: Workspace, part: Component, unit: str) -> str:
+    corners = np.concatenate(part.loops)
+    ends = zip(found.outputs, corners.min(axis=0), corners.max(axis=0), found.units, strict=True)
+    told = ", ".join(f"{name} from {low:.4g} to {high:.4g} {of}" for name, low, high, of in ends)
+    return f"{part.area:.6g} {unit}, {told}"
+
+
+def _causes(found: Workspace, kind: CurveKind) -> str:
     """Lengths of the curves of one kind by their causes, the longest first."""
     totals: dict[str, float] = {}
     for curve in found.curves:
@@ -48,12 +76,6 @@ def _causes(found: Workspace, kind: str) -> str:
     if not totals:
         return ""
     listed = sorted(totals.items(), key=lambda item: -item[1])
-    told = ", ".join(f"{cause} ({length:.4g})" for cause, length in listed[:6])
-    more = f", and {len(listed) - 6} others" if len(listed) > 6 else ""
-    words = {
-        "outer": "Boundary",
-        "void": "Voids",
-        "barrier": "Barriers inside",
-        "crossable": "Can be crossed",
-    }
-    return f"{words[kind]} by cause and length: {told}{more}."
+    told = "; ".join(f"{cause} ({length:.4g})" for cause, length in listed[:MOST])
+    more = f"; and {len(listed) - MOST} others" if len(listed) > MOST else ""
+    return f"{TOLD[kind]}, by cause and length: {told}{more}."

@@ -64,19 +64,23 @@ def input_singularities(
     crossed = _follow_changes(map_, seed)
     trouble = [branch.trouble for branch in map_.branches if branch.trouble]
     told = (
-        f"{len(trouble)} curves were lost, the first because {trouble[0]}" if trouble else "no curve was lost"
+        f"{len(trouble)} curves broke off, the first because {trouble[0]}"
+        if trouble
+        else "no curve broke off"
     )
-    told += f"; the last {crossed} crossings by random walks were of known curves"
+    walks = f"the last {crossed} crossings by random walks were of known curves"
+    walks = walks if crossed else "random walks crossed none"
     return InputSingularities(
         system.name,
         tuple(table[k] for k in problem.outputs),
         tuple(names),
         tuple(_curve(branch, places) for branch in map_.branches if _is_singular(branch)),
         "incomplete" if trouble else "mapped",
-        f"{system.name}: {told}",
+        f"{system.name}: {told}; {walks}",
         lost,
         tuple(problem.table[k].unit for k in problem.outputs),
         tuple(problem.table[k].unit for k in places),
+        tuple(problem.limits.get(k, (-np.inf, np.inf)) for k in places),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import Model, SarrusError
-from ...results.workspace import Effort, Verification, Workspace
+from ...results.polygons import inside
+from ...results.workspace import Component, Effort, Verification, Workspace
 from ...system import System
 from .crossing import Crossing, crossing
 from .explore import Branch, Explorer
@@ -22,6 +23,7 @@ from .reach import reach
 from .region import Region, component_of
 from .sample import Samples
 from .seeds import Start, random_start
+from .settle import allowed, constrained, settle
 from .trace import LONGEST
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
@@ -175,6 +177,7 @@ class WorkspaceMap:
         names = [p.table[k].name for k in p.limited]
         status, message = self._status(region, verification)
         one, other = (p.table[k] for k in p.outputs)
+        parts = tuple(component_of(part, units) for part in region.components())
         return Workspace(
             p.system.name,
             (one.name, other.name),
@@ -183,13 +186,23 @@ class WorkspaceMap:
             region.area * float(units.prod()),
             region.area_error(self._checks) * float(units.prod()),
             region.perimeter * float(units[0]),
-            tuple(component_of(part, units) for part in region.components()),
+            parts,
+            self._drawn(parts),
             status,
             message,
             verification,
             self._effort(),
             self,
         )
+
+    def _drawn(self, parts: Sequence[Component]) -> int | None:
+        """The part in which the model's own position lies."""
+        p = self.problem
+        q = settle(p, p.system.q0 / p.scale, *constrained(p))
+        if q is None or not allowed(p, q):
+            return None
+        place = (p.values(q)[p.m + p.outputs] * p.units[p.outputs])[None]
+        return next((n for n, part in enumerate(parts) if inside(list(part.loops), place)[0]), None)
 
     def _effort(self) -> Effort:
         tally = self.explorer.tally

@@ -30,3 +30,36 @@ def test_with_a_constraint() -> None:
     )
     assert found.constraints["last"] == pytest.approx(-1.0, abs=1e-4)
     assert found.value == pytest.approx(same.value, rel=1e-3)
+
+
+def valley(o: object) -> object:
+    """A bent valley in which a quasi-Newton Hessian has to be learnt again and again."""
+    k, c = o.parameter("spring.k"), o.parameter("spring.c")
+    return (c - (k / 10) ** 2) ** 2 + 0.05 * (k / 10 - 1.8) ** 2 + 0.01 * o("slider.x")
+
+
+@pytest.mark.parametrize(("upper", "share"), [(None, 0.5), (1.2, 0.8)])
+def test_with_exact_hessians(upper: float | None, share: float) -> None:
+    """The same optimum in fewer simulations, with the constraint's curvature, too."""
+    limits = [sr.Within(sr.Final("slider.velocity.x", name="last"), upper=upper)] if upper else []
+    bounds = {"spring.k": (1.0, 60.0), "spring.c": (0.1, 8.0)}
+    settings = {"until": 0.4, "method": sr.HHT(step=0.01), "bounds": bounds, "constraints": limits}
+    learnt, exact = (
+        sr.optimize(
+            slider_crank(), sr.Integral(valley), [*bounds], solver="IPOPT", second_order=given, **settings
+        )
+        for given in (False, True)
+    )
+    assert exact.success
+    assert exact.x == pytest.approx(learnt.x, rel=1e-4)
+    assert exact.value <= learnt.value + 1e-6
+    assert len(exact.history) < share * len(learnt.history), (len(exact.history), len(learnt.history))
+    if upper:
+        assert exact.constraints["last"] == pytest.approx(upper, abs=2e-6)
+
+
+def test_hessians_that_the_method_does_not_have_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"second derivatives need a run with HHT\(\)"):
+        sr.optimize(
+            slider_crank(), EFFORT, [*BOUNDS], solver="IPOPT", second_order=True, until=0.1, method=sr.Radau()
+        )

@@ -9,6 +9,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.optimization.search import Search, Variables
 from sarrus.model.written import with_numbers
 
 LOOSE = {"rtol": 1e-5, "atol": 1e-7}
@@ -250,7 +251,7 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
         ({"bounds": {"spring.k": (3, 2)}}, "must rise, but are 3 and 2"),
         ({"scale": {"spring.k": 0.0}}, "must be greater than 0"),
         ({"starts": 0}, "1 at least"),
-        ({"second_order": True}, "L-BFGS-B takes no Hessian products"),
+        ({"second_order": True}, "L-BFGS-B takes no second derivatives; take trust-constr or IPOPT"),
     ],
 )
 def test_misuse_is_one_sentence(options: dict[str, object], sentence: str) -> None:
@@ -302,6 +303,45 @@ def test_exact_hessians_lead_to_the_same_optimum() -> None:
     )  # fmt: skip
     assert found.x == pytest.approx([0.6826136, 1.3357019], abs=5e-3)
     assert len(found.history) < 12
+
+
+def test_the_hessian_of_objective_and_constraints_is_that_of_differenced_gradients() -> None:
+    """As solvers get it: of scaled variables, weighted, with two objectives and two constraints."""
+    wanted = [
+        sr.Integral("energy.kinetic"),
+        sr.Final("slider.x"),
+        sr.Final("pin.angle"),
+        sr.Integral("slider.x"),
+    ]
+    settings = {"until": 0.3, "method": sr.HHT(step=2e-3)}
+    p = sr.Problem(slider_crank(), wanted, ["spring.k", "rod.mass", "pin.point.y"], **settings)
+    limits = tuple(sr.Within(one, upper=1.0) for one in wanted[2:])
+    search = Search(p, Variables(p.names, p.x0, None, {"spring.k": 3.0}), limits)
+    z, weights = search.variables.z0, np.array([0.7, -2.0])
+    found, e = search.curvature(z, 1.5, weights), 1e-3
+
+    def slope(at: np.ndarray) -> np.ndarray:
+        return 1.5 * search.slope(at) + weights @ search.other_slopes(at)
+
+    columns = [(slope(z + e * d) - slope(z - e * d)) / (2 * e) for d in np.eye(3)]
+    assert np.allclose(found, columns, rtol=0, atol=1e-4 * abs(found).max())
+    assert np.array_equal(found, found.T)
+
+
+def test_exact_hessians_of_constraints_take_fewer_simulations() -> None:
+    limit = sr.Within(sr.Final("slider.velocity.x", name="last"), upper=-1.0)
+    bounds = {"spring.k": (5.0, 40.0), "spring.c": (0.5, 5.0)}
+    effort, settings = sr.Integral(lambda o: o("slider.velocity.x") ** 2), {"method": sr.HHT(step=0.02)}
+    learnt, exact = (
+        sr.optimize(
+            slider_crank(), effort, [*bounds], until=1.0, bounds=bounds, constraints=[limit], solver="trust-constr",
+            second_order=given, **settings,
+        )
+        for given in (False, True)
+    )  # fmt: skip
+    assert exact.constraints["last"] == pytest.approx(-1.0, abs=1e-4)
+    assert exact.value == pytest.approx(learnt.value, rel=1e-4)
+    assert len(exact.history) < len(learnt.history)
 
 
 def test_hessian_products_of_combined_responses() -> None:

@@ -61,7 +61,9 @@ def optimize(
     design, formula : named design variables, and the function that gives numbers of the model from them
     solver : "L-BFGS-B" (the default), "SLSQP" (the default with constraints), "trust-constr", or "IPOPT" (the extra
         `ipopt`)
-    second_order : give "trust-constr" exact products of the objective's Hessian with vectors
+    second_order : exact second derivatives of objective and constraints: for "trust-constr" products with vectors, for
+        "IPOPT" the Hessian of the Lagrangian, a product for each variable and response (few variables; by default it
+        learns one from gradients)
     iterations, tolerance : when the solver ends
     starts : how many designs to start from: the system's own, and others at random between the bounds
     seed : of the random designs

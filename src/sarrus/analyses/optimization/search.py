@@ -172,16 +172,30 @@ class Search:
             [[value, size, short] for (value, short), size in zip(self._told, sizes, strict=True)]
         )
 
-    def curved(self, z: Array, direction: Array) -> Array:
-        """The Hessian of the objective by z times a direction (p,); at a wall that of the last iterate."""
+    def curved(
+        self, z: Array, direction: Array, objective: float = 1.0, others: Array | None = None
+    ) -> Array:
+        """A Hessian by z times a direction (p,); at a wall that of the last iterate.
+
+        Parameters
+        ----------
+        objective, others : the weights of the objective and of the constrained responses (c,), by default none of them
+        """
         scale = self.variables.scale
         try:
             point = self.point(z)
             point.values  # noqa: B018
         except Infeasible:
             point = self.point(self.anchor)
-        rows = (point.curved(direction * scale, row) for row in range(self.count))
-        return np.asarray(sum(rows) * scale)
+        weights = np.append(np.full(self.count, objective), 0.0 if others is None else others)
+        rows = (w * point.curved(direction * scale, row) for row, w in enumerate(weights) if w)
+        return np.asarray(sum(rows, np.zeros_like(scale)) * scale)
+
+    def curvature(self, z: Array, objective: float, others: Array) -> Array:
+        """The whole of that Hessian, symmetric (p, p), by a product for each variable."""
+        every = np.eye(len(self.variables.names))
+        columns = np.array([self.curved(z, direction, objective, others) for direction in every])
+        return np.asarray(0.5 * (columns + columns.T))
 
     def others(self, z: Array) -> Array:
         """The constrained responses; where there are none, those of the last iterate."""

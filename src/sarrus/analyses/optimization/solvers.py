@@ -14,6 +14,7 @@ from .search import Search
 
 SCIPY = ("L-BFGS-B", "SLSQP", "trust-constr")
 SOLVERS = (*SCIPY, "IPOPT")
+CURVED = ("trust-constr", "IPOPT")  # those that take second derivatives
 IPOPT_DONE = {0: "solved to the tolerance", 1: "solved to an acceptable level"}
 IPOPT_ELSE = {
     2: "the constraints cannot all be satisfied near here",
@@ -56,10 +57,10 @@ def solver_of(
         raise ValueError(f"there is no solver {chosen!r}; take one of {', '.join(SOLVERS)}")
     if constrained and chosen == "L-BFGS-B":
         raise ValueError("L-BFGS-B takes no constraints; take SLSQP, trust-constr or IPOPT")
-    if second_order and chosen != "trust-constr":
-        raise ValueError(f"{chosen} takes no Hessian products; take trust-constr")
+    if second_order and chosen not in CURVED:
+        raise ValueError(f"{chosen} takes no second derivatives; take {' or '.join(CURVED)}")
     if chosen == "IPOPT":
-        return by_ipopt
+        return lambda search, iterations, tolerance: by_ipopt(search, iterations, tolerance, second_order)
     return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance, second_order)
 
 
@@ -82,8 +83,8 @@ def by_scipy(
         )  # at a wall constraints stand still
         found = minimize(
             lambda z: search.value(z) / search.size, search.variables.z0, jac=lambda z: search.slope(z) / search.size,
-            method=method, bounds=bounds, constraints=_constraints(search), tol=tolerance, callback=accepted,
-            options={"maxiter": iterations},
+            method=method, bounds=bounds, constraints=_constraints(search, second_order), tol=tolerance,
+            callback=accepted, options={"maxiter": iterations},
             hessp=(lambda z, p: search.curved(z, p) / search.size) if second_order else None,
         )  # fmt: skip
     return Answer(bool(found.success), in_words(str(found.message)))
@@ -95,21 +96,28 @@ def in_words(message: str) -> str:
     return next((words for mark, words in WORDS.items() if mark in told), told)
 
 
-def _constraints(search: Search) -> Any:
+def _constraints(search: Search, second_order: bool) -> Any:
     """All constraints as one vector of responses, each divided by its size."""
-    from scipy.optimize import NonlinearConstraint
+    from scipy.optimize import BFGS, NonlinearConstraint
+    from scipy.sparse.linalg import LinearOperator
 
     if not search.constraints:
         return ()
     size = np.array([one.size for one in search.constraints])
     low, high = np.array([one.ends for one in search.constraints]).T / size
+
+    def curved(z: Array, multipliers: Array) -> Any:
+        others = np.asarray(multipliers) / size
+        return LinearOperator((len(z), len(z)), matvec=lambda p: search.curved(z, np.ravel(p), 0.0, others))
+
     return NonlinearConstraint(
-        lambda z: search.others(z) / size, low, high, jac=lambda z: search.other_slopes(z) / size[:, None]
-    )
+        lambda z: search.others(z) / size, low, high, jac=lambda z: search.other_slopes(z) / size[:, None],
+        hess=curved if second_order else BFGS(),
+    )  # fmt: skip
 
 
-def by_ipopt(search: Search, iterations: int, tolerance: float) -> Answer:
-    """IPOPT, an interior-point method, with the quasi-Newton Hessian of its own.
+def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bool = False) -> Answer:
+    """IPOPT, an interior-point method, with exact Hessians of the Lagrangian or a quasi-Newton one of its own.
 
     Raises
     ------
@@ -128,18 +136,26 @@ def by_ipopt(search: Search, iterations: int, tolerance: float) -> Answer:
     low, high = np.clip(search.variables.ends.T, -1e20, 1e20)  # beyond 1e19 is infinite to IPOPT
     ends = np.array([one.ends for one in search.constraints]).reshape(-1, 2).T / size
     rows, columns = (np.ravel(x) for x in np.indices((m, n)))
+    triangle = np.tril_indices(n)
+
+    def curvature(z: Array, multipliers: Array, objective: float, out: Array) -> Array:
+        whole = search.curvature(z, objective / search.size, multipliers / size)
+        return _put(out, whole[triangle])
+
     problem = ipyopt.Problem(
         n, low.copy(), high.copy(), m, np.clip(ends[0], -1e20, 1e20), np.clip(ends[1], -1e20, 1e20),
-        (rows, columns), (np.zeros(0, dtype=int), np.zeros(0, dtype=int)),
+        (rows, columns), triangle,
         lambda z: search.value(z) / search.size,
         lambda z, out: _put(out, search.slope(z) / search.size),
         lambda z, out: _put(out, search.others(z) / size if m else np.zeros(0)),
         lambda z, out: _put(out, np.ravel(search.other_slopes(z) / size[:, None]) if m else np.zeros(0)),
+        curvature if second_order else None,
         intermediate_callback=lambda *told: True,
     )  # fmt: skip
     problem.set(
-        max_iter=iterations, tol=tolerance, print_level=0, sb="yes", hessian_approximation="limited-memory"
-    )
+        max_iter=iterations, tol=tolerance, print_level=0, sb="yes",
+        hessian_approximation="exact" if second_order else "limited-memory",
+    )  # fmt: skip
     _, _, status = problem.solve(search.variables.z0.copy())
     told = IPOPT_DONE | IPOPT_ELSE
     return Answer(status in IPOPT_DONE, told.get(status, f"IPOPT ended with status {status}"))

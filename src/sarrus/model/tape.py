@@ -15,9 +15,9 @@ import numpy as np
 
 
 class Entry(NamedTuple):
-    """One operation, and the places of its arguments on the tape."""
+    """One operation, by its name or as it is, and the places of its arguments on the tape."""
 
-    op: str
+    op: str | Operation
     args: tuple[int, ...]
 
 
@@ -32,7 +32,7 @@ class Tape:
         """A number that derivatives can be taken by."""
         return self.add("variable", (), value)
 
-    def add(self, op: str, args: tuple[int, ...], value: Any) -> Traced:
+    def add(self, op: str | Operation, args: tuple[int, ...], value: Any) -> Traced:
         """Write one operation."""
         self.entries.append(Entry(op, args))
         self.values.append(value)
@@ -72,14 +72,14 @@ class Tape:
 
     def _slopes(self, n: int) -> tuple[Any, ...]:
         op, args = self.entries[n]
-        return OPERATIONS[op].slopes(self.values[n], *(self.values[arg] for arg in args))
+        return _operation(op).slopes(self.values[n], *(self.values[arg] for arg in args))
 
     def _bends(self, n: int, dots: Sequence[Any]) -> tuple[Any, ...]:
         """The changes of the slopes."""
         op, args = self.entries[n]
         if not any(_moves(dots[arg]) for arg in args):
             return (0.0,) * len(args)
-        bends = OPERATIONS[op].bends(self.values[n], *(self.values[arg] for arg in args))
+        bends = _operation(op).bends(self.values[n], *(self.values[arg] for arg in args))
         return tuple(sum(b * dots[arg] for b, arg in zip(row, args, strict=True)) for row in bends)
 
 
@@ -98,6 +98,10 @@ class Operation(NamedTuple):
     value: Callable[..., Any]
     slopes: Callable[..., tuple[Any, ...]]
     bends: Callable[..., tuple[tuple[Any, ...], ...]]
+
+
+def _operation(op: str | Operation) -> Operation:
+    return op if isinstance(op, Operation) else OPERATIONS[op]
 
 
 def _unary(value: Callable[[Any], Any], slope: Callable[..., Any], bend: Callable[..., Any]) -> Operation:
@@ -272,6 +276,25 @@ def apply(op: str, *args: Any) -> Traced:
     tape = next(arg.tape for arg in args if isinstance(arg, Traced))
     places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
     return tape.add(op, places, OPERATIONS[op].value(*(value_of(arg) for arg in args)))
+
+
+def own(
+    tape: Tape,
+    value: Callable[..., Any],
+    slopes: Callable[..., Sequence[Any]],
+    bends: Callable[..., Sequence[Sequence[Any]]] | None,
+    args: Sequence[Any],
+) -> Traced:
+    """A function that is not recorded: its value, first and, if they are given, second derivatives by its arguments."""
+
+    def second(f: Any, *numbers: Any) -> tuple[tuple[Any, ...], ...]:
+        if bends is None:
+            raise ValueError("second derivatives need those of your own function: o.own(..., bends=...)")
+        return tuple(tuple(row) for row in bends(*numbers))
+
+    places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
+    operation = Operation(value, lambda f, *numbers: tuple(slopes(*numbers)), second)
+    return tape.add(operation, places, value(*(value_of(arg) for arg in args)))
 
 
 def _is(other: Any, number: int) -> bool:

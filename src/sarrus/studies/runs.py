@@ -19,7 +19,8 @@ from ..analyses import (
     simulate,
 )
 from ..analyses.dynamics import METHODS
-from ..analyses.sensitivity.outputs import Outputs, States, UnknownOutput
+from ..analyses.sensitivity.outputs import Outputs
+from ..analyses.sensitivity.recording import States, UnknownOutput
 from ..model import SarrusError
 from ..model.show import suggest
 from ..model.written import written_numbers

@@ -27,12 +27,15 @@ from .population import Population
 from .system import System
 
 ORDERS = {"curve": 0, "curve_slope": 1, "curve_bend": 2, "curve_twist": 3}
-MANY: dict[str, Callable[..., Any]] = OPERATIONS | {
+EVERY: dict[str, Callable[..., Any]] = OPERATIONS | {
     **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
     **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan")},
     "atan2": np.arctan2,
+}  # of arrays over time, and of traced numbers
+MANY: dict[str, Callable[..., Any]] = EVERY | {
     "nearest": lambda x: np.floor(x + 0.5),
     "positive": lambda x: np.where(x > 0, 1.0, 0.0),
+    **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},
 }  # of arrays over time
 
 
@@ -120,6 +123,22 @@ class CurveDerivatives:
         height = self._system.m if OPERATORS[name].axes[0] is Axis.ROWS else self._system.nq
         return self(name, b, {}, **now).matrix(height, len(self._system.b))
 
+    def of_curve(
+        self, p: Population, k: int, place: int, order: int, x: Array
+    ) -> tuple[list[Array], list[int], list[list[Array]]]:
+        """A derivative f⁽ᵒ⁾ of the curve that is stored in number `place` of an element, at many x (nt,).
+
+        Returns
+        -------
+        it and its first two derivatives by x; the columns of the curve's numbers that count there; by each of these
+        the derivatives of f⁽ᵒ⁾, and those of f⁽ᵒ⁺¹⁾
+        """
+        curve = p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+        bases = [self._basis(p, k, place, order + n, x) for n in range(2)]
+        numbers = np.unique(bases[0][0]).tolist()
+        by = [[np.sum(basis * (at == n), axis=0) for n in numbers] for at, basis in bases]
+        return [_value(curve, x, order + n) for n in range(3)], numbers, by
+
     def _of_element(
         self, p: Population, k: int, name: str, b: Array, memory: Mapping[int, Any], operands: Any
     ) -> list[Entries]:
@@ -127,7 +146,7 @@ class CurveDerivatives:
         inputs = self._inputs(p, k, b, memory, operands)
         shape = operands["t"].shape
         flat = [*(x for _, _, x in recipe.calls), *(e for e in recipe.partials.flat)]
-        found = [np.broadcast_to(x, shape) for x in _evaluated(recipe.graph, flat, inputs)]
+        found = [np.broadcast_to(x, shape) for x in evaluated(recipe.graph, flat, inputs)]
         count = len(recipe.calls)
         slopes = np.array(found[count:]).reshape(*recipe.partials.shape, *shape)
         rows = np.array([self._row(p, k, name, *place) for place in recipe.places], dtype=np.int64)
@@ -196,7 +215,7 @@ def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     found = _constant(graph, function(variable))
     for _ in range(order):
         found = _constant(graph, jacobian(graph, [found], [variable])[0, 0])
-    return np.broadcast_to(np.asarray(_evaluated(graph, [found], {("x",): x})[0], dtype=float), x.shape)
+    return np.broadcast_to(np.asarray(evaluated(graph, [found], {("x",): x})[0], dtype=float), x.shape)
 
 
 def _value(curve: Any, x: Array, order: int) -> Array:
@@ -234,7 +253,12 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
     return _Recipe(graph, places, told, partials)
 
 
-def _evaluated(graph: Graph, wanted: list[Expression], inputs: Mapping[tuple[Any, ...], Any]) -> list[Any]:
+def evaluated(
+    graph: Graph,
+    wanted: list[Expression],
+    inputs: Mapping[tuple[Any, ...], Any],
+    operations: Mapping[str, Callable[..., Any]] = MANY,
+) -> list[Any]:
     """Recorded expressions at many times."""
     values: dict[int, Any] = {}
     for identity in needed(graph, wanted):
@@ -243,11 +267,8 @@ def _evaluated(graph: Graph, wanted: list[Expression], inputs: Mapping[tuple[Any
             values[identity] = node.value
         elif node.op == "input":
             values[identity] = inputs[node.value]
-        elif node.op in ORDERS:
-            curve, x = (values[arg] for arg in node.args)
-            values[identity] = _value(curve, np.atleast_1d(x), ORDERS[node.op])
         else:
-            values[identity] = MANY[node.op](*(values[arg] for arg in node.args))
+            values[identity] = operations[node.op](*(values[arg] for arg in node.args))
     return [values[expression.id] for expression in wanted]
 
 

@@ -24,9 +24,9 @@ from .derivatives import Wanted, as_responses, own_parts
 from .evaluation import Evaluation, Explicit
 from .fine import fine
 from .long_run import LongRun
-from .outputs import Angles
 from .parameters import Parameters
 from .pieces import sampling_of
+from .recording import Angles
 from .responses import At, Final, Integral, Response
 from .stretches import Stretches, stretches_of
 from .sweep_loop import Given as Ends

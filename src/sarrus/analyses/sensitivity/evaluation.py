@@ -13,9 +13,10 @@ from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .fine import fine
-from .outputs import Angles, Outputs
+from .outputs import Outputs
 from .parameters import Parameters
 from .pieces import sampling_of
+from .recording import Angles
 from .responses import Response
 
 
@@ -54,7 +55,7 @@ class Evaluation:
         self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]
         angles = angles or Angles(system, sampling_of(steps).states)
         self._outputs = [
-            Outputs(system, sampling.states, steps.b, parameters.number, angles)
+            Outputs(system, sampling.states, steps.b, parameters.number, angles, sampling.memory)
             for sampling in self._samplings
         ]
         pairs = zip(responses, self._outputs, strict=True)

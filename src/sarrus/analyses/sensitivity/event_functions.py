@@ -16,7 +16,8 @@ from ...model.expression import parse
 from ...model.tape import Tape, Traced
 from ...results import Turn
 from ...system import System
-from .outputs import Key, Outputs, States, Variable
+from .outputs import Outputs
+from .recording import Key, States, Variable
 
 
 class Slopes(NamedTuple):

@@ -25,7 +25,7 @@ class PieceSampling(Sampling):
     moves = True
 
     def __init__(self, steps: Pieces, times: Array | None = None) -> None:
-        self._all, last = steps, float(steps.ends[-1])
+        self._all, self._steps, last = steps, steps.pieces[0], float(steps.ends[-1])
         if times is not None and len(times) and (min(times) < 0 or max(times) > last * (1 + 1e-12)):
             raise ValueError(f"responses need times between 0 and {last:g} s")
         self._times, self._piece, self._sort = _nodes(steps) if times is None else _fixed(steps, times)
@@ -37,6 +37,10 @@ class PieceSampling(Sampling):
 
     def _array(self, name: str) -> Array:
         return self._all.nodes(name)
+
+    def _remembered(self) -> Array:
+        pairs = ((piece.memory, piece.memory[-1:]) for piece in self._all.pieces)
+        return np.concatenate([rows for pair in pairs for rows in pair])
 
     @cached_property
     def _places(self) -> Places:

@@ -14,7 +14,7 @@ import numpy as np
 from ...algebra import Array
 from ...results import StepsTaken
 from .chain import Nodes
-from .outputs import States
+from .recording import States
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
 HERMITE = np.array([
@@ -88,6 +88,16 @@ class Sampling:
         part = self._parts[:, None]
         lam = (1 - part) * self._array("lam")[first] + part * self._array("lam")[first + 1]
         return States._make([self.t, *found, lam])
+
+    @property
+    def memory(self) -> dict[int, Array]:
+        """What elements remember at the times (nt,), by place among the numbers."""
+        rows = self._remembered()[self._places.first]
+        return dict(zip(self._steps.places.tolist(), rows.T, strict=True))
+
+    def _remembered(self) -> Array:
+        """The same in every step, by its first node."""
+        return self._steps.memory
 
     def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by coordinate n of a kind, given at the times, to those by the nodes."""

@@ -1,0 +1,214 @@
+"""The parts of a system along a motion as traced numbers: elements, coordinates, multipliers, laws of curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...elements.evaluation import element_from, partition
+from ...elements.recorder import record_scalars
+from ...model import SarrusError
+from ...model.coordinates import WIDTH
+from ...model.solid import GROUND
+from ...model.tape import Operation, Tape, Traced, value_of
+from ...system import System
+from ...system.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
+from ...system.local import GROUND as STILL
+from ...system.population import Population
+
+TURN = 2 * np.pi
+Key = tuple[str, int]
+Variable = Callable[[str, float], Traced]
+
+
+class UnknownOutput(SarrusError):
+    """An output that the system does not have."""
+
+
+class States(NamedTuple):
+    """States at some times (nt,), (nt, nq), (nt, m)."""
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+
+
+class Angles:
+    """The joints' coordinates with all their turns.
+
+    Parameters
+    ----------
+    system : System
+    nodes : states so near to each other that turns can be counted
+    first : gives the coordinates at the first of them; by default they have less than a turn there
+    """
+
+    def __init__(self, system: System, nodes: States, first: Callable[[], Array] | None = None) -> None:
+        self._of, self._nodes, self._first = system.joint_coordinates, nodes, first
+
+    @cached_property
+    def values(self) -> Array:
+        """At the nodes (nt, number of coordinates)."""
+        values, _ = self._of.along(self._nodes.t, self._nodes.q, self._nodes.v)
+        whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / TURN)
+        return np.asarray(values + TURN * whole)
+
+    def near(self, name: str, t: Array) -> Array:
+        """A coordinate at times between the nodes, to less than half a turn."""
+        return np.interp(t, self._nodes.t, self.values[:, self._of.index(name)])
+
+
+class Recording:
+    """A motion on a tape; each number stands for its values at all times.
+
+    Parameters
+    ----------
+    system : System
+    states : the motion
+    b : (len(system.b),) numbers of the elements
+    parameters : gives a number of the model by name, made of variables
+    angles : with their turns; by default counted along the states
+    memory : what elements remember at the times (nt,), by place in b; by default as in b
+
+    Attributes
+    ----------
+    t : the time [s]
+    inputs : what was asked for, by kind and place
+    """
+
+    def __init__(
+        self,
+        system: System,
+        states: States,
+        b: Array,
+        parameters: Callable[[str, Variable], Any],
+        angles: Angles | None = None,
+        memory: Mapping[int, Array] | None = None,
+    ) -> None:
+        self.tape = Tape()
+        self.inputs: dict[Key, Traced] = {}
+        self.named: dict[str, Traced] = {}
+        self.system, self._states, self._b, self._parameters = system, states, b, parameters
+        self._angles, self._memory = angles or Angles(system, states), memory or {}
+        self.t = self.tape.variable(states.t)
+
+    def constant(self, value: Any) -> Traced:
+        """A number, or one for each time, that depends on nothing."""
+        return self.tape.add("constant", (), value)
+
+    def element(self, p: Population, k: int, numbers: str) -> Any:
+        """An element of recorded numbers, of the equations ("b") or of the joints' coordinates ("c")."""
+        at, size = p.at + k * p.kind.size(), p.kind.size()
+        own = np.array([self._number(numbers, n) for n in range(at, at + size)], dtype=object)
+        element: Any = element_from(p.kind, own, self._b, self.t)
+        return replace(element, **{field: law for field, (_, law) in self._laws(p, k).items()})
+
+    def told(self, p: Population, k: int, method: str) -> list[Traced]:
+        """What a method of an element tells about a state in plain numbers, such as `potential` and `remember`."""
+        recording = record_scalars(p.variant, method)
+        at, size = p.at + k * p.kind.size(), p.kind.size()
+        inputs: dict[tuple[Any, ...], Any] = {("numbers", n): self._number("b", at + n) for n in range(size)}
+        inputs |= {("numbers", place): law for place, law in self._laws(p, k).values()} | {("t",): self.t}
+        bodies = [(i, int(first)) for i, first in enumerate(p.bodies[k])]
+        inputs |= {("q", i, n): self.input("q", first + n) for i, first in bodies for n in range(WIDTH)}
+        wanted = [block[0] for block in recording.outputs[0].blocks]
+        return evaluated(recording.graph, wanted, inputs, TRACED)
+
+    def _laws(self, p: Population, k: int) -> dict[str, tuple[int, CurveOnTape]]:
+        """The curves of an element by field, with the places of their numbers."""
+        places = np.cumsum([0, *p.kind.widths()]).tolist()
+        fields = zip(places, p.kind.fields.items(), strict=False)
+        return {name: (at, CurveOnTape(self, p, k, at)) for at, (name, kind) in fields if kind == "Curve"}
+
+    def _number(self, kind: str, n: int) -> Traced:
+        """One number of an element; what it remembers depends on nothing."""
+        return self.constant(self._memory[n]) if kind == "b" and n in self._memory else self.input(kind, n)
+
+    def local(self, p: Population, k: int, kind: str) -> Any:
+        """Coordinates, or velocities, of an element's bodies."""
+        still = STILL if kind == "q" else np.zeros(WIDTH)
+        parts = [
+            still if first < 0 else [self.input(kind, n) for n in range(first, first + WIDTH)]
+            for first in bodies_of(p, k)
+        ]
+        return partition(p.kind, np.array([x for part in parts for x in part], dtype=object))
+
+    def vector(self, kind: str, body: str) -> Array:
+        """Coordinates, or velocities, of a body (7,)."""
+        if body == GROUND:
+            return STILL if kind == "q" else np.zeros(WIDTH)
+        at = self.system.coordinates_of(body).start
+        return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
+
+    def input(self, kind: str, n: int) -> Traced:
+        """One coordinate over time, or one number."""
+        if (kind, n) not in self.inputs:
+            self.inputs[kind, n] = self.tape.variable(self._value(kind, n))
+        return self.inputs[kind, n]
+
+    def _value(self, kind: str, n: int) -> Any:
+        if kind == "b":
+            return float(self._b[n])
+        if kind == "c":
+            return float(self.system.joint_coordinates.b[n])
+        return getattr(self._states, kind)[:, n]
+
+
+class CurveOnTape:
+    """A curve of an element as a function of a traced number; it depends on its own numbers, too."""
+
+    def __init__(self, of: Recording, p: Population, k: int, place: int) -> None:
+        self._of, self._at = of, (p, k, place)
+
+    def __call__(self, x: Traced) -> Traced:
+        """Its value."""
+        return self._derivative(0, x)
+
+    def slope(self, x: Traced) -> Traced:
+        """Its first derivative."""
+        return self._derivative(1, x)
+
+    def bend(self, x: Traced) -> Traced:
+        """Its second derivative."""
+        return self._derivative(2, x)
+
+    def _derivative(self, order: int, x: Traced) -> Traced:
+        told = CurveDerivatives(self._of.system).of_curve(*self._at, order, np.atleast_1d(x.value))
+        (value, slope, bend), numbers, (by, slope_by) = told
+        law = Operation(
+            lambda *_: value,
+            lambda *_: (slope, *by),
+            lambda *_: ((bend, *slope_by), *((one, *(0.0 for _ in by)) for one in slope_by)),
+        )
+        places = (self._of.input("b", n).at for n in numbers)
+        return x.tape.add(law, (x.at, *places), value)
+
+
+def _held(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """A function whose derivative is zero."""
+
+    def held(x: Any) -> Any:
+        found = function(np.asarray(value_of(x)))
+        return x.tape.add("constant", (), found) if isinstance(x, Traced) else found
+
+    return held
+
+
+TRACED: dict[str, Callable[..., Any]] = EVERY | {name: _held(MANY[name]) for name in ("nearest", "positive")}
+
+
+def members_of(p: Population, owner: str) -> list[int]:
+    """Which elements belong to a part of the model."""
+    return [k for k, name in enumerate(p.owners) if name == owner]
+
+
+def bodies_of(p: Population, k: int) -> list[int]:
+    """First coordinate of each body of element k, negative for ground."""
+    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]

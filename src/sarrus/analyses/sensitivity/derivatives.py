@@ -66,7 +66,10 @@ def sensitivity(
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     chain = chain_of(run.system, steps)
     missing = undefined(run.system, steps, parameters)
-    found = {"adjoint": _adjoint, "direct": _direct}[method](chain, evaluation, parameters, ~missing)
+    if method == "adjoint":
+        found = _adjoint(chain, evaluation, parameters)
+    else:
+        found = _direct(chain, evaluation, parameters, ~missing)
     found[:, missing] = np.nan
     titles = tuple(response.title for response in wanted)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
@@ -153,7 +156,7 @@ def _curvature(
     return Curvature(curved_chain(run.system, steps, parameters), evaluation, parameters), parameters
 
 
-def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, _: Array) -> Array:
+def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c + by.c)

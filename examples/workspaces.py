@@ -1,4 +1,4 @@
-"""Well-known workspaces: a 3R arm, a planar platform, a five-bar with the places where its motors lose control.
+"""Well-known workspaces: a 3R arm, a planar platform, a five-bar with its dexterity, a barrier inside of a volume.
 
 python examples/workspaces.py [FOLDER]
 """
@@ -6,6 +6,7 @@ python examples/workspaces.py [FOLDER]
 import sys
 from math import atan2, cos, hypot, sin
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -42,11 +43,10 @@ def platform() -> sr.Workspace:
     return sr.workspace(system, plate.point(0, 0, 0)["x", "y"], limits=legs)
 
 
-def five_bar() -> tuple[sr.Workspace, sr.InputSingularities]:
-    """Cranks of 1.2 m at (-1, 0) and (1, 0), rods of 1.5 m."""
+def five_bar() -> tuple[sr.Workspace, sr.InputSingularities, sr.InputSingularities]:
+    """Cranks of 1.2 m at (-1, 0) and (1, 0), rods of 1.5 m; where its motors lose control, and its tip a direction."""
     height = 0.5
     reach = hypot(0.9, height)
-    tip = (0.0, height + (1.5**2 - 0.1**2) ** 0.5)
     elbows = [(-1 + 1.2 * 0.9 / reach, 1.2 * height / reach), (1 - 1.2 * 0.9 / reach, 1.2 * height / reach)]
     tip = (0.0, elbows[0][1] + (1.5**2 - elbows[0][0] ** 2) ** 0.5)
     cranks = [
@@ -60,7 +60,9 @@ def five_bar() -> tuple[sr.Workspace, sr.InputSingularities]:
     joints.append(sr.Revolute("tip", *rods, point=(*tip, 0), axis=(0, 0, 1)))
     system = sr.System(sr.Model("five-bar", bodies=[*cranks, *rods], joints=joints))
     output = rods[0].point(1.5, 0, 0)["x", "y"]
-    return sr.workspace(system, output), sr.input_singularities(system, output, ("motor_0", "motor_1"))
+    inputs = ("motor_0", "motor_1")
+    lost = sr.input_singularities(system, output, inputs)
+    return sr.workspace(system, output), lost, sr.input_singularities(system, output, inputs, lost="outputs")
 
 
 def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.Body:
@@ -69,13 +71,38 @@ def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.B
     return sr.Body(name, mass=1, inertia=(1, 1, 1), position=(*start, 0), orientation=turned)
 
 
+def orthogonal_arm() -> sr.WorkspaceVolume:
+    """Hinges about z, y and z that pass from one elbow to the other without a singularity: a barrier lies inside."""
+    places, axes = [(0, 0, 0), (1, 0, 0), (3, 1, 0)], [(0, 0, 1), (0, 1, 0), (0, 0, 1)]
+    links = [sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=at) for n, at in enumerate(places, 1)]
+    joints = [
+        sr.Revolute(f"q{n}", before, link, point=at, axis=axis)
+        for n, (before, link, at, axis) in enumerate(
+            zip([sr.ground, *links], links, places, axes, strict=False), 1
+        )
+    ]
+    system = sr.System(sr.Model("orthogonal arm", bodies=links, joints=joints))
+    return sr.workspace_volume(system, links[-1].point(1.5, 0, 0)["x", "y", "z"], rtol=1e-4)
+
+
 def main(folder: Path) -> None:
     for name, found in {"arm": arm(), "platform": platform()}.items():
         print(found, end="\n\n")
-        found.plot().figure.savefig(folder / f"workspace_{name}.png", dpi=60)
-    found, lost = five_bar()
-    print(found)
-    lost.plot(found.plot(ghosts=1)).figure.savefig(folder / "workspace_five_bar.png", dpi=60)
+        save(found.plot(), folder / f"workspace_{name}.png")
+    found, by_inputs, by_outputs = five_bar()
+    field = sr.workspace_field(found, by_inputs.inputs, cells=40)
+    print(found, field, by_inputs, by_outputs, sep="\n\n", end="\n\n")
+    save(by_inputs.plot(found.plot(ghosts=1)), folder / "workspace_five_bar.png")
+    save(by_inputs.plot(field.plot("conditioning")), folder / "workspace_field.png")
+    over = by_inputs.plot(over="inputs")
+    save(by_outputs.plot(over, over="inputs"), folder / "workspace_inputs.png")
+    inside = orthogonal_arm()
+    print(inside)
+    inside.view(folder / "workspace_inside.png")
+
+
+def save(axes: Any, file: Path) -> None:
+    axes.figure.savefig(file, dpi=60)
 
 
 if __name__ == "__main__":

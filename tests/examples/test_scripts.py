@@ -42,7 +42,9 @@ def test_workspaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "can reach 31.49750" in told
     assert "can reach 4.16078" in told
     assert "can reach 11.78898" in told
-    assert len([*tmp_path.glob("workspace_*.png")]) == 3
+    assert "Solutions of the inverse kinematics: 4 everywhere." in told
+    assert "can reach a volume of 350.75" in told
+    assert len([*tmp_path.glob("workspace_*.png")]) == 6
 
 
 def test_largest_workspace(tmp_path: Path) -> None:

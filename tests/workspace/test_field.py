@@ -2,12 +2,15 @@
 
 import csv
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
 import sarrus as sr
+from sarrus.cli.workspace import QUANTITIES
+from sarrus.results.workspace_field import Quantity
 
 from .mechanisms import arm_2r_both_elbows, five_bar, platform_haug
 
@@ -107,6 +110,10 @@ def test_tables(arm: sr.WorkspaceField, tmp_path: Path) -> None:
         written = file.variables["solutions"][:]
         assert file.variables["x"].units == b"m"
     assert np.array_equal(written, arm.values["solutions"], equal_nan=True)
+
+
+def test_the_shell_offers_what_there_is() -> None:
+    assert QUANTITIES == get_args(Quantity)
 
 
 def test_report(arm: sr.WorkspaceField) -> None:

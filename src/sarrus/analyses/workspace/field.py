@@ -20,6 +20,7 @@ from .problem import Problem
 from .reach import reach
 from .sample import Samples
 
+CELLS = {2: 60, 3: 30}
 STARTS = 200  # random positions from which ways of assembly are filled
 TRIES = 8  # known positions nearby, of a place that nothing led to
 
@@ -29,7 +30,7 @@ def workspace_field(
     inputs: Iterable[Any] = (),
     *,
     turn: Any = None,
-    cells: int = 60,
+    cells: int | None = None,
     starts: int = STARTS,
     seed: int = 0,
 ) -> WorkspaceField:
@@ -45,7 +46,7 @@ def workspace_field(
     inputs : functions of the position, as many as there are degrees of freedom; without them, manipulability and
         conditioning are left out
     turn : a function of the position whose range is told, such as ``"platform.turn_z"``, with three degrees of freedom
-    cells : along the longer side of the boundary
+    cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these
 
@@ -68,7 +69,7 @@ def workspace_field(
         map_.problem.system, output, limits=limits, fixed=fixed, inputs=[*driven, *turns], singular="inputs"
     )
     _refuse_counts(problem, len(driven), bool(turns))
-    x, y, inside = _grid(found, cells)
+    x, y, inside = _grid(found, cells or CELLS[problem.freedoms])
     units = problem.units[problem.outputs]
     places = np.stack(np.meshgrid(x, y), axis=-1)[inside] / units
     flood = _filled(problem, places, inside, islice(Samples(problem, seed), starts), map_.met)

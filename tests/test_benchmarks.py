@@ -50,6 +50,13 @@ def test_allocation() -> None:
         assert found[f"{group}.mallocs_compiled"] == found[f"{group}.numba_allocations"] == 0
 
 
+def test_sensitivities_beside_differences() -> None:
+    """The known gradient is met backwards and by differences."""
+    for row in figures("sensitivity_beside.py", "--quick"):
+        assert row["gradient_error"] < 0.05, row
+        assert 0 < row["run_s"] < row["run_and_gradient_s"]
+
+
 def test_workspace() -> None:
     """Maps are right, pass their tests, and take far fewer kinematic solutions than grids."""
     found = figures("workspace.py", "--repeats", "1")

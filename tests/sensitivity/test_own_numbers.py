@@ -75,3 +75,9 @@ def test_a_parameter_of_a_file_that_follows_from_another(tmp_path: object) -> No
     ]
     found = sr.sensitivity(run, responses, ["softness"]).matrix
     assert found[1:] == pytest.approx(np.tile(found[0], (2, 1)), rel=1e-10)
+
+
+def test_without_numbers_responses_have_values_alone() -> None:
+    found = sr.sensitivity(CASE.run(until=0.1, t_eval=[0.1], **SETTINGS), RESPONSES[1:], [])
+    assert found.matrix.shape == (2, 0)
+    assert found.values[0] == pytest.approx(found.values[1])

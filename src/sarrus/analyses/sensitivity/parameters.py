@@ -248,7 +248,7 @@ class Parameters:
         """Gradients by the parameters (p, k) of responses with the gradients given."""
         whole = np.concatenate([by.b, by.q, by.v, by_c])
         columns = [self._gradient(whole[:, k]) for k in range(whole.shape[1])]
-        return np.array(columns).reshape(-1, len(self.names)).T
+        return np.array(columns).reshape(whole.shape[1], len(self.names)).T
 
     def _gradient(self, bars: Array) -> list[float]:
         weights: dict[int, float] = {}

@@ -52,7 +52,7 @@ class PointCoordinate(Function):
 
     def primitive(self, poses: Poses) -> Primitive:
         """Return e·P as a travel from the ground's origin."""
-        _check_axis(self.axis)
+        check_axis(self.axis)
         at = self.point.resolve(poses, "point")
         return Primitive(elements.Travel, (GROUND, at.body), (UNIT[self.axis], ORIGIN, at.s, 0.0), self.axis)
 
@@ -75,7 +75,7 @@ class Turn(Function):
 
     def primitive(self, poses: Poses) -> Primitive:
         """Return the argument of a body axis in the plane of two global ones."""
-        _check_axis(self.axis)
+        check_axis(self.axis)
         first, second = NEXT[self.axis]
         values = (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0)
         return Primitive(elements.Angle, (GROUND, self.body.name), values, f"turn_{self.axis}")
@@ -100,6 +100,6 @@ class Length(Function):
         return Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, 0.0), "length")
 
 
-def _check_axis(axis: str) -> None:
+def check_axis(axis: str) -> None:
     if axis not in get_args(AxisName):
         raise ModelError(f"axis must be x, y or z, but is {axis!r}; choose one", field="axis")

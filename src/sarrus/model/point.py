@@ -57,8 +57,16 @@ class Point:
         return LocalPoint(self.body.name, local)
 
     def __getitem__(self, axes: Any) -> tuple[PointCoordinate, ...]:
-        """Return global coordinates of the point as functions: ``point["x", "y"]``."""
-        from .function import PointCoordinate
+        """Return global coordinates of the point as functions: ``point["x", "y"]``.
+
+        Raises
+        ------
+        ModelError
+            For other names; a point is no sequence of coordinates.
+        """
+        from .function import PointCoordinate, check_axis
 
         names = axes if isinstance(axes, tuple) else (axes,)
+        for name in names:
+            check_axis(name)
         return tuple(PointCoordinate(self, name) for name in names)

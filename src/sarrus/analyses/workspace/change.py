@@ -5,7 +5,7 @@ The determinant is that of the gradients of the constraints and of what is lost,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -29,19 +29,24 @@ def can_change(problem: Problem) -> bool:
 
 
 def changes(problem: Problem, seed: int, tally: Tally) -> Iterator[Start]:
-    """Points of singular curves without active limits, from admissible positions on both sides of them."""
-    samples, stratum = Samples(problem, seed), Stratum(problem, frozenset())
-    rows = np.concatenate([stratum.pushing, stratum.normal])
+    """Points of singular curves without active limits, on random walks."""
+    samples = Samples(problem, seed)
     for _ in range(MOST // WALK):
         q = next(samples, None)
         if q is None:
             return
-        for there in samples.walks(q, WALK):
-            if _sign(problem, rows, q) * _sign(problem, rows, there) < 0:
-                x = _between(stratum, rows, q, there, tally)
-                if x is not None and allowed(problem, x[: problem.n]) and problem.built(x[: problem.n]):
-                    yield Start(stratum.key, x)
-            q = there
+        yield from changes_along(problem, [q, *samples.walks(q, WALK)], tally)
+
+
+def changes_along(problem: Problem, walk: Sequence[Array], tally: Tally) -> Iterator[Start]:
+    """Points of singular curves without active limits, from admissible positions of a walk on both sides of them."""
+    stratum = Stratum(problem, frozenset())
+    rows = np.concatenate([stratum.pushing, stratum.normal])
+    signs = [_sign(problem, rows, q) for q in walk]
+    for n in np.flatnonzero(np.diff(signs)).tolist():
+        x = _between(stratum, rows, walk[n], walk[n + 1], tally)
+        if x is not None and allowed(problem, x[: problem.n]) and problem.built(x[: problem.n]):
+            yield Start(stratum.key, x)
 
 
 def _sign(problem: Problem, rows: Array, q: Array) -> float:

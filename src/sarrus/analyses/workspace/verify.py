@@ -13,7 +13,7 @@ import numpy as np
 from ...algebra import Array
 from ...results.workspace import Verification, Workspace
 from ...system import System
-from .change import can_change, changes
+from .change import can_change, changes_along
 from .formulate import formulate
 from .mapping import Asked, WorkspaceMap
 from .newton import Tally
@@ -132,11 +132,15 @@ def _draw(problem: Problem, part: Part) -> Drawn:
     """Random admissible positions, assembled and walked to, ends of rays in random directions, and crossings."""
     samples, random = Samples(problem, part.seed), np.random.default_rng(part.seed)
     positions: list[Array] = []
+    crossings: list[Start] = []
+    changing = can_change(problem)
     while len(positions) < part.samples and (q := next(samples, None)) is not None:
-        positions += [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
+        walk = [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
+        positions += walk
+        if changing:
+            crossings += islice(changes_along(problem, walk, Tally()), part.rays - len(crossings))
     ends = [_ray(problem, next(samples, None), random) for _ in range(part.rays)]
-    crossed = islice(changes(problem, part.seed, Tally()), part.rays) if can_change(problem) else ()
-    return Drawn(positions, [end for end in ends if end is not None], list(crossed))
+    return Drawn(positions, [end for end in ends if end is not None], crossings)
 
 
 def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Start | None:

@@ -103,6 +103,15 @@ def test_best_numbers_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert len(table.read_text().splitlines()) == found["simulations"] + 1
 
 
+def test_second_derivatives_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are handed on: SLSQP, which constraints ask for, takes none."""
+    file = written(tmp_path, BEST.replace("iterations: 20", "solver: trust-constr\nsecond_order: true"))
+    assert read_optimization_file(file, load).options == {"solver": "trust-constr", "second_order": True}
+    file.write_text(BEST.replace("iterations: 20", "second_order: true"))
+    assert main(["optimize", str(file), "-q"]) == 2
+    assert "SLSQP takes no second derivatives; take trust-constr or IPOPT" in capsys.readouterr().err
+
+
 def test_parameters_from_measurements_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["optimize", str(written(tmp_path, FIT)), "--json", "-q"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -129,6 +138,7 @@ WRONG = [
     ),
     ("iterations: 20", "iterations: 0", "best.yaml:10: iterations: iterations must be a whole number"),
     ("iterations: 20", "solver: Newton", "there is no solver 'Newton'"),
+    ("iterations: 20", "second_order: maybe", "best.yaml:10: second_order: second_order is true or false"),
     ("iterations: 20", "noise: given", "best.yaml:10: 'noise' belongs to 'fit'"),
     ("iterations: 20", "fit: []", "give minimize or fit, and not both"),
     ("minimize: integral(", "minimize: integrate(", "best.yaml:6: minimize:"),

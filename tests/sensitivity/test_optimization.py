@@ -197,6 +197,23 @@ def test_starts_run_in_an_executor() -> None:
     assert [one.value for one in there.starts] == [one.value for one in here.starts]
 
 
+@pytest.mark.parametrize("solver", ["SLSQP", "trust-constr"])
+def test_a_constraint_that_cannot_hold_is_told(solver: str) -> None:
+    """Where the slider starts no spring can help."""
+    far = sr.Within(sr.Maximum("slider.x", name="far"), upper=4.0)
+    settings = {
+        "until": 0.02,
+        "bounds": {"spring.k": (5.0, 20.0)},
+        "solver": solver,
+        "iterations": 5,
+        **LOOSE,
+    }
+    stiffness = sr.Final(lambda o: o.parameter("spring.k") + 0 * o.t)
+    found = sr.optimize(slider_crank(), stiffness, ["spring.k"], constraints=[far], **settings)
+    assert not found.success
+    assert "a constraint is short of its limit by" in found.message
+
+
 def test_several_starts_need_bounds() -> None:
     with pytest.raises(ValueError, match="need both bounds"):
         sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, starts=2)

@@ -26,9 +26,9 @@ from .source import Source
 
 KEYS = (
     "name", "model", "parameters", "minimize", "fit", "noise", "constraints", "analysis", "solver", "starts", "seed",
-    "iterations", "time_limit",
+    "iterations", "time_limit", "second_order",
 )  # fmt: skip
-ONLY = {"minimize": ("constraints", "solver", "starts", "seed"), "fit": ("noise",)}
+ONLY = {"minimize": ("constraints", "solver", "starts", "seed", "second_order"), "fit": ("noise",)}
 Read = Callable[[Path], Model]
 
 
@@ -203,6 +203,12 @@ def _solver(given: Any) -> str:
     return str(given)
 
 
+def _second_order(given: Any) -> bool:
+    if not isinstance(given, bool):
+        raise SarrusError(f"second_order is true or false, but not {given!r}")
+    return given
+
+
 def _noise(given: Any) -> str:
     if given not in ("given", "estimated"):
         raise SarrusError(f"noise is given or estimated, but not {given!r}")
@@ -212,6 +218,7 @@ def _noise(given: Any) -> str:
 OPTIONS: dict[str, Callable[[Any], Any]] = {
     "noise": _noise,
     "solver": _solver,
+    "second_order": _second_order,
     "starts": lambda given: whole(given, "starts"),
     "seed": lambda given: whole(given, "seed", least=0),
     "iterations": lambda given: whole(given, "iterations"),

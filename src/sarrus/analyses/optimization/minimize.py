@@ -132,9 +132,10 @@ def told(search: Search, answer: Answer, near: float = SATISFIED) -> Optimum:
     values, limited = point.values, search.count
     short = gap(values[limited:], search.constraints)
     success = answer.success and short <= near
-    message = answer.message if short <= near or not answer.success else (
-        f"{answer.message}, but a constraint is short of its limit by {short:.2g} of it"
-    )  # fmt: skip
+    message = answer.message
+    if short > near:
+        but = "but" if answer.success else "and"
+        message += f", {but} a constraint is short of its limit by {short:.2g} of it"
     history = search.history
     tried = f"{len(history)} simulations"
     missed = f" and {len(search.failures)} that failed" if search.failures else ""

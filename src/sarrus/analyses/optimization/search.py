@@ -219,7 +219,8 @@ class Search:
             return
         self.anchor = np.array(z)
         size = self._sizes.get(np.asarray(z).tobytes(), np.nan)
-        log.info("simulation %d: objective %.9g, free gradient %.3g", place + 1, self._told[place][0], size)
+        steepness = "" if np.isnan(size) else f", free gradient {size:.3g}"  # solvers ask for it later
+        log.info("simulation %d: objective %.9g%s", place + 1, self._told[place][0], steepness)
 
     def _wall(self, z: Array) -> tuple[float, Array]:
         """A value above all others and its gradient, from the slope at the last iterate."""

@@ -89,9 +89,16 @@ class CurveDerivatives:
 
     def __init__(self, system: System) -> None:
         self._system = system
-        self._members = [
-            (p, k) for p in system.populations if "Curve" in p.kind.fields.values() for k in range(p.count)
-        ]
+        self._members = [(p, k) for p in system.populations if self.concerns(p) for k in range(p.count)]
+
+    def concerns(self, p: Population) -> bool:
+        """Whether elements of a kind have such derivatives."""
+        return "Curve" in p.kind.fields.values()
+
+    @property
+    def width(self) -> int:
+        """How many columns there are."""
+        return len(self._system.b)
 
     def __bool__(self) -> bool:
         return bool(self._members)
@@ -118,10 +125,10 @@ class CurveDerivatives:
         return Entries(*(np.concatenate(x) for x in zip(*parts, strict=True)))
 
     def matrix(self, name: str, b: Array, t: float, **operands: Array) -> csr_array:
-        """The derivatives of an operator at one time, as wide as `system.b`; operands are (nq,) or (m,)."""
+        """The derivatives of an operator at one time, as wide as all columns; operands are (nq,) or (m,)."""
         now = {"t": np.array([t])} | {key: x[None] for key, x in operands.items()}
         height = self._system.m if OPERATORS[name].axes[0] is Axis.ROWS else self._system.nq
-        return self(name, b, {}, **now).matrix(height, len(self._system.b))
+        return self(name, b, {}, **now).matrix(height, self.width)
 
     def of_curve(
         self, p: Population, k: int, place: int, order: int, x: Array
@@ -212,9 +219,9 @@ def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     """A derivative of a recorded function of one variable (nt,)."""
     graph = Graph()
     variable = graph.input("x")
-    found = _constant(graph, function(variable))
+    found = constant(graph, function(variable))
     for _ in range(order):
-        found = _constant(graph, jacobian(graph, [found], [variable])[0, 0])
+        found = constant(graph, jacobian(graph, [found], [variable])[0, 0])
     return np.broadcast_to(np.asarray(evaluated(graph, [found], {("x",): x})[0], dtype=float), x.shape)
 
 
@@ -226,12 +233,13 @@ def _value(curve: Any, x: Array, order: int) -> Array:
     return np.asarray(np.sum(np.array(curve.cubics)[piece].T * powers, axis=0))
 
 
-def _constant(graph: Graph, value: Any) -> Expression:
+def constant(graph: Graph, value: Any) -> Expression:
+    """A recorded value as an expression."""
     return value if isinstance(value, Expression) else graph.constant(value)
 
 
-@cache
-def _recipe(variant: Variant, name: str) -> _Recipe:
+def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]], list[Expression]]:
+    """A vector recorded: its entries with their places, block along the axis and entry of the block."""
     recording = record(variant, (name,))
     graph, blocks = recording.graph, recording.outputs[0].blocks
     places = [
@@ -239,8 +247,12 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
         for (block, _), array in zip(structure(variant, OPERATORS[name]), blocks, strict=True)
         for entry in range(array.size)
     ]
-    flat = [e for block in blocks for e in np.ravel(block)]
-    entries = [_constant(graph, e) for e in flat]
+    return graph, places, [constant(graph, e) for block in blocks for e in np.ravel(block)]
+
+
+@cache
+def _recipe(variant: Variant, name: str) -> _Recipe:
+    graph, places, entries = entries_of(variant, name)
     calls = [Expression(graph, n) for n in needed(graph, entries) if graph.nodes[n].op in ORDERS]
     partials = jacobian(graph, entries, calls)
     nodes = [graph.nodes[call.id] for call in calls]
@@ -249,7 +261,7 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
         for node in nodes
     ]
     for place in np.ndindex(*partials.shape):
-        partials[place] = _constant(graph, partials[place])
+        partials[place] = constant(graph, partials[place])
     return _Recipe(graph, places, told, partials)
 
 

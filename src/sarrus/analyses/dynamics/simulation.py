@@ -96,7 +96,7 @@ def simulate(
     )  # fmt: skip
     stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
-        kept_events.refuse(system, chosen, save is not None)
+        kept_events.refuse(chosen, save is not None)
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)

@@ -62,10 +62,16 @@ class Gradients:
 
 
 class Chain:
-    """The derivatives of one run that was simulated with ``keep_steps=True``."""
+    """The derivatives of one run that was simulated with ``keep_steps=True``.
 
-    def __init__(self, system: System, steps: Steps) -> None:
-        self.system, self.steps = system, steps
+    Parameters
+    ----------
+    system, steps : the run
+    moving : whether it begins at a time that moves: its change stands behind those of all numbers
+    """
+
+    def __init__(self, system: System, steps: Steps, moving: bool = False) -> None:
+        self.system, self.steps, self._moving = system, steps, moving
 
     @cached_property
     def assembly(self) -> AssemblyDerivatives:
@@ -75,12 +81,12 @@ class Chain:
     @cached_property
     def start(self) -> Start:
         """The derivatives of the accelerations at the start."""
-        return Start(self.system, self.steps)
+        return Start(self.system, self.steps, self.curves.of)
 
     @cached_property
     def curves(self) -> Curves:
         """The derivatives by the numbers of curves."""
-        return Curves(self.system, self.steps)
+        return Curves(self.system, self.steps, self._moving)
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
@@ -111,7 +117,8 @@ class Chain:
     def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
         sweep = Sweep(self.system, self.steps, given.q.shape[2])
-        bars, kept = sweep.bars(), sweep.kept() if self.curves else None
+        bars = sweep.bars(np.zeros((self.curves.width, given.q.shape[2])))
+        kept = sweep.kept() if self.curves else None
         sweep.backward(bars, given.after_start(), 0, len(self.steps), kept)
         by_q, by_v, by_b = self.through_start(given, bars)
         return by_q, by_v, by_b if kept is None else by_b + self.curves.gradient(kept)

@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from ...results import Pieces, RadauSteps, Steps, StepsTaken
 from ...system import System
+from ...system.time_derivatives import timed
 from .chain import Chain
 from .parameters import Parameters
 from .piece_chain import PieceChain
@@ -17,16 +18,18 @@ AnyChain: TypeAlias = Chain | PieceChain | RadauChain
 def chain_of(system: System, steps: StepsTaken | Pieces) -> AnyChain:
     """The chain of a run, for first derivatives."""
     if isinstance(steps, Pieces):
-        return PieceChain(system, steps, [_chain_of(system, piece) for piece in steps.pieces])
+        moving = timed(system)
+        chains = [_chain_of(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
+        return PieceChain(system, steps, chains)
     return _chain_of(system, steps)
 
 
-def _chain_of(system: System, steps: StepsTaken) -> Chain | RadauChain:
-    """The chain of steps without events."""
+def _chain_of(system: System, steps: StepsTaken, moving: bool = False) -> Chain | RadauChain:
+    """The chain of steps without events; `moving`: of a system that depends on time, beginning after an event."""
     if isinstance(steps, RadauSteps):
-        return RadauChain(system, steps)
+        return RadauChain(system, steps, moving)
     assert isinstance(steps, Steps)
-    return Chain(system, steps)
+    return Chain(system, steps, moving)
 
 
 def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain:

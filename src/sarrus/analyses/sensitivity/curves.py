@@ -16,6 +16,7 @@ from ...algebra import Array
 from ...results import Steps, StepsTaken
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives, Entries
+from ...system.time_derivatives import TimeDerivatives
 from ..dynamics.alpha_loop import weights_of
 from .sweep import Sweep
 from .sweep_loop import Kept, Sources
@@ -29,17 +30,28 @@ class CurvesOf(Generic[Kind]):
     Parameters
     ----------
     system, steps : the run
+    moving : whether it begins at a time that moves: that has a place behind all numbers, like one more of them
+
+    Attributes
+    ----------
+    of : the derivatives of the operators
     """
 
-    def __init__(self, system: System, steps: Kind) -> None:
-        self._system, self._steps, self._of = system, steps, CurveDerivatives(system)
+    def __init__(self, system: System, steps: Kind, moving: bool = False) -> None:
+        self._system, self._steps = system, steps
+        self.of = TimeDerivatives(system) if moving else CurveDerivatives(system)
 
     def __bool__(self) -> bool:
-        return bool(self._of)
+        return bool(self.of)
+
+    @property
+    def width(self) -> int:
+        """How many numbers there are, with the time."""
+        return self.of.width
 
     def moved_by(self, db: Array) -> bool:
         """Whether changes of the numbers (len(b), k) change a curve."""
-        return bool(self._of) and bool(np.any(db[self._system.nb :]))
+        return bool(self.of) and bool(np.any(db[self._system.nb :]))
 
 
 class Curves(CurvesOf[Steps]):
@@ -61,7 +73,7 @@ class Curves(CurvesOf[Steps]):
 
     def gradient(self, kept: Kept) -> Array:
         """What the adjoint variables of all steps give for the gradients by the numbers (len(b), k)."""
-        nq, size, at = self._system.nq, len(self._system.b), self._rescaled
+        nq, size, at = self._system.nq, self.width, self._rescaled
         force, load, row = self._step
         mu, z = kept.step, kept.rescale[at]
         found = load.gradient(mu[:, :nq], size) - force.gradient(mu[:, :nq], size)
@@ -86,9 +98,9 @@ class Curves(CurvesOf[Steps]):
         memory = dict(zip(steps.places.tolist(), steps.memory.T, strict=True))
         q, v, lam, t = steps.q[1:], steps.v[1:], steps.lam[1:], steps.t[1:]
         return (
-            self._of("Phi_qT_lam", steps.b, memory, q=q, lam=lam, t=t),
-            self._of("Q", steps.b, memory, q=q, v=v, t=t),
-            self._of("Phi", steps.b, memory, q=q, t=t),
+            self.of("Phi_qT_lam", steps.b, memory, q=q, lam=lam, t=t),
+            self.of("Q", steps.b, memory, q=q, v=v, t=t),
+            self.of("Phi", steps.b, memory, q=q, t=t),
         )
 
     def _rescale(self, s: Array) -> tuple[Entries, Entries, Entries]:
@@ -97,9 +109,9 @@ class Curves(CurvesOf[Steps]):
         memory = dict(zip(steps.places.tolist(), steps.memory[at].T, strict=True))
         q, t = steps.q[at], steps.t[at]
         return (
-            self._of("Phi_qT_lam", steps.b, memory, q=q, lam=s[at, nq:], t=t),
-            self._of("Phi_q_xi", steps.b, memory, q=q, xi=steps.v[at] - s[at, :nq], t=t),
-            self._of("Phi_t", steps.b, memory, q=q, t=t),
+            self.of("Phi_qT_lam", steps.b, memory, q=q, lam=s[at, nq:], t=t),
+            self.of("Phi_q_xi", steps.b, memory, q=q, xi=steps.v[at] - s[at, :nq], t=t),
+            self.of("Phi_t", steps.b, memory, q=q, t=t),
         )
 
     def _defects(self) -> Kept:

@@ -49,7 +49,8 @@ class PieceChain:
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
         q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv)
         for p, (chain, part) in enumerate(zip(self._chains, self._parts, strict=True)):
-            own = chain.along_from(q, v, db)
+            moving = chain.curves.width > len(db)
+            own = chain.along_from(q, v, np.concatenate([db, found.shift[p : p + 1]]) if moving else db)
             for name in (*KINDS, "lam"):
                 getattr(found, name)[part] = getattr(own, name)
             if p < len(self._turns):
@@ -77,6 +78,7 @@ class PieceChain:
                 b += bars[6 * nq : 6 * nq + size]
                 c += bars[6 * nq + size : -1]
             q, v, by_b = self._chains[p].by_start(own)
-            b += by_b
+            b += by_b[:size]
+            shift[p] += by_b[size:].sum(axis=0)
         by_b, by_q, by_v = through(self._chains[0].assembly, q, v)
         return Gradients(b + by_b, by_q, by_v, c)

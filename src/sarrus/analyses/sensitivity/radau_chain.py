@@ -19,9 +19,9 @@ from .radau_sweep_loop import Bars, Given
 class RadauChain:
     """The derivatives of one run that was simulated by Radau with ``keep_steps=True``; see `Chain`."""
 
-    def __init__(self, system: System, steps: RadauSteps) -> None:
+    def __init__(self, system: System, steps: RadauSteps, moving: bool = False) -> None:
         self.system, self.steps = system, steps
-        self.curves = RadauCurves(system, steps)
+        self.curves = RadauCurves(system, steps, moving)
 
     @cached_property
     def assembly(self) -> AssemblyDerivatives:
@@ -49,7 +49,7 @@ class RadauChain:
     def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
         k, nq = given.q.shape[2], self.system.nq
-        bars = Bars(np.zeros((nq, k)), np.zeros((nq, k)), np.zeros((len(self.system.b), k)))
+        bars = Bars(np.zeros((nq, k)), np.zeros((nq, k)), np.zeros((self.curves.width, k)))
         sweep = RadauSweep(self.system, self.steps, k)
         kept = sweep.kept() if self.curves else None
         sweep.backward(bars, _given(given), kept)

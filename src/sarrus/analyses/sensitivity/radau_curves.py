@@ -31,7 +31,7 @@ class RadauCurves(CurvesOf[RadauSteps]):
 
     def gradient(self, kept: Beside) -> Array:
         """What the adjoint variables of all steps and nodes give for the gradients by the numbers (len(b), k)."""
-        nq, m, size = self._system.nq, self._system.m, len(self._system.b)
+        nq, m, size = self._system.nq, self._system.m, self.width
         total = np.zeros((size, kept.step.shape[2]))
         for i, (mu, lam, load, row, rate, drift) in enumerate(self._stages):
             cuts = 2 * i * (nq + m) + np.cumsum([0, nq, nq, m, m])
@@ -57,7 +57,7 @@ class RadauCurves(CurvesOf[RadauSteps]):
                 ("Phi_qT_lam", {"lam": steps.stage_mu[:, i]}), ("Phi_qT_lam", {"lam": steps.stage_lam[:, i]}),
                 ("Q", {"v": v}), ("Phi", {}), ("Phi_q_xi", {"xi": v}), ("Phi_t", {}),
             )  # fmt: skip
-            found.append(tuple(self._of(name, steps.b, memory, **at, **own) for name, own in given))
+            found.append(tuple(self.of(name, steps.b, memory, **at, **own) for name, own in given))
         return found
 
     @cached_property
@@ -69,4 +69,4 @@ class RadauCurves(CurvesOf[RadauSteps]):
         at = {"q": steps.q, "t": steps.t}
         given = (("Phi_qT_lam", {"lam": steps.lam}), ("Q", {"v": steps.v}), ("Phi_q_xi", {"xi": steps.a}),
                  ("gamma", {"v": steps.v}))  # fmt: skip
-        return tuple(self._of(name, steps.b, memory, **at, **own) for name, own in given)
+        return tuple(self.of(name, steps.b, memory, **at, **own) for name, own in given)

@@ -24,9 +24,10 @@ class Start:
     ----------
     system : System
     steps : whose first node it is
+    curves : of the system, perhaps with the time, which make the numbers complete
     """
 
-    def __init__(self, system: System, steps: StepsTaken) -> None:
+    def __init__(self, system: System, steps: StepsTaken, curves: CurveDerivatives) -> None:
         self._nq, self._m = system.nq, system.m
         q, v, a, lam, t = steps.q[0], steps.v[0], steps.a[0], steps.lam[0], float(steps.t[0])
         b = steps.b.copy()
@@ -41,9 +42,8 @@ class Start:
         self._g_q = csr_array(system.Phi_q_xi_q(q, a, t, b=b) - system.gamma_q(q, v, t, b=b))
         self._g_v = csr_array(-system.gamma_v(q, v, t, b=b))
         loads = (-system.Q_b(q, v, t, b=b), -system.S_b(q, v, b=b))
-        self._f_b = _sum((system.M_a_b(q, a, b=b), system.Phi_qT_lam_b(q, lam, t, b=b), *loads), len(b))
-        self._g_b = _sum((system.Phi_q_xi_b(q, a, t, b=b), -system.gamma_b(q, v, t, b=b)), len(b))
-        curves = CurveDerivatives(system)
+        self._f_b = _sum((system.M_a_b(q, a, b=b), system.Phi_qT_lam_b(q, lam, t, b=b), *loads), curves.width)
+        self._g_b = _sum((system.Phi_q_xi_b(q, a, t, b=b), -system.gamma_b(q, v, t, b=b)), curves.width)
         if curves:
             now = partial(curves.matrix, b=b, t=t, q=q)
             self._f_b = csr_array(self._f_b + now("Phi_qT_lam", lam=lam) - now("Q", v=v))

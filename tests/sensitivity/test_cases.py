@@ -152,6 +152,18 @@ def test_hessians(name: str) -> None:
     assert max(found[1]) < 1.5e-2, found
 
 
+def test_a_hessian_is_printed_as_a_table() -> None:
+    case = known("oscillator").case
+    found = case.hessian(case.run(rtol=1e-4, atol=1e-4), "int_x2", ["m", "k"])
+    lines = str(found).splitlines()
+    assert lines[1].split() == ["m", "k"]
+    assert [float(x) for x in lines[3].split()[1:]] == pytest.approx(
+        [found["k", "m"], found["k", "k"]], rel=1e-5
+    )
+    with pytest.raises(KeyError, match="no second derivatives with respect to 'c'; there are those to m, k"):
+        found["k", "c"]
+
+
 def test_the_five_bar_has_a_large_hessian_by_its_springs() -> None:
     case, wanted = known("five_bar").case, np.array(json.loads(file("five_bar"))["hess_J"])
     found = [

@@ -119,9 +119,26 @@ class Hessian:
     matrix: Array = field(repr=False)
 
     def __getitem__(self, pair: tuple[str, str]) -> float:
-        """One entry, ``H["spring.k", "rod.mass"]``."""
+        """One entry, ``H["spring.k", "rod.mass"]``.
+
+        Raises
+        ------
+        KeyError
+            If it was not asked for.
+        """
+        for name in pair:
+            if name not in self.names:
+                told = f"no second derivatives with respect to {name!r}"
+                raise KeyError(f"{told}; there are those to {', '.join(self.names[:8])} ...")
         row, column = (self.names.index(name) for name in pair)
         return float(self.matrix[row, column])
+
+    def __str__(self) -> str:
+        width = max(12, *map(len, self.names)) + 2
+        head = " " * width + "".join(f"{name:>{width}}" for name in self.names)
+        rows = zip(self.names, self.matrix, strict=True)
+        lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
+        return "\n".join([f"second derivatives of {self.response}", head, *lines])
 
     @property
     def asymmetry(self) -> float:

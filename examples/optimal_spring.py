@@ -12,7 +12,7 @@ import sarrus as sr
 
 MODEL = Path(__file__).parent / "sundials_slider_crank.yaml"
 UNTIL = 10.0  # s
-LOOSE = {"rtol": 1e-5, "atol": 1e-7}
+SETTINGS = {"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}  # few steps, many digits
 BOUNDS = {"spring.k": (0.2, 2.0), "spring.c": (0.2, 2.5)}
 MOST = 0.35  # N that the ends bear when they are pushed, in the second design
 
@@ -29,13 +29,13 @@ PRESSURE = sr.Peak(lambda o: -o.tension("spring"), sharpness=20.0, name="largest
 
 def best(system: sr.System, *limits: sr.Within) -> sr.Optimum:
     """The spring and damper of the least cost."""
-    return sr.optimize(system, COST, [*BOUNDS], until=UNTIL, bounds=BOUNDS, constraints=limits, **LOOSE)
+    return sr.optimize(system, COST, [*BOUNDS], until=UNTIL, bounds=BOUNDS, constraints=limits, **SETTINGS)
 
 
 def landscape(system: sr.System, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The cost on a grid of springs and dampers."""
     k, c = (np.linspace(*limits, count) for limits in BOUNDS.values())
-    problem = sr.Problem(system, COST, [*BOUNDS], until=UNTIL, **LOOSE)
+    problem = sr.Problem(system, COST, [*BOUNDS], until=UNTIL, **SETTINGS)
     return k, c, np.array([[problem.values([x, y])[0] for x in k] for y in c])
 
 

@@ -19,12 +19,12 @@ def drawn(folder: Path) -> set[str]:
 
 
 def test_optimal_spring(tmp_path: Path) -> None:
-    """The least cost was published: k = 0.6826136, c = 1.3357019, 3.2227612; the tolerance moves it a little."""
+    """The least cost was published: k = 0.6826136, c = 1.3357019, 3.2227612."""
     script = of("optimal_spring")
     free, limited = script["main"](tmp_path, count=2)
     assert free.success
-    assert free.x == pytest.approx([0.6826136, 1.3357019], abs=5e-3)
-    assert free.value == pytest.approx(3.2227612, abs=5e-3)
+    assert free.x == pytest.approx([0.6826136, 1.3357019], abs=2e-5)
+    assert free.value == pytest.approx(3.2227612, abs=5e-6)
     assert limited.success
     assert limited.constraints["largest pressure"] == pytest.approx(script["MOST"], abs=1e-5)
     assert limited.value > free.value

@@ -181,6 +181,36 @@ def test_extremes_and_peaks_of_a_motion_with_events() -> None:
         assert found.matrix[3:, n] == pytest.approx(((4 * slopes[1] - slopes[0]) / 3)[3:], rel=1e-6)
 
 
+def bounced_by_formula(
+    until: float, h: complex, g: complex, e: complex, v: complex
+) -> tuple[complex, complex]:
+    """The integrals over time of half the square of the speed, and of the height, of a ball that falls from h."""
+    t, square, area = 0.0, 0.0, 0.0
+    while True:
+        flight = (v + np.sqrt(v * v + 2 * g * h)) / g
+        last = (t + flight).real > until
+        d = until - t if last else flight
+        square += 0.5 * (v * v * d - v * g * d * d + g * g * d**3 / 3)
+        area += h * d + v * d * d / 2 - g * d**3 / 6
+        if last:
+            return square, area
+        t, v, h = t + flight, -e * (v - g * flight), 0.0
+
+
+def test_integrals_over_runs_with_radau_and_events_have_all_digits() -> None:
+    """Within its long steps, also where an event ends one: Lobatto's rule is exact for squares of velocities."""
+    run = bounced(2.0, method=sr.Radau())
+    assert len(run.steps) < 20
+    found = sr.sensitivity(run, [sr.Integral("energy.kinetic"), sr.Integral("ball.z")], list(BALL.values()))
+    given = np.array([1.0, 9.81, 0.8, 0.5])  # h, g, e, v0
+    order = {"h": 0, "e": 2, "g": 1, "v0": 3}
+    assert found.values == pytest.approx(np.real(bounced_by_formula(2.0, *given)), rel=1e-12)
+    for n, name in enumerate(BALL):
+        step = 1e-30j * np.eye(4)[order[name]]
+        wanted = SIGN.get(name, 1.0) * np.imag(bounced_by_formula(2.0, *(given + step))) / 1e-30
+        assert found.matrix[:, n] == pytest.approx(wanted, rel=1e-11)
+
+
 def test_the_integral_of_a_velocity_that_jumps() -> None:
     """It is the way that the ball has gone: both limits of every piece move, the sum of what they add is known."""
     run = bounced(2.0)

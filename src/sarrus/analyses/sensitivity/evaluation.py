@@ -12,12 +12,13 @@ from ...algebra import Array
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
-from .fine import fine
+from .fine import PARTS, Fine, fine
 from .outputs import Outputs
 from .parameters import Parameters
 from .pieces import sampling_of
 from .recording import Angles
 from .responses import Response
+from .sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,13 @@ class Explicit:
     b: Array
     c: Array
     named: list[dict[str, float]]
+
+
+def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
+    """Where a response is sampled."""
+    if isinstance(steps, Pieces) and isinstance(response, Fine):
+        return sampling_of(steps, None, PARTS)
+    return sampling_of(steps, response.times(steps.t))
 
 
 class Evaluation:
@@ -48,11 +56,11 @@ class Evaluation:
         parameters: Parameters,
         angles: Angles | None = None,
     ) -> None:
-        if isinstance(steps, RadauSteps):
+        if isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps):
             responses = [fine(response) for response in responses]
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
-        self._samplings = [sampling_of(steps, response.times(steps.t)) for response in responses]
+        self._samplings = [sampling(steps, response) for response in responses]
         angles = angles or Angles(system, sampling_of(steps).states)
         self._outputs = [
             Outputs(system, sampling.states, steps.b, parameters.number, angles, sampling.memory)

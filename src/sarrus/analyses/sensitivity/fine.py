@@ -15,13 +15,23 @@ from .responses import Integral, Maximum, Minimum, Peak, Response
 INNER = 0.5 - 0.5 / np.sqrt(
     5
 )  # [-] of a step: the first inner point, as far from the start as the other from the end
+PARTS = (0.0, INNER, 1 - INNER)  # [-] of a step: where it is sampled
 SHARES = np.array([1.0, 5.0, 5.0]) / 12  # [-] of a step: weights of its start and inner points
 
 
-class _Fine(Response):
+class Fine(Response):
+    """A response whose times are those at `PARTS` of all steps, and the end."""
+
     def times(self, t: Array) -> Array:
         h = np.diff(t)
         return np.append(np.column_stack([t[:-1], t[:-1] + INNER * h, t[1:] - INNER * h]), t[-1])
+
+    def rule_by_times(self, g: Array) -> Array:
+        means = g[:-1].reshape(-1, 3) @ SHARES + g[3::3] * SHARES[0]
+        found = np.zeros_like(g)
+        found[3::3] += means
+        found[:-1:3] -= means
+        return found
 
     def rule(self, t: Array) -> Array:
         own = np.append(np.outer(np.diff(t[::3]), SHARES), 0.0)
@@ -29,23 +39,23 @@ class _Fine(Response):
         return np.asarray(own)
 
 
-class FineIntegral(_Fine, Integral):
+class FineIntegral(Fine, Integral):
     """The integral by Lobatto's rule."""
 
 
-class FinePeak(_Fine, Peak):
+class FinePeak(Fine, Peak):
     """The rounded maximum, its mean by Lobatto's rule."""
 
 
-class FineMaximum(_Fine, Maximum):
+class FineMaximum(Fine, Maximum):
     """The maximum with three times as many samples."""
 
 
-class FineMinimum(_Fine, Minimum):
+class FineMinimum(Fine, Minimum):
     """The minimum with three times as many samples."""
 
 
-FINE: dict[type[Response], type[_Fine]] = {
+FINE: dict[type[Response], type[Fine]] = {
     Integral: FineIntegral,
     Peak: FinePeak,
     Maximum: FineMaximum,

@@ -7,6 +7,7 @@ within a stretch that begins later.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -16,19 +17,19 @@ from ...results import Pieces, RadauSteps, StepsTaken
 from .chain import Nodes
 from .sampling import KINDS, Places, Sampling, _placed
 
-FIXED, NODE, END = 0, 1, 2  # what a time is
-
 
 class PieceSampling(Sampling):
     """The states at some times of a run with events, at all its nodes and ends of stretches by default."""
 
     moves = True
 
-    def __init__(self, steps: Pieces, times: Array | None = None) -> None:
+    def __init__(self, steps: Pieces, times: Array | None = None, parts: Sequence[float] = (0.0,)) -> None:
         self._all, self._steps, last = steps, steps.pieces[0], float(steps.ends[-1])
         if times is not None and len(times) and (min(times) < 0 or max(times) > last * (1 + 1e-12)):
             raise ValueError(f"responses need times between 0 and {last:g} s")
-        self._times, self._piece, self._sort = _nodes(steps) if times is None else _fixed(steps, times)
+        self._times, self._piece, self._part = (
+            _within(steps, parts) if times is None else _fixed(steps, times)
+        )
 
     @property
     def t(self) -> Array:
@@ -56,20 +57,17 @@ class PieceSampling(Sampling):
     def _local(self) -> Array:
         """How the events (pieces + 1) move each time within its stretch (nt, pieces + 1)."""
         found = np.zeros((len(self.t), len(self._all.pieces) + 1))
-        rows = np.arange(len(self.t))
-        moving = self._sort != NODE
-        found[rows[moving], self._piece[moving]] -= 1.0
-        ends = self._sort == END
-        found[rows[ends], self._piece[ends] + 1] += 1.0
+        rows, fixed = np.arange(len(self.t)), np.isnan(self._part)
+        found[rows, self._piece] -= np.where(fixed, 1.0, self._part)
+        found[rows, self._piece + 1] += np.where(fixed, 0.0, self._part)
         return found
 
     @cached_property
     def _global(self) -> Array:
         """How they move the time itself."""
-        found = self._local.copy()
-        moving = self._sort != FIXED
-        found[np.flatnonzero(moving), self._piece[moving]] += 1.0
-        found[self._sort == FIXED] = 0.0
+        found, fixed = self._local.copy(), np.isnan(self._part)
+        found[np.arange(len(self.t)), self._piece] += 1.0
+        found[fixed] = 0.0
         return found
 
     def _rate(self, kind: str, n: int) -> Array:
@@ -108,20 +106,31 @@ class PieceSampling(Sampling):
         return np.asarray(self._global @ nodes.shift[:, column])
 
 
-def _nodes(steps: Pieces) -> tuple[Array, Array, Array]:
-    """Times, stretches and kinds of all nodes, but for the last of each stretch its end."""
-    counts = [len(piece) for piece in steps.pieces]
-    sorts = [sort for count in counts for sort in (*[NODE] * count, END)]
-    return steps.t, np.repeat(np.arange(len(counts)), np.add(counts, 1)), np.array(sorts)
+def _within(steps: Pieces, parts: Sequence[float]) -> tuple[Array, Array, Array]:
+    """Times at these parts of all steps and at the ends of stretches, their stretches, and how an event moves them.
+
+    The event at the end of a stretch moves times within the step that it ends, by a part of its own change; no others.
+    The end of a stretch stands there as often as there are parts, as a step of no length; that of the run stands once.
+    """
+    found: list[tuple[float, int, float]] = []
+    for p, (piece, end) in enumerate(zip(steps.pieces, steps.ends, strict=True)):
+        t = np.append(piece.t[:-1], end)
+        for k, (begin, h) in enumerate(zip(t[:-1], np.diff(t), strict=True)):
+            found += [(begin + x * h, p, x if k == len(piece) - 1 else 0.0) for x in parts]
+        found += [(end, p, 1.0)] * (len(parts) if p < len(steps.pieces) - 1 else 1)
+    times, pieces, moved = zip(*found, strict=True)
+    return np.array(times), np.array(pieces), np.array(moved)
 
 
 def _fixed(steps: Pieces, times: Array) -> tuple[Array, Array, Array]:
-    """Fixed times; the end of the run is its last state, wherever an event puts it."""
+    """Fixed times (not a number); the end of the run is its last state, wherever an event puts it."""
     t = np.asarray(times, dtype=float)
     piece = np.searchsorted(steps.ends[:-1], t, side="right")
-    return t, piece, np.where(t >= steps.ends[-1], END, FIXED)
+    return t, piece, np.where(t >= steps.ends[-1], 1.0, np.nan)
 
 
-def sampling_of(steps: StepsTaken | Pieces, times: Array | None = None) -> Sampling:
-    """The sampling of a run with or without events."""
-    return PieceSampling(steps, times) if isinstance(steps, Pieces) else Sampling(steps, times)
+def sampling_of(
+    steps: StepsTaken | Pieces, times: Array | None = None, parts: Sequence[float] = (0.0,)
+) -> Sampling:
+    """The sampling of a run with or without events; `parts` of the steps that are met if it has events."""
+    return PieceSampling(steps, times, parts) if isinstance(steps, Pieces) else Sampling(steps, times)

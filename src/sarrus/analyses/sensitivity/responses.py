@@ -61,6 +61,10 @@ class Response:
         """The weights of its times in integrals over the run."""
         return trapezoidal(t)
 
+    def rule_by_times(self, g: Array) -> Array:
+        """The derivatives by the times of what these weights make of an output."""
+        return trapezoidal_by_times(g)
+
     def evaluate(self, outputs: Outputs) -> Traced:
         """The output, recorded."""
         found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
@@ -108,7 +112,7 @@ class Integral(Response):
         return self.rule(t)
 
     def by_times(self, g: Array, t: Array) -> Array:
-        return trapezoidal_by_times(g)
+        return self.rule_by_times(g)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +135,9 @@ class Peak(Response):
 
     def by_times(self, g: Array, t: Array) -> Array:
         share = np.exp(self.sharpness * (g - g.max()))
-        whole, length = trapezoidal(t) @ share, np.zeros_like(t)
+        whole, length = self.rule(t) @ share, np.zeros_like(t)
         length[0], length[-1] = -1 / (t[-1] - t[0]), 1 / (t[-1] - t[0])
-        return np.asarray((trapezoidal_by_times(share) / whole - length) / self.sharpness)
+        return np.asarray((self.rule_by_times(share) / whole - length) / self.sharpness)
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         w = self.weights(g, t)

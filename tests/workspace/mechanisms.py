@@ -186,10 +186,31 @@ def translated(
     return system, tool.point(0, 0, 0)["x", "y", "z"], limits
 
 
-def gough() -> Case:
-    """A platform on six legs with a fixed orientation."""
+def gough(turned: np.ndarray | None = None) -> Case:
+    """A platform on six legs with a fixed orientation, a matrix."""
     feet = [(np.cos(a * DEGREE), np.sin(a * DEGREE), 0.0) for a in (10, 110, 130, 230, 250, 350)]
     corners = [
         (0.6 * np.cos(a * DEGREE), 0.6 * np.sin(a * DEGREE), 0.0) for a in (50, 70, 170, 190, 290, 310)
     ]
+    if turned is not None:
+        corners = [tuple(turned @ corner) for corner in corners]
     return translated(dict.fromkeys(zip(feet, corners, strict=True), (0.95, 1.45)))
+
+
+def tilted() -> np.ndarray:
+    """A tilted orientation for `gough`: 15° about z, -5° about y, 10° about x."""
+    return about(2, 15) @ about(1, -5) @ about(0, 10)
+
+
+def about(axis: int, degrees: float) -> np.ndarray:
+    """The matrix of a turn about a coordinate axis."""
+    c, s, found = cos(degrees * DEGREE), sin(degrees * DEGREE), np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    found[i, i], found[i, j], found[j, i], found[j, j] = c, -s, s, c
+    return found
+
+
+def puma() -> Case:
+    """The first three hinges of a PUMA 560 with the centre of its wrist, without limits: a shell with a small void."""
+    places, axes = [(0, 0, 0), (0, 0.1497, 0), (0.4318, 0.1497, 0)], [(0, 0, 1), (0, 1, 0), (0, 1, 0)]
+    return spatial_arm(places, axes, (0.4318 + 0.0203, 0.1497, 0.4331))

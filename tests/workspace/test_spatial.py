@@ -6,7 +6,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 
-from .mechanisms import arm_3r, delta, gough, orthogonal_arm
+from .mechanisms import arm_3r, delta, gough, orthogonal_arm, tilted
 
 
 def test_range_of_the_spatial_slider_crank() -> None:
@@ -31,6 +31,19 @@ def test_a_slice_of_a_gough_platform() -> None:
     system, output, limits = gough()
     found = sr.workspace(system, output[:2], limits=limits, fixed={output[2]: 0.9}, verify=False)
     assert found.area == pytest.approx(0.532204528, rel=5e-7)
+
+
+@pytest.mark.parametrize(
+    ("height", "seed", "area"),
+    [(0.97570841, 0, 0.242828738931), (0.78846361, 1, 0.009155363388), (0.89407216, 1, 0.114128138528)],
+)
+def test_a_limit_that_is_passed_for_a_moment(height: float, seed: int, area: float) -> None:
+    """Curves are cut where they leave the workspace and come back within one step: areas from circles by hand."""
+    system, output, limits = gough(tilted())
+    held = {output[2]: height}
+    found = sr.workspace(system, output[:2], limits=limits, fixed=held, verify=False, seed=seed)
+    assert found.success, found.message
+    assert found.area == pytest.approx(area, abs=1e-7)
 
 
 def test_a_section_of_an_orthogonal_arm() -> None:

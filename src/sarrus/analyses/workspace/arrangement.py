@@ -223,10 +223,11 @@ def _touches_at_end(one: Arc, other: Arc, a: float, b: float) -> bool:
 
 
 def _joined(pieces: list[Piece]) -> Division:
-    """Nodes from the ends of all pieces."""
+    """Nodes from the ends of all pieces; a piece that is no longer than a node is part of it."""
     ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
     labels = clusters(ends)
     nodes = np.array([ends[np.argmax(labels == k)] for k in range(labels.max(initial=-1) + 1)]).reshape(-1, 2)
     for piece, (a, b) in zip(pieces, labels.reshape(-1, 2).tolist(), strict=True):
         piece.start, piece.end = a, b
-    return Division(nodes, pieces)
+    longer = [piece for piece in pieces if piece.start != piece.end or piece.arc.length > 2 * TOUCH]
+    return Division(nodes, longer)

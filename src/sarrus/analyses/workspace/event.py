@@ -19,6 +19,10 @@ NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singula
 SLACK = 1e-10  # of a limit that counts as kept, free of units
 ITERATIONS = 40
 SETTLED = 1e-13  # of the parameter of a step
+LOOKS = 8  # places of a step at which margins and multipliers are looked at
+POWERS = np.arange(6)
+PLACES = np.linspace(0, 1, LOOKS + 1)[:, None] ** POWERS
+BENDS = PLACES @ np.diag([2.0, 6.0, 12.0, 20.0], 2)  # of their second derivatives
 
 
 class Event(NamedTuple):
@@ -67,38 +71,64 @@ def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | Non
     yield from _releases(stratum, step, own)
     cusp = stratum.problem.has_cusps and step.a.speed * step.b.speed < 0 and own not in STILL
     if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
-        yield Guess(_crossing(step, _speeds(step)) if cusp else 0.5, "branch", None)
+        yield Guess(_crossing(_speeds(step)) if cusp else 0.5, "branch", None)
     elif cusp:
-        yield Guess(_crossing(step, _speeds(step)), "cusp", None)
+        yield Guess(_crossing(_speeds(step)), "cusp", None)
 
 
 def _hits(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
     a, b = step.a, step.b
     if not a.margins.size:
         return
-    low = step.cubic(a.margins, a.margins_s, b.margins, b.margins_s)
-    inner = np.array([tau ** np.arange(4) for tau in (0.25, 0.5, 0.75)])
-    lowest = np.minimum(np.einsum("tk,kij->tij", inner, low).min(axis=0), b.margins)
-    for i, end in zip(*np.nonzero(lowest < -SLACK), strict=True):
+    margins = step.margins()
+    for i, end in zip(*np.nonzero(_may_sink(margins)), strict=True):
         limit = (int(i), int(end))
         if limit in stratum.key or (int(i), 1 - int(end)) in stratum.key:
             continue
-        if own == ("limit", limit):
-            if b.margins[limit] < -SLACK:
-                raise NoPoint("a limit is reached at once")
-            continue
-        yield Guess(_crossing(step, low[:, i, end]), "hit", limit)
+        mine = own == ("limit", limit)
+        if mine and b.margins[limit] < -SLACK:
+            raise NoPoint("a limit is reached at once")
+        tau = _sinks(margins[:, i, end], mine)
+        if tau is not None:
+            yield Guess(tau, "hit", limit)
 
 
 def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
+    unknowns = step.unknowns() if stratum.active else np.zeros((6, 0))
     for limit in stratum.active:
-        k = stratum.multiplier(limit)
+        k, mine = stratum.multiplier(limit), own == ("limit", limit)
         a, b = step.a.x[k], step.b.x[k]
-        if own == ("limit", limit):
-            if b * step.a.t[k] < 0:
-                raise NoPoint("a multiplier vanishes at once")
-        elif a * b < 0:
-            yield Guess(_crossing(step, step.cubic(a, step.a.t[k], b, step.b.t[k])), "release", limit)
+        if mine and b * step.a.t[k] < 0:
+            raise NoPoint("a multiplier vanishes at once")
+        tau = _sinks(unknowns[:, k] * np.sign(step.a.t[k] if mine else a), mine)
+        if tau is None and a * b < 0 and not mine:
+            tau = a / (a - b)
+        if tau is not None:
+            yield Guess(tau, "release", limit)
+
+
+def _may_sink(polynomials: Array) -> Array:
+    """Which polynomials (6, ...) may become negative in 0 ... 1: by values at some places and the bend in between."""
+    values, bends = (np.tensordot(powers, polynomials, axes=1) for powers in (PLACES, BENDS))
+    return np.asarray(values.min(axis=0) - abs(bends).max(axis=0) / (8 * LOOKS**2) < -SLACK)
+
+
+def _sinks(polynomial: Array, from_zero: bool) -> float | None:
+    """Where in 0 ... 1 a polynomial (6,) becomes negative, after its zero at 0 if it begins there."""
+    if not _may_sink(polynomial):
+        return None
+    slope = polynomial[1:] * np.arange(1, 6)
+    turns = [tau for tau in _zeros(slope) if 0 < tau < 1]
+    if min(float(tau**POWERS @ polynomial) for tau in (*turns, 1.0)) >= -SLACK:
+        return None
+    zeros = _zeros(polynomial[1:] if from_zero else polynomial)
+    return min((tau for tau in zeros if tau ** POWERS[:5] @ slope <= 0), default=0.5)
+
+
+def _zeros(polynomial: Array) -> list[float]:
+    """Real zeros of a polynomial in 0 ... 1."""
+    roots = np.roots(polynomial[::-1])
+    return [r.real for r in roots if abs(r.imag) < 1e-6 and -1e-9 <= r.real <= 1 + 1e-9]
 
 
 def _speeds(step: Step) -> Array:
@@ -109,11 +139,9 @@ def _speeds(step: Step) -> Array:
     return step.cubic(np.array(step.a.speed), rates[0], np.array(step.b.speed), rates[1])
 
 
-def _crossing(step: Step, cubic: Array) -> float:
+def _crossing(cubic: Array) -> float:
     """The first zero of a cubic in 0 ... 1, or its lowest magnitude there."""
-    roots = np.roots(cubic[::-1]) if abs(cubic[1:]).max() > 0 else np.array([0.5])
-    inside = [r.real for r in roots if abs(r.imag) < 1e-6 and -1e-9 <= r.real <= 1 + 1e-9]
-    return float(min(inside, default=0.5))
+    return min(_zeros(cubic), default=0.5)
 
 
 def _located(stratum: Stratum, step: Step, guess: Guess, tally: Tally) -> Event:

@@ -90,7 +90,17 @@ class Cells:
         return around[back - 1]
 
     def _area(self, walk: list[Side]) -> float:
-        return sum((1 - 2 * way) * self.division.pieces[n].arc.area for n, way in walk)
+        """By Green's formula along the pieces and straight over the gaps in nodes."""
+        along = sum((1 - 2 * way) * self.division.pieces[n].arc.area for n, way in walk)
+        ends = [self._ends(side) for side in walk]
+        gaps = [(last, first) for (_, last), (first, _) in zip(ends, ends[1:] + ends[:1], strict=True)]
+        return along + sum(0.5 * float(p[0] * q[1] - p[1] * q[0]) for p, q in gaps)
+
+    def _ends(self, side: Side) -> tuple[Array, Array]:
+        """The first and last point of a piece, run through in a direction."""
+        arc = self.division.pieces[side[0]].arc
+        first, last = arc.point(0.0), arc.point(arc.end)
+        return (last, first) if side[1] else (first, last)
 
     def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
         """An island belongs to the smallest cell around it."""

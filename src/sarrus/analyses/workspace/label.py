@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...algebra import Array
+from .arrangement import TOUCH
 from .crossing import Crossing
 from .explore import Branch
 from .faces import Cells
 from .problem import Problem
 from .reach import reach
 
+SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross cannot be told from one
 TRIES = 12  # of inverse kinematics for a cell of which nothing is known
 
 
@@ -30,7 +32,9 @@ def labels(
     which no curve tells anything are decided by admissible positions `met` (k, n), then by inverse kinematics.
     """
     found = np.zeros(len(cells.cells), dtype=bool)
-    for k in range(len(cells.division.pieces)):
+    for k, piece in enumerate(cells.division.pieces):
+        if piece.arc.length < SHORT:
+            continue
         for way, can in enumerate(_sides(k, branches, crossings, cells)):
             found[cells.of[k, way]] |= can
     if len(met):

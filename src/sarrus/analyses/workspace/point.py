@@ -21,7 +21,7 @@ class Point:
     tangent : of the curve, by its arc length s
     u, u_s, u_ss : outputs (k,) with derivatives by s, free of units
     c : normal to the outputs' curve
-    margins, margins_s : of the limits (count, 2) and their derivatives by s
+    margins, margins_s, margins_ss : of the limits (count, 2) and their derivatives by s
     """
 
     x: Array
@@ -31,6 +31,7 @@ class Point:
     u_ss: Array
     margins: Array
     margins_s: Array
+    margins_ss: Array
     c: Array
 
     @property
@@ -54,16 +55,17 @@ def point_with(stratum: Stratum, x: Array, linear: Linear, found: Tangent, tally
     p, n = stratum.problem, stratum.n
     outputs, limited = p.m + p.outputs, p.m + p.limited
     U, alpha = linear.J[outputs], found.t[:n]
-    bend = U @ found.turn[:n] + p.second_along(x[:n], alpha)[outputs]
-    rate = (linear.J[limited] @ alpha)[:, None] * np.array([1.0, -1.0])
+    bends = linear.J @ found.turn[:n] + p.second_along(x[:n], alpha)
+    inward = np.array([1.0, -1.0])
     tally.points += 1
     return Point(
         x,
         found,
         linear.values[outputs],
         U @ alpha,
-        bend,
+        bends[outputs],
         p.margins(linear.values),
-        rate,
+        (linear.J[limited] @ alpha)[:, None] * inward,
+        bends[limited][:, None] * inward,
         x[n + stratum.count :],
     )

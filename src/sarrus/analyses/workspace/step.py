@@ -34,8 +34,32 @@ class Step:
 
     def quintic(self) -> Array:
         """Coefficients (6, 2) of the outputs as a polynomial in tau = 0 ... 1."""
-        h, (first, second) = self.length, self._by_parameter(self.b.u_s, self.b.u_ss)
-        ends = (self.a.u, h * self.a.u_s, h * h * self.a.u_ss, self.b.u, h * first, h * h * second)
+        a, b = self.a, self.b
+        return self._between((a.u, a.u_s, a.u_ss), (b.u, b.u_s, b.u_ss))
+
+    def doubt(self) -> float:
+        """How far the outputs' quintic is from a cubic in the middle: much where the bend changes quickly."""
+        low = self.cubic(self.a.u, self.a.u_s, self.b.u, self.b.u_s)
+        return float(np.linalg.norm(0.5 ** np.arange(6) @ self.quintic() - 0.5 ** np.arange(4) @ low))
+
+    def margins(self) -> Array:
+        """Coefficients (6, count, 2) of the limits' margins."""
+        a, b = self.a, self.b
+        return self._between((a.margins, a.margins_s, a.margins_ss), (b.margins, b.margins_s, b.margins_ss))
+
+    def unknowns(self) -> Array:
+        """Coefficients (6, size) of all unknowns."""
+        a, b = self.a, self.b
+        return self._between((a.x, a.t, a.tangent.turn), (b.x, b.t, b.tangent.turn))
+
+    def x(self, tau: float) -> Array:
+        """The unknowns in between, nearly."""
+        return np.asarray(tau ** np.arange(6) @ self.unknowns())
+
+    def _between(self, a: tuple[Array, Array, Array], b: tuple[Array, Array, Array]) -> Array:
+        """The quintic through a function's values with their two derivatives by arc length."""
+        h, (first, second) = self.length, self._by_parameter(b[1], b[2])
+        ends = (a[0], h * a[1], h * h * a[2], b[0], h * first, h * h * second)
         return quintic(*self._without_unknown(*ends))
 
     def _without_unknown(
@@ -50,14 +74,6 @@ class Step:
         elif not self.b.tangent.bends:
             g2 = 6 * f1 + 6 * g1 + f2 - 12 * d
         return f, f1, f2, g, g1, g2
-
-    def x(self, tau: float) -> Array:
-        """The unknowns in between, nearly."""
-        h, (first, second) = self.length, self._by_parameter(self.b.t, self.b.tangent.turn)
-        a, b = self.a, self.b
-        ends = (a.x, h * a.t, h * h * a.tangent.turn, b.x, h * first, h * h * second)
-        found = quintic(*self._without_unknown(*ends))
-        return np.asarray(tau ** np.arange(6) @ found)
 
     def cubic(self, f_a: Array, f_a_s: Array, f_b: Array, f_b_s: Array) -> Array:
         """Coefficients (4, ...) of a function whose values and derivatives by arc length are known."""

@@ -19,6 +19,7 @@ SHORTEST = 1e-7
 LONGEST = 0.35  # free of units, in x
 CROSSING = 0.03  # of a step that ends where curves cross
 OFF = 2e-3  # how far Newton's method may move the predicted point, for a step of 1
+DOUBT = 1e-5  # of the outputs in the middle of a step, free of units: areas are then right to some 1e-8
 TURN = 2 * np.pi
 
 
@@ -94,6 +95,8 @@ class Trace:
         b = self._near(a, point_at(stratum, x, linear, a.t, self.tally), h)
         if float(a.t @ b.t) < np.cos(1.6 * ANGLE):
             raise NoPoint("the curve turns too much")
+        if Step(a, b).doubt() > DOUBT:
+            raise NoPoint("the curve bends too quickly")
         self._take(a, b)
         grow = min(2.0, max(0.5, (OFF / max(off, 1e-12)) ** (1 / 3)))
         self._h = min(self._wanted(b), grow * h)

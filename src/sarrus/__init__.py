@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from .analyses import singularities as singularities
     from .analyses import state_derivatives as state_derivatives
     from .analyses import verify_workspace as verify_workspace
+    from .analyses import volume_gradient as volume_gradient
     from .analyses.sensitivity import sensitivity as sensitivity
     from .analyses.sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .analyses.workspace import workspace as workspace
@@ -182,7 +183,7 @@ _HOMES = {
         "input_singularities inverse_dynamics "
         "kinematics linearize mobility modes optimize repeat resume sensitivity sensitivity_by_checkpoints "
         "simulate singularities "
-        "state_derivatives verify_workspace workspace workspace_field workspace_range "
+        "state_derivatives verify_workspace volume_gradient workspace workspace_field workspace_range "
         "workspace_volume"
     ),
     "io": "Robot load_any load_mjcf load_urdf",

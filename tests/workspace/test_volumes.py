@@ -11,9 +11,9 @@ import pytest
 
 import sarrus as sr
 
-from .mechanisms import Case, elbow_arm, gough, orthogonal_arm, translated
+from .mechanisms import Case, about, elbow_arm, gough, orthogonal_arm, tilted, translated
 
-GOUGH = 0.1449207748148  # spheres cut by planes to arcs, these by Gauss-Kronrod quadrature between critical heights
+GOUGH = 0.1449207748152  # spheres cut by planes to arcs, these by Gauss-Kronrod quadrature between critical heights
 
 
 def shell() -> Case:
@@ -28,7 +28,7 @@ def tip_of(case: tuple[sr.System, sr.Point]) -> Case:
 @pytest.fixture(scope="module")
 def ball() -> sr.WorkspaceVolume:
     system, output, limits = shell()
-    return sr.workspace_volume(system, output, limits=limits, rtol=1e-4)
+    return sr.workspace_volume(system, output, limits=limits, rtol=1e-4, derivatives=True)
 
 
 def test_volume_of_a_shell(ball: sr.WorkspaceVolume) -> None:
@@ -119,10 +119,12 @@ def test_misuse(output: tuple[str, ...], options: dict[str, float], told: str) -
     ("case", "between", "exact"),
     [
         (gough(), (0, 2), GOUGH),
+        (gough(tilted()), (0, 2), 0.0413666269387125),
+        (gough(about(2, 30)), (0, 2), 0.0087290447061201),
         (elbow_arm(), None, 1.1964247358662679),
         (tip_of(orthogonal_arm()), None, 350.751924309),
     ],
-    ids=["gough", "elbow arm", "orthogonal arm"],
+    ids=["gough", "tilted gough", "turned gough", "elbow arm", "orthogonal arm"],
 )
 def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, exact: float) -> None:
     """Known from spheres and from Pappus' theorem."""
@@ -132,3 +134,74 @@ def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, 
     assert found.volume == pytest.approx(exact, rel=1e-6)
     assert abs(found.volume - exact) < found.volume_error + 1e-7 * exact
     assert open_edges(found) == 0
+
+
+def test_derivatives_of_a_shell(ball: sr.WorkspaceVolume) -> None:
+    """By its radii; it is moved by its middle as a whole."""
+    by = sr.volume_gradient(ball, ["leg 1 highest", "leg 1 lowest", "leg 1[length].s_i.x", "tool.z[z].s_j.z"])
+    assert by.value == ball.volume
+    for name, exact in (("leg 1 highest", 4 * np.pi), ("leg 1 lowest", -4 * np.pi / 4)):
+        assert by[name] == pytest.approx(exact, rel=1e-7)
+        assert abs(by[name] - exact) < by.error[name]
+    assert [by["leg 1[length].s_i.x"], by["tool.z[z].s_j.z"]] == pytest.approx([0, 0], abs=1e-6)
+
+
+def test_derivatives_of_a_shell_between_levels() -> None:
+    """A limit of the height itself makes level parts of the boundary; they move with that limit alone."""
+    system, output, limits = shell()
+    levels = {**limits, output[2]: (-0.2, 0.6)}
+    found = sr.workspace_volume(system, output, limits=levels, rtol=1e-4, samples=40, derivatives=True)
+    names = [*(f"{of} {end}" for of in ("leg 1", "tool.z") for end in ("lowest", "highest"))]
+    by = sr.volume_gradient(found, [*names, "leg 1[length].s_i.z", "tool.z[z].s_j.z"])
+    radii, ends = [-2 * np.pi * 0.5 * 0.7, 2 * np.pi * 0.8], [-np.pi * 0.75, np.pi * 0.64]
+    assert list(by.by.values()) == pytest.approx([*radii, *ends, 0.11 * np.pi, 0.11 * np.pi], rel=3e-6)
+
+
+def test_derivatives_have_to_be_asked_for(ball: sr.WorkspaceVolume) -> None:
+    with pytest.raises(sr.SarrusError, match="derivatives=True"):
+        sr.volume_gradient(replace(ball, rates=None), ["leg 1 highest"])
+    with pytest.raises(sr.SarrusError, match="leg 1 highest"):
+        sr.volume_gradient(ball, ["leg 1 high"])
+
+
+@pytest.mark.slow
+def test_derivatives_of_an_elbow_arm() -> None:
+    """By Pappus' theorem, over two angles; lengths times derivatives make three times the volume."""
+    system, output, limits = elbow_arm()
+    found = sr.workspace_volume(system, output, limits=limits, rtol=1e-6, derivatives=True)
+    lengths = {
+        "q2[point].s_i.x": 0.1,
+        "q3[point].s_i.x": 0.45,
+        **{f"link_3.{a}[{a}].s_j.x": 0.4 for a in "xyz"},
+    }
+    angles = [
+        "q1.angle highest",
+        "q2.angle lowest",
+        "q2.angle highest",
+        "q3.angle lowest",
+        "q3.angle highest",
+    ]
+    by = sr.volume_gradient(found, [*lengths, *angles])
+    by_angles = [0.21421902486, -1.09003697221, 0.65672633543, -0.53298458109, 0.12965813407]
+    assert [by[name] for name in angles] == pytest.approx(by_angles, abs=1e-5)
+    assert sum(length * by[name] for name, length in lengths.items()) == pytest.approx(
+        3 * found.volume, rel=1e-6
+    )
+
+
+@pytest.mark.slow
+def test_derivatives_of_a_gough_platform() -> None:
+    """Beside differences of volumes that were made of circles' arcs and Gauss' rule between critical heights."""
+    system, output, limits = gough()
+    found = sr.workspace_volume(system, output, limits=limits, between=(0, 2), rtol=1e-5, derivatives=True)
+    names = [
+        "leg 1 lowest",
+        "leg 1 highest",
+        "leg 1[length].s_i.x",
+        "leg 2[length].s_i.x",
+        "leg 1[length].s_i.z",
+    ]
+    by = sr.volume_gradient(found, names)
+    exact = [-0.130951736143, 0.162502976184, -0.050131182441, 0.051500804807, 0.0]
+    assert [by[name] for name in names] == pytest.approx(exact, abs=3e-8)
+    assert all(abs(by[name] - wanted) < by.error[name] for name, wanted in zip(names, exact, strict=True))

@@ -41,6 +41,7 @@ from .workspace import (
 from .workspace import area_gradient as area_gradient
 from .workspace import distance_gradient as distance_gradient
 from .workspace import end_gradient as end_gradient
+from .workspace import volume_gradient as volume_gradient
 
 __all__ = [
     "HHT",
@@ -90,6 +91,7 @@ __all__ = [
     "singularities",
     "state_derivatives",
     "verify_workspace",
+    "volume_gradient",
     "workspace",
     "workspace_field",
     "workspace_range",

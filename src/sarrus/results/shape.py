@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class ShapeDerivative:
-    """Derivatives of one number of a workspace, its area or an end of a range.
+    """Derivatives of one number of a workspace, its area, its volume or an end of a range.
 
     Attributes
     ----------
-    of : what is differentiated, "area" or "highest link.x"
+    of : what is differentiated, "area", "volume" or "link.x"
     value : of it
     by : derivatives by the names that were asked for
-    kinked : length of the boundary that several curves make at once, by different causes: there the derivatives are
-        those of one of them
+    kinked : length (area) of the boundary that several curves make at once, by different causes: there the derivatives
+        are those of one of them
+    error : how wrong they may be, where an integration tells
     """
 
     of: str
     value: float
     by: Mapping[str, float]
     kinked: float = 0.0
+    error: Mapping[str, float] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> float:
         return self.by[name]

@@ -58,6 +58,8 @@ class Slice:
     barriers : (k, 2) lines inside that motion can meet from one side only
     success : whether nothing was lost
     starts : points of its curves, from which its neighbours begin
+    rates, kinked : derivatives of the area by all numbers, if they were asked for; length of the boundary where they
+        have two sides
     """
 
     height: float
@@ -67,6 +69,8 @@ class Slice:
     barriers: tuple[Array, ...] = field(repr=False)
     success: bool
     starts: tuple[Any, ...] = field(default=(), repr=False, compare=False)
+    rates: Array | None = field(default=None, repr=False, compare=False)
+    kinked: float = field(default=0.0, repr=False)
 
     @property
     def kind(self) -> tuple[tuple[bool, tuple[str, ...]], ...]:
@@ -89,6 +93,26 @@ def _distance(line: Array, p: Array) -> float:
 
 
 @dataclass(frozen=True)
+class VolumeRates:
+    """How a volume changes with all numbers of a design.
+
+    Attributes
+    ----------
+    total, missed : derivatives of the integral of the slices by all numbers, and by how much half as many slices differ
+    kinked : area of the boundary where derivatives have two sides
+    jumps : heights of level parts of the boundary, with the area that the slices lose there
+    slices, reach : the problem of the slices; the range of the third output, which tells how heights change
+    """
+
+    total: Array
+    missed: Array
+    kinked: float
+    jumps: tuple[tuple[float, float], ...]
+    slices: Any
+    reach: Any
+
+
+@dataclass(frozen=True)
 class WorkspaceVolume:
     """What three outputs can reach.
 
@@ -102,6 +126,7 @@ class WorkspaceVolume:
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : what makes the boundary, and which of them (nt,) makes each triangle
     model : the mechanism, to be drawn
+    rates : of its volume by all numbers, if they were asked for; see `sarrus.volume_gradient`
     """
 
     name: str
@@ -118,6 +143,7 @@ class WorkspaceVolume:
     status: Literal["mapped", "incomplete"]
     message: str
     model: Any = field(default=None, repr=False, compare=False)
+    rates: VolumeRates | None = field(default=None, repr=False, compare=False)
 
     @property
     def success(self) -> bool:

@@ -6,7 +6,7 @@ from .dexterity import Dexterity, dexterity
 from .extremes import workspace_range
 from .field import workspace_field
 from .mapping import WorkspaceMap
-from .shape import area_gradient, distance_gradient, end_gradient
+from .shape import area_gradient, distance_gradient, end_gradient, volume_gradient
 from .verify import verify_workspace
 from .volume import workspace_volume
 
@@ -19,6 +19,7 @@ __all__ = [
     "end_gradient",
     "input_singularities",
     "verify_workspace",
+    "volume_gradient",
     "workspace",
     "workspace_field",
     "workspace_range",

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 
 from ...algebra import Array
-from ...results.workspace_volume import Slice
+from ...results.workspace_range import WorkspaceRange
+from ...results.workspace_volume import Slice, VolumeRates
 from .slicing import Slicer
 
 NEAR = 1e-4  # of the whole range: so near to a critical height it is located
@@ -22,6 +23,7 @@ LONG = 0.25  # of the range: pieces that are longer are looked at with more slic
 SCAN = 16  # intervals of theta at which a range is looked at first
 FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
 SLOW = 0.3  # by which what is missed shrinks with twice as many slices: slower pieces are cut
+JUMP = 1e-3  # of the largest area: by so much areas jump where a part of the boundary is level
 SAFE = 3.0  # times the error that is extrapolated
 
 
@@ -55,6 +57,13 @@ def weights(count: int) -> Array:
     last = np.cos(count * angle) / (count**2 - 1)
     terms = (2 * np.cos(2 * np.outer(angle, k)) / (4 * k**2 - 1)).sum(axis=1)
     return np.asarray(0.5 * np.pi * 2 / count * (1 - terms - last))
+
+
+def open_weights(count: int) -> Array:
+    """Of Fejér's second rule at the same points: for functions that are not zero at 0 and pi."""
+    angle, odd = np.pi * np.arange(1, count) / count, np.arange(1, count, 2)
+    sums = (np.sin(np.outer(angle, odd)) / odd).sum(axis=1)
+    return np.asarray(0.5 * np.pi * 4 / count * np.sin(angle) * sums)
 
 
 class Integral:
@@ -117,6 +126,45 @@ class Integral:
         self._estimate()
         self.slicer.at(z for low, high in self.ranges for z in _inside(low, high))
 
+    def rates(self, reach: WorkspaceRange) -> VolumeRates:
+        """Derivatives of the volume by all numbers; `reach` tells how critical heights move."""
+        total, half = (np.sum([self._by_numbers(piece, n) for piece in self.pieces], axis=0) for n in (1, 2))
+        kinked = sum(
+            float(open_weights(piece.count) @ (self._of(piece, "kinked") * piece.slopes(piece.count)))
+            for piece in self.pieces
+        )
+        return VolumeRates(total, total - half, kinked, tuple(self._jumps(reach)), self.slicer.problem, reach)
+
+    def _of(self, piece: Piece, what: str) -> Array:
+        """A property of the slices of a piece."""
+        found = [getattr(one, what) for one in self.slicer.at(piece.heights(piece.count))]
+        sizes = max(np.size(one) if one is not None else 0 for one in found)
+        return np.array([np.zeros(sizes) if one is None else one for one in found])
+
+    def _by_numbers(self, piece: Piece, every: int) -> Array:
+        """The integral of a piece's rates, with every slice or every other one."""
+        count = piece.count // every
+        rates = self._of(piece, "rates")[every - 1 :: every]
+        return np.asarray((open_weights(count) * piece.slopes(count)) @ rates)
+
+    def _jumps(self, reach: WorkspaceRange) -> Iterator[tuple[float, float]]:
+        """Critical heights at which the area jumps, with the area below less that above."""
+        largest = max((one.area for one in self.slicer.known.values()), default=0.0)
+        lost: dict[float, float] = {}
+        for piece in self.pieces:
+            below, above = self._end_areas(piece)
+            lost[piece.low] = lost.get(piece.low, 0.0) - below
+            lost[piece.high] = lost.get(piece.high, 0.0) + above
+        for z, area in lost.items():
+            nearest = min((one.value for one in reach.critical), key=lambda value: abs(value - z))
+            if abs(area) > JUMP * largest and abs(nearest - z) <= 2 * self._near:
+                yield nearest, area
+
+    def _end_areas(self, piece: Piece) -> tuple[float, float]:
+        """Areas at the lower and upper end of a piece, by the polynomial in theta through its slices."""
+        areas = BarycentricInterpolator(np.array(thetas(piece.count)), self._of(piece, "area"))
+        return float(areas(0.0)), float(areas(np.pi))
+
     def groups(self) -> list[list[list[Slice]]]:
         """For every range, for every piece between critical heights, its slices by rising height."""
         cuts = sorted(self.critical)
@@ -146,8 +194,14 @@ class Integral:
         return np.asarray(areas * piece.slopes(count))
 
     def _of_slices(self, piece: Piece) -> float:
-        errors = [one.area_error for one in self.slicer.at(piece.heights(piece.count))]
+        errors = [self._doubt(one) for one in self.slicer.at(piece.heights(piece.count))]
         return float(weights(piece.count) @ (errors * piece.slopes(piece.count)))
+
+    def _doubt(self, one: Slice) -> float:
+        """The error of a slice; one that is not complete may be as wrong as it differs from its neighbours."""
+        if one.success:
+            return one.area_error
+        return max((abs(one.area - other.area) for other in self.slicer.around(one.height)), default=np.inf)
 
     def _missed(self, piece: Piece, count: int) -> Array:
         """How far interpolation of half as many slices misses the others, as parts of the integral."""
@@ -192,24 +246,30 @@ class Integral:
 
     def _cut_where_kinds_change(self, pieces: Iterable[Piece]) -> list[Piece]:
         """New pieces, where the slices of a piece are of different kinds."""
-        near = self._near
-        brackets = [
-            pair
-            for piece in pieces
-            for pair in self._changes(self._between(piece.low + near, piece.high - near))
-            if piece.high - piece.low > SHORT * near
-        ]
-        found = self._located(brackets)
+        long = [piece for piece in pieces if piece.high - piece.low > SHORT * self._near]
+        found: set[float] = set()
+        while brackets := [pair for piece in long for pair in self._unexplained(piece, found)]:
+            if not self.slicer.agree(brackets):
+                found |= set(self._located(brackets))
         self.critical = sorted({*self.critical, *found})
         new: list[Piece] = []
         for piece in list(self.pieces):
-            inner = [z for z in found if piece.low < z < piece.high]
+            inner = sorted(z for z in found if piece.low < z < piece.high)
             if inner:
                 new += self._replace(piece, [piece.low, *inner, piece.high], FIRST)
         return new
 
+    def _unexplained(self, piece: Piece, found: Iterable[float]) -> list[tuple[float, float]]:
+        """Neighbouring slices of different kinds without a critical height at them."""
+        near = 2 * AROUND * self._near
+        changes = self._changes(self._between(piece.low + self._near, piece.high - self._near))
+        return [(a, b) for a, b in changes if not any(a - near < z < b + near for z in found)]
+
     def _changes(self, slices: Sequence[Slice]) -> list[tuple[float, float]]:
         return [(a.height, b.height) for a, b in pairwise(slices) if a.kind != b.kind]
+
+    def _differ(self, low: float, high: float) -> bool:
+        return self.slicer.known[low].kind != self.slicer.known[high].kind
 
     def _located(self, brackets: list[tuple[float, float]]) -> list[float]:
         """Where slices change their kind, by bisection; expected heights are tried first."""
@@ -217,7 +277,9 @@ class Integral:
         found: list[float] = []
         while brackets:
             wide = [pair for pair in brackets if pair[1] - pair[0] > 2.5 * near and self._spare() > 0]
-            found += [self._place(*pair) for pair in brackets if pair not in wide]
+            narrow = [pair for pair in brackets if pair not in wide]
+            self.slicer.agree(narrow)
+            found += [self._place(*pair) for pair in narrow if self._differ(*pair)]
             probes = {pair: self._probes(*pair, near) for pair in wide}
             self.slicer.at(z for some in probes.values() for z in some)
             brackets = [

@@ -21,6 +21,7 @@ from ...model.show import suggest
 from ...results.shape import ShapeDerivative
 from ...results.workspace import Workspace
 from ...results.workspace_range import WorkspaceRange
+from ...results.workspace_volume import WorkspaceVolume
 from ..sensitivity.chain import Gradients
 from ..sensitivity.parameters import Parameters, UnknownParameter
 from .explore import Branch
@@ -55,9 +56,16 @@ def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
     SarrusError
         If there is no such number.
     """
-    map_, names = found.map, list(wrt)
-    problem, region = map_.problem, map_.region()
+    names, problem = list(wrt), found.map.problem
     numbers = _Numbers(problem, names)
+    total, kinked = area_rates(problem, found.map.region())
+    rates = numbers.derivatives(total)
+    return ShapeDerivative("area", found.area, dict(zip(names, rates, strict=True)), kinked)
+
+
+def area_rates(problem: Problem, region: Region) -> tuple[Array, float]:
+    """Derivatives of an area by all numbers of a problem, and the length of the boundary where it has kinks."""
+    numbers = _Numbers(problem, ())
     total, kinked = numbers.nothing(), 0.0
     for k in np.flatnonzero(region.bounds).tolist():
         piece = region.division.pieces[k]
@@ -65,8 +73,47 @@ def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
         total += _along(region, owner, numbers)
         kinked += piece.arc.length * (len({region.branches[n].stratum.key for n, *_ in piece.owners}) > 1)
     units = problem.units[problem.outputs]
-    rates = numbers.derivatives(total) * float(units.prod())
-    return ShapeDerivative("area", found.area, dict(zip(names, rates, strict=True)), kinked * float(units[0]))
+    return total * float(units.prod()), kinked * float(units[0])
+
+
+def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str]) -> ShapeDerivative:
+    """The exact derivative of a volume, of which `workspace_volume` was asked with ``derivatives=True``.
+
+    It is the integral of the derivatives of the slices' areas; where areas jump, at level parts of the boundary, their
+    heights move, too.
+
+    Parameters
+    ----------
+    found : WorkspaceVolume
+    wrt : see `area_gradient`
+
+    Returns
+    -------
+    ShapeDerivative
+        `error` tells by how much half as many slices differ; `kinked` is the area of parts of the boundary that two
+        causes make at once.
+
+    Raises
+    ------
+    SarrusError
+        If there is no such number, or the volume was mapped without derivatives.
+    """
+    names, rates = list(wrt), found.rates
+    if rates is None:
+        told = "map it by workspace_volume(..., derivatives=True)"
+        raise SarrusError(f"{found.name}: this volume was mapped without derivatives; {told}")
+    of_slices, of_heights = rates.slices, rates.reach.search.problem
+    known = [set(_Numbers(problem, ()).own) for problem in (of_slices, of_heights)]
+    mine, theirs = [
+        [name for name in names if name in own or name not in other] for own, other in (known, known[::-1])
+    ]
+    numbers = _Numbers(of_slices, mine)
+    by = dict.fromkeys(names, 0.0) | dict(zip(mine, numbers.derivatives(rates.total), strict=True))
+    error = dict.fromkeys(names, 0.0) | dict(zip(mine, abs(numbers.derivatives(rates.missed)), strict=True))
+    for height, jump in rates.jumps:
+        for name, rate in end_gradient(rates.reach, height, theirs).by.items():
+            by[name] += jump * rate
+    return ShapeDerivative("volume", found.volume, by, rates.kinked, error)
 
 
 def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> ShapeDerivative:
@@ -191,14 +238,18 @@ def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers)
 
 
 class _Numbers:
-    """Gradients of the boundary's motion by all numbers: of elements, of functions, of limits; free of units."""
+    """Gradients of the boundary's motion by all numbers: of elements, of functions, of limits; free of units.
+
+    `own` are the names of those of functions and of limits.
+    """
 
     def __init__(self, problem: Problem, names: Sequence[str]) -> None:
         self.problem, system = problem, problem.system
         self.sizes = (system.nb, len(problem.functions.axis_names(Axis.NUMBERS)), 2 * len(problem.limited))
         limits = [f"{problem.table[k].name} {end}" for k in problem.limited for end in ("lowest", "highest")]
         own = problem.functions.axis_names(Axis.NUMBERS)
-        self._places = {name: self.sizes[0] + n for n, name in enumerate([*own, *limits])}
+        self.own = [*own, *limits]
+        self._places = {name: self.sizes[0] + n for n, name in enumerate(self.own)}
         self._names = list(names)
         others = [name for name in names if name not in self._places]
         try:

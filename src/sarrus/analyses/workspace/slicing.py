@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ from .problem import Problem
 from .region import Cause, Region
 from .seeds import Start, onto
 from .settle import allowed, constrained, settle
+from .shape import area_rates
 from .stratum import Active, Stratum
 from .vertex import balanced
 
@@ -52,6 +54,7 @@ class Asked(NamedTuple):
     longest: float
     middle: float
     span: float
+    derivatives: bool
 
 
 class Slicer:
@@ -63,6 +66,7 @@ class Slicer:
     Attributes
     ----------
     known : by height
+    problem : of a slice
 
     Parameters
     ----------
@@ -77,23 +81,34 @@ class Slicer:
         executor: Executor | None,
     ) -> None:
         self._asked, self._positions, self._executor = asked, positions, executor
-        self._problem = _formulated(system, asked) if executor is None else None
+        self.problem = _formulated(system, asked)
         self.known: dict[float, Slice] = {}
+        self._made_from: dict[float, set[float]] = {}
 
     def at(self, heights: Iterable[float]) -> list[Slice]:
-        """Slices at some heights, in their order."""
+        """Slices at some heights, in their order; between those that are known the middle ones are made first."""
         wanted = list(heights)
-        new = [height for height in dict.fromkeys(wanted) if height not in self.known]
-        if new and not self.known:
-            self._map([new.pop(len(new) // 2)])
-        self._map(new)
+        new = sorted({height for height in wanted if height not in self.known})
+        while missing := [height for height in new if height not in self.known]:
+            self._map(_middles(missing, sorted(self.known)))
+        self._map([height for height in new if not self.known[height].success])
         return [self.known[height] for height in wanted]
 
+    def agree(self, pairs: Iterable[tuple[float, float]]) -> bool:
+        """Make slices of pairs again that did not begin from each other's curves; whether there are any."""
+        both = [each for pair in pairs for each in (pair, pair[::-1])]
+        doubtful = sorted({height for height, other in both if other not in self._made_from[height]})
+        self._map(doubtful)
+        return bool(doubtful)
+
     def _map(self, heights: Sequence[float]) -> None:
+        """Make slices, or make them again, from those around them that are known and complete."""
+        for height in heights:
+            near = {one.height for one in self._good_around(height)}
+            self._made_from[height] = self._made_from.get(height, set()) | near
         tasks = [Task(height, self._near(height), self._met(height)) for height in heights]
-        if self._executor is None or self._problem is not None:
-            assert self._problem is not None
-            found = _sliced(self._problem, self._asked, tasks)
+        if self._executor is None:
+            found = _sliced(self.problem, self._asked, tasks)
         else:
             parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
             found = [
@@ -103,17 +118,33 @@ class Slicer:
 
     def around(self, height: float) -> list[Slice]:
         """The nearest known slices on both sides."""
-        below = max((h for h in self.known if h < height), default=None)
-        above = min((h for h in self.known if h > height), default=None)
+        return self._nearest(height, list(self.known))
+
+    def _good_around(self, height: float) -> list[Slice]:
+        return self._nearest(height, [h for h, one in self.known.items() if one.success])
+
+    def _nearest(self, height: float, heights: Sequence[float]) -> list[Slice]:
+        below = max((h for h in heights if h < height), default=None)
+        above = min((h for h in heights if h > height), default=None)
         return [self.known[h] for h in (below, above) if h is not None]
 
     def _near(self, height: float) -> Starts:
-        return tuple(start for one in self.around(height) for start in one.starts)
+        """Points of the curves of slices around, and of this one, if it is made again."""
+        own = [self.known[height]] if height in self.known else []
+        return tuple(start for one in [*self._good_around(height), *own] for start in one.starts)
 
     def _met(self, height: float) -> tuple[Array, ...]:
         """Random positions that are nearest by their heights."""
         order = sorted(self._positions, key=lambda one: abs(one[0] - height))
         return tuple(q for _, q in order[:NEAREST])
+
+
+def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
+    """Of the sorted heights that are missing between each two known ones, that in the middle."""
+    groups: dict[int, list[float]] = {}
+    for height in missing:
+        groups.setdefault(bisect(known, height), []).append(height)
+    return [group[len(group) // 2] for group in groups.values()]
 
 
 def _work(asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
@@ -139,7 +170,7 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
         found = _mapped(here, asked.seed + n, asked.longest * share, task)
         if found.branches and found.is_closed:
             break
-    return _as_slice(task.height, found, abs(moved))
+    return _as_slice(task.height, found, abs(moved), asked.derivatives)
 
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
@@ -194,16 +225,17 @@ def _corner(problem: Problem, key: Active, q: Array) -> Start | None:
     return Start(one.key, balanced(one, moved))
 
 
-def _as_slice(height: float, map_: WorkspaceMap, moved: float) -> Slice:
+def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool) -> Slice:
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
+    rates, kinked = area_rates(map_.problem, map_.region()) if derivatives else (None, 0.0)
     found, region = map_.result(), map_.region()
     starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
     barriers = tuple(curve.u for curve in found.of_kind("barrier") if not curve.again)
     loops = tuple(_loops(region))
     error = found.area_error + moved * found.perimeter
-    return Slice(height, found.area, error, loops, barriers, map_.is_closed, tuple(starts))
+    return Slice(height, found.area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)
 
 
 def _loops(region: Region) -> Iterator[Loop]:

@@ -74,7 +74,8 @@ class Stratum:
         """The multipliers of x in their places in the table."""
         _, lam, c = self.parts(x)
         found = np.zeros(self.problem.rows)
-        found[self.pushing], found[self.normal] = lam, c
+        found[self.pushing] = lam
+        found[self.normal] += c  # an output may be limited, too
         return found
 
     def multiplier(self, limit: tuple[int, int]) -> int:

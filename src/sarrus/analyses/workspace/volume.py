@@ -39,6 +39,7 @@ def workspace_volume(
     executor: Executor | None = None,
     seed: int = 0,
     longest: float = LONGEST,
+    derivatives: bool = False,
 ) -> WorkspaceVolume:
     """Map what three outputs can reach, by slices at values of the third.
 
@@ -56,6 +57,7 @@ def workspace_volume(
     most : slices; no more are made, and the error that is left is told
     samples : random admissible positions, which must lie inside
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
+    derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
 
     Returns
     -------
@@ -75,9 +77,10 @@ def workspace_volume(
     ranges = tuple(_cut(reach.intervals, between))
     middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
     span = max((high - low for low, high in ranges), default=1.0)
-    asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span)
+    asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
     positions = list(_positions(system, asked, samples))
-    slicer = Slicer(system, asked, [(z, q) for _, z, q in positions], executor)
+    standing = [(one.value, one.q / reach.search.problem.scale) for one in reach.critical]
+    slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
     expected = sorted({one.value for one in reach.critical})
     integral = Integral(slicer, ranges, expected, rtol, most)
     integral.run()
@@ -101,6 +104,7 @@ def workspace_volume(
         status,
         told,
         system.model,
+        integral.rates(reach) if derivatives and found else None,
     )
 
 

@@ -14,14 +14,13 @@ import argparse
 import json
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import sarrus as sr
+from sensitivity import best
 
 FOLDER = Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER.parent))
@@ -29,16 +28,6 @@ ENERGY = sr.Integral("energy.kinetic")
 UNTIL = 10.0  # [s]
 METHODS = {"HHT": (sr.HHT(), (1e-4, 1e-6, 1e-8)), "Radau": (sr.Radau(), (1e-4, 1e-6, 1e-8, 1e-10))}
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # [-] of a number, for its difference
-
-
-def shortest(function: Callable[[], Any], repeats: int) -> float:
-    """The shortest of some processor times [s], after a first call."""
-    times = []
-    for _ in range(repeats + 1):
-        began = time.process_time()
-        function()
-        times.append(time.process_time() - began)
-    return min(times[1:])
 
 
 class Subject:
@@ -82,22 +71,22 @@ def rows(subject: Subject, method: str, tolerance: float, repeats: int) -> list[
     settings = {"method": METHODS[method][0], "rtol": tolerance, "atol": tolerance}
     found = subject.gradient(**settings)
     common = {"rtol": tolerance, "value_error": float(abs(found.values[0] - subject.value))}
-    run = shortest(lambda: subject.run(**settings), repeats)
+    run = best(lambda: subject.run(**settings), repeats)
     tried = STEPS if repeats > 1 else STEPS[1:3]
     differences = {step: subject.error(subject.differenced(step, settings)) for step in tried}
-    best = min(differences, key=lambda step: differences[step])
+    nearest = min(differences, key=lambda step: differences[step])
     return [
         {
             **common,
             "way": f"Sarrus, {method}, backwards",
             "gradient_error": subject.error(found.matrix[0]),
             "run_s": run,
-            "run_and_gradient_s": shortest(lambda: subject.gradient(**settings), repeats),
+            "run_and_gradient_s": best(lambda: subject.gradient(**settings), repeats),
         },
         {
             **common,
-            "way": f"Sarrus, {method}, central differences, step {best:g}",
-            "gradient_error": differences[best],
+            "way": f"Sarrus, {method}, central differences, step {nearest:g}",
+            "gradient_error": differences[nearest],
             "run_s": run,
             "run_and_gradient_s": run * (1 + 2 * len(subject.design)),
         },

@@ -1,0 +1,76 @@
+"""Integrals, peaks and maxima over the long steps of Radau, also where events cut them: closed forms, both sweeps."""
+
+import numpy as np
+import pytest
+from tests.sensitivity.test_events import BALL, BOUNCE, SIGN, STOP, ball, hung, pendulum
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.fine import FineIntegral
+
+STRETCH = sr.Integral(lambda o: o("ball.z") ** 2 + o.t * o("ball.velocity.z"), name="stretch")
+
+
+def flown(z: complex, v: complex, g: complex, begun: complex, t: complex) -> complex:
+    """∫ (z² + t ż) dt of a flight from `begun` for a time t."""
+    heights = z**2 * t + z * v * t**2 + (v**2 - g * z) * t**3 / 3 - g * v * t**4 / 4 + g**2 * t**5 / 20
+    return heights + begun * (v * t - g * t**2 / 2) + v * t**2 / 2 - g * t**3 / 3
+
+
+def bounced(h: complex, e: complex, g: complex, v0: complex) -> complex:
+    """The same of the ball with three impacts in 2 s."""
+    z, v, t, total = h, v0, 0.0, 0.0
+    for _ in range(3):
+        down = np.sqrt(v**2 + 2 * g * z)
+        flight = (v + down) / g
+        total, t = total + flown(z, v, g, t, flight), t + flight
+        z, v = 0.0, e * down
+    return total + flown(z, v, g, t, 2.0 - t)
+
+
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+def test_an_integral_with_impacts_is_exact_where_the_motion_is_a_polynomial(method: str) -> None:
+    """Of its derivative, too, in which events move the times of all nodes."""
+    numbers = {"h": 1.0, "e": 0.8, "g": 9.81, "v0": 0.5}
+    run = sr.simulate(ball(), until=2.0, events=BOUNCE, keep_steps=True, method=sr.Radau())
+    assert len(run.events) == 3
+    found = sr.sensitivity(run, STRETCH, list(BALL.values()), method=method)
+    assert found.values[0] == pytest.approx(bounced(**numbers), rel=1e-12)
+    for name in numbers:
+        moved = numbers | {name: numbers[name] + 1e-30j}
+        wanted = SIGN.get(name, 1.0) * bounced(**moved).imag / 1e-30
+        assert found[BALL[name]] == pytest.approx(wanted, rel=1e-9), name
+
+
+def test_responses_over_a_motion_with_a_stop() -> None:
+    """They have as many digits as the motion, which a finer run tells."""
+    responses = [
+        sr.Integral(lambda o: o("bob.y") ** 2, name="integral"),
+        sr.Peak("bob.x", sharpness=20.0),
+        sr.Maximum("bob.velocity.x"),
+    ]
+    names, found = ["L", "g", "theta0"], []
+    design = {"L": 1.0, "g": 9.81, "theta0": np.pi / 2}
+    for tolerance in (1e-6, 1e-8, 1e-11):
+        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "keep_steps": True}
+        run = sr.simulate(pendulum(), until=2.0, events=STOP, **settings)
+        found.append(sr.sensitivity(run, responses, names, design=design, formula=hung))
+        direct = sr.sensitivity(run, responses, names, design=design, formula=hung, method="direct")
+        assert direct.matrix == pytest.approx(found[-1].matrix, rel=1e-8)
+    errors = [abs(one.matrix - found[-1].matrix).max(axis=1) for one in found[:2]]
+    assert np.all(errors[0][:2] > 8 * errors[1][:2]), errors
+    assert errors[1][:2].max() < 1e-6, errors
+    assert errors[1][2] < 1e-3, errors  # the parabola's
+
+
+def test_names_and_numbers_of_samples() -> None:
+    run = sr.simulate(slider_crank(), until=0.2, keep_steps=True, method=sr.Radau())
+    found = sr.sensitivity(run, [sr.Integral("slider.x"), sr.Maximum("slider.x")], ["spring.k"])
+    assert found.responses == ("integral of slider.x", "maximum of slider.x")
+    t = np.array([0.0, 0.1, 0.4])
+    times = FineIntegral("slider.x").times(t)
+    assert len(times) == 7
+    for power in range(6):  # exact up to degree five
+        assert FineIntegral("slider.x").value(times**power, times) == pytest.approx(
+            0.4 ** (power + 1) / (power + 1)
+        )

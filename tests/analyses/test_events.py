@@ -193,3 +193,20 @@ def test_an_event_of_a_velocity_that_its_own_reset_changes_happens_once() -> Non
     assert run.success
     assert len(run.events) == 1
     assert run.events[0].t == pytest.approx(np.sqrt(1 + 2 / 9.81) - 1, abs=1e-9)
+
+
+@pytest.mark.parametrize("direction", [0, -1])
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau(), sr.ODE("DOP853"), sr.HHT(step=1e-3)])
+def test_events_at_the_same_time_all_happen(method: object, direction: int) -> None:
+    """Three balls fall side by side; round-off decides which of them is found at the floor first."""
+    balls = [
+        sr.Body(n, mass=1, inertia=(1, 1, 1), position=(x, 0, 1))
+        for x, n in enumerate(("one", "two", "three"))
+    ]
+    floor = [sr.Event(f"{b.name}.z", direction=direction, reset=sr.Impact(0.8)) for b in balls]
+    system = sr.System(sr.Model("balls", bodies=balls, gravity=(0, 0, -9.81)))
+    run = sr.simulate(system, until=1.3, events=floor, method=method)
+    first = np.sqrt(2 / 9.81)
+    assert [event.t for event in run.events] == pytest.approx([first] * 3 + [2.6 * first] * 3)
+    assert [len({event.name for event in run.events[k : k + 3]}) for k in (0, 3)] == [3, 3]
+    assert all(run[b.name].position[:, 2].min() > -1e-9 for b in balls)

@@ -1,6 +1,7 @@
 """Every kind of event that a simulation takes: forward, backward, and differences of runs with the same steps."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from sarrus.analyses.sensitivity.responses import Response
 from sarrus.model.written import with_numbers
 
 X = slider_crank().coordinates_of("slider").start
+EXAMPLES = Path(__file__).parents[2] / "examples"
 NUMBERS = ["rod.mass", "spring.k", "pin.point.y", "ball.point.z", "crank.angular_velocity.x", "gravity.z"]
 RESPONSES = [
     sr.Final("slider.x"),
@@ -202,3 +204,28 @@ def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     for name, x in zip(found.names, found.at, strict=True):
         wanted = differenced(run, TOLD, method, 3e-4, lambda e, n=name, x=x: (driven({n: x + e}), ELBOW))
         assert np.all(abs(found[name] - wanted) < 2e-9 * scale), (name, (found[name] - wanted) / scale)
+
+
+def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
+    system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
+    hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
+    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
+    run = sr.simulate(system, until=0.6, events=hit, **settings)
+    assert len(run.events) == 1
+    assert np.any(run.steps.pieces[1].left_out)
+    told, names = (
+        [sr.Final("rod_1.x"), sr.Integral("energy.kinetic")],
+        ["rod_1.mass", "gravity.z", "hit.restitution"],
+    )
+    found, direct = (sr.sensitivity(run, told, names, method=way).matrix for way in ("adjoint", "direct"))
+    assert direct == pytest.approx(found, abs=1e-12)
+    for n, name in enumerate(names[:2]):
+        at = Parameters(system, [name]).values[0]
+        wanted = differenced(
+            run,
+            told,
+            sr.Radau(),
+            1e-3,
+            lambda e, x=at, n=name: (sr.System(with_numbers(system.model, {n: x + e})), hit),
+        )
+        assert found[:, n] == pytest.approx(wanted, abs=1e-8 * abs(found).max())

@@ -184,8 +184,8 @@ class Pieces:
 
 
 def until(steps: StepsTaken, t: float) -> StepsTaken:
-    """The steps up to the one within which, or at whose end, a time lies."""
-    count = min(int(np.searchsorted(steps.t, t)), len(steps))
+    """The steps up to the one within which, or at whose end, a time lies; one at least, for a time at the start."""
+    count = min(max(int(np.searchsorted(steps.t, t)), 1), len(steps))
     cut = {name: getattr(steps, name)[: count + at_nodes] for name, at_nodes in _lengths(steps)}
     return replace(steps, **cut)
 

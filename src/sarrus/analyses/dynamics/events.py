@@ -22,6 +22,9 @@ LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
 AHEAD = 1e-7  # s, after which its direction is seen
 JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
+MEETS = (
+    1e-4  # of what it moves until then: so near to zero when another event comes, it crosses at the same time
+)
 NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
 Function = Callable[[float, Array, Array], float]
 
@@ -130,13 +133,18 @@ class Watch:
         )
         along = event.reset.along if isinstance(event.reset, Impact) else None
         self.output: Any = Output(system, along) if along else self.function
-        self.count, self.last = 0, 0.0
+        self.count, self.last, self.at = 0, 0.0, -np.inf
 
-    def begin(self, t: float, q: Array, v: Array, crossed: bool) -> None:
-        """A start; where it has just crossed zero and has not jumped away from it, its sign is that of its change."""
+    def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
+        """A start, perhaps after an event: then a function at zero has crossed it just now, or is about to."""
         value = float(self.function(t, q, v))
-        change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if crossed else 0.0
-        self.last = change if crossed and not abs(value) > JUMPED * abs(change) else value
+        change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if event else 0.0
+        own = t - self.at <= NEAR * max(1.0, t)
+        self.last = value
+        if own and abs(value) <= JUMPED * abs(change):
+            self.last = change
+        elif not own and abs(value) <= MEETS * abs(change):
+            self.last = -change
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
@@ -200,10 +208,10 @@ class Watches:
     def __bool__(self) -> bool:
         return bool(self._all)
 
-    def begin(self, t: float, q: Array, v: Array, crossed: Watch | None = None) -> None:
-        """A start at a state, perhaps where one of them has just crossed zero."""
+    def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
+        """A start at a state, perhaps after an event."""
         for watch in self._all:
-            watch.begin(t, q, v, watch is crossed)
+            watch.begin(t, q, v, event)
 
     def state(self) -> dict[str, Array]:
         """What is known of them so far."""

@@ -84,7 +84,7 @@ class March:
         status, message = "finished", "reached the end"
         try:
             if state is None:
-                self._begin(0.0, start.q, start.v, None)
+                self._begin(0.0, start.q, start.v)
             else:
                 self._resume(state)
             self._save(force=True)
@@ -99,10 +99,10 @@ class March:
             status, message = trouble.status, trouble.sentence
         return self._result(status, message)
 
-    def _begin(self, t: float, q: Array, v: Array, crossed: Watch | None) -> None:
+    def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
         self.stepper.restart(t, q, v, self.plan.until)
         if self.watches:
-            self.watches.begin(t, q, v, crossed)
+            self.watches.begin(t, q, v, event)
 
     def _resume(self, state: Mapping[str, Array]) -> None:
         self.stepper.resume(state)
@@ -173,12 +173,12 @@ class March:
         self._take(nodes)
         if self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            self._begin(stop, state.q[0], state.v[0], None)
+            self._begin(stop, state.q[0], state.v[0])
         return "finished", "reached the end"
 
     def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
         """One crossing; a status and a sentence where it ends the run, or the motion goes on from another state."""
-        watch.count += 1
+        watch.count, watch.at = watch.count + 1, t
         states = self.sampler.states(nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
         after = watch.after(t, q, v, self.sampler)
@@ -194,7 +194,7 @@ class March:
             self.stepper.t = t
             return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
         state = self.sampler.state(t, q, after, nodes.memory[rows])
-        self._begin(t, state.q[0], state.v[0], watch)
+        self._begin(t, state.q[0], state.v[0], event=True)
         return self._crowd() or ("finished", "reached the end")
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:

@@ -97,11 +97,12 @@ class Flood:
         return there
 
     def _known(self, k: int, q: Array, near: float) -> Array | None:
-        """A position of a place that is near to another one; Euler parameters may have the other sign."""
-        for known in self.at[k]:
-            if _distance(known, q) < near:
-                return known
-        return None
+        """The position of a place that is nearest to another one, if it is near."""
+        if not self.at[k]:
+            return None
+        away = _distances(np.array(self.at[k]), q)
+        nearest = int(np.argmin(away))
+        return self.at[k][nearest] if away[nearest] < near else None
 
     def _inverse(self, q: Array) -> tuple[Array, Array]:
         """The least motion for changes of all rows, and the motions that change none."""
@@ -111,12 +112,12 @@ class Flood:
         return inverse, right[len(self._rows) :]
 
 
-def _distance(a: Array, b: Array) -> float:
-    """Between two positions, free of units, whatever the signs of their Euler parameters."""
-    d = (a - b).reshape(-1, WIDTH)
-    flipped = (a + b).reshape(-1, WIDTH)[:, 3:]
-    turned = np.minimum((d[:, 3:] ** 2).sum(axis=1), (flipped**2).sum(axis=1))
-    return float(np.sqrt((d[:, :3] ** 2).sum() + turned.sum()))
+def _distances(known: Array, q: Array) -> Array:
+    """Of positions (count, n) from another one, free of units, whatever the signs of their Euler parameters."""
+    d = (known - q).reshape(len(known), -1, WIDTH) ** 2
+    flipped = (known + q).reshape(len(known), -1, WIDTH)[..., 3:] ** 2
+    turned = np.minimum(d[..., 3:].sum(axis=2), flipped.sum(axis=2))
+    return np.asarray(np.sqrt(d[..., :3].sum(axis=(1, 2)) + turned.sum(axis=1)))
 
 
 def around(inside: Array) -> Iterator[list[int]]:

@@ -56,13 +56,33 @@ def test_solutions_of_an_arm(arm: sr.WorkspaceField) -> None:
 
 
 def test_a_five_bar_has_four_solutions() -> None:
+    """Two for each crank; J from (P - B_i)·dP = (P - B_i)·dB_i, of the best and the worst of them."""
     system, output, limits = five_bar()
     found = sr.workspace(system, output, limits=limits, verify=False)
-    field = sr.workspace_field(found, cells=16)
-    solutions = field.values["solutions"]
-    assert set(field.values) == {"solutions"}
-    assert np.unique(solutions[np.isfinite(solutions)]).tolist() == [4]
-    assert field.positions == 4 * np.isfinite(solutions).sum()
+    field = sr.workspace_field(found, ("a1", "a2"), cells=14)
+    inside = np.isfinite(field.values["solutions"])
+    assert np.unique(field.values["solutions"][inside]).tolist() == [4]
+    assert field.positions == 4 * inside.sum()
+    sizes = []
+    for u in np.stack(np.meshgrid(field.x, field.y), axis=-1)[inside]:
+        for one in crank_ends(-1, u):
+            for other in crank_ends(1, u):
+                rods = np.array([u - one, u - other])
+                moved = [rods[0] @ (-one[1], one[0] + 1), rods[1] @ (-other[1], other[0] - 1)]
+                sizes.append(np.linalg.svd(np.linalg.solve(rods, np.diag(moved)), compute_uv=False))
+    large, small = np.array(sizes).T.reshape(2, -1, 4)
+    for name, numbers in (("conditioning", small / large), ("manipulability", small * large)):
+        assert field.values[name][inside] == pytest.approx(numbers.max(axis=1), rel=1e-6)
+        assert field.values[f"worst_{name}"][inside] == pytest.approx(numbers.min(axis=1), rel=1e-6)
+
+
+def crank_ends(pivot: float, u: np.ndarray) -> list[np.ndarray]:
+    """The ends of a crank of 1.2 m at (pivot, 0) that are 1.5 m from a place."""
+    d = u - (pivot, 0)
+    away = float(np.linalg.norm(d))
+    along = (away**2 + 1.2**2 - 1.5**2) / (2 * away)
+    across = (1.2**2 - along**2) ** 0.5 * np.array([-d[1], d[0]]) / away
+    return [(pivot, 0) + along * d / away + side * across for side in (1, -1)]
 
 
 def test_range_of_orientation_of_a_platform() -> None:

@@ -10,8 +10,9 @@ from scipy.io import netcdf_file
 import sarrus as sr
 from sarrus.cli import main
 from sarrus.results.polygons import inside
-from sarrus.results.workspace_volume import Loop, Slice
+from sarrus.results.workspace_volume import Loop, Slice, WorkspaceVolume
 from sarrus.views.workspace_sheets import barrier_sheets
+from sarrus.views.workspace_surface import surface_parts
 
 from .mechanisms import arm_3r, platform_haug
 
@@ -88,6 +89,19 @@ def test_barriers_inside_of_a_volume_are_sheets() -> None:
     assert normals.sum(axis=0) == pytest.approx(0, abs=1e-9)
     alone, _ = barrier_sheets([cone(1), cone(2)])
     assert len(alone) == 0  # too far from each other
+
+
+def test_barriers_are_a_part_of_their_own_in_space() -> None:
+    """Not seen through, beside the surface, which is; outputs in another order are turned back."""
+    slices = tuple(cone(1 + k / 10) for k in range(11))
+    corners, faces = np.eye(3), np.array([[0, 1, 2]])
+    ends = (((1.0, 2.0),), (), slices, 1.0, 0.0, corners, faces, ("limit",), np.array([0]))
+    found = WorkspaceVolume("cone", ("tip.y", "tip.z", "tip.x"), *ends, "mapped", "All slices are complete")
+    surface, barrier = surface_parts(found, 0.3)
+    assert (surface.name, surface.opacity) == ("limit", 0.3)
+    assert (barrier.name, barrier.opacity) == ("barrier", 1.0)
+    x, y, z = barrier.mesh.vertices.T
+    assert np.hypot(y, z) == pytest.approx(x, abs=1e-3)
 
 
 def test_table(arm: sr.Workspace, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from scipy.linalg import eigvals
 
 from ...algebra import Array
 from .stratum import Linear, Stratum
+from .svd import singular
 
 DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
 FLAT = 1e-9  # of a coefficient, relative to the largest
@@ -21,7 +22,7 @@ STANDS = 1e-8  # of a direction in which only multipliers change
 
 def directions(stratum: Stratum, x: Array, linear: Linear) -> list[Array]:
     """Unit tangents (size,) of the curves through x, each in one of its two senses."""
-    left, _, right = np.linalg.svd(linear.G_x, full_matrices=True)
+    left, _, right = singular(linear.G_x)
     psi, one, other = left[:, -1], right[-1], right[-2]
     c = [float(psi @ stratum.second(x, s, t)) for s, t in ((one, one), (one, other), (other, other))]
     found = [a * one + b * other for a, b in _roots(*c)]
@@ -35,7 +36,7 @@ def normals(stratum: Stratum, q: Array) -> list[Array]:
     p = stratum.problem
     J = p.jacobian(q)
     gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])
-    left, sizes, right = np.linalg.svd(gradients, full_matrices=True)
+    left, sizes, right = singular(gradients)
     rank = len(sizes) - 2
     if sizes[rank] > DROPS * sizes[0]:
         return []

@@ -16,6 +16,7 @@ from .sample import Samples
 from .seeds import Start, onto
 from .settle import allowed, constrained, settle
 from .stratum import Stratum
+from .svd import singular
 
 WALK = 20  # positions of a walk
 HALVINGS = 24
@@ -63,5 +64,5 @@ def _between(stratum: Stratum, rows: Array, a: Array, b: Array, tally: Tally) ->
         if middle is None:
             return None
         a, b = (middle, b) if _sign(problem, rows, middle) == sign else (a, middle)
-    pushes = np.linalg.svd(problem.jacobian(a)[rows])[0][:, -1]
+    pushes = singular(problem.jacobian(a)[rows])[0][:, -1]
     return onto(stratum, np.concatenate([a, pushes]), tally, steps=8)

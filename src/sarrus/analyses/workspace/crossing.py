@@ -16,6 +16,7 @@ from .explore import Branch
 from .newton import NoPoint, Tally, correct, plane
 from .step import Step
 from .stratum import Stratum
+from .svd import singular
 
 REACHED = 1e-8  # of a limit, free of units
 VANISHES = 1e-9  # of a term, relative to the largest
@@ -68,7 +69,7 @@ def examine(stratum: Stratum, x: Array) -> Crossing:
     J = stratum.problem.jacobian(q)
     gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])
     free = stratum.n - len(gradients) + 1
-    Z = np.linalg.svd(gradients, full_matrices=True)[2][stratum.n - free :].T
+    Z = singular(gradients)[2][stratum.n - free :].T
     form = Z.T @ stratum.problem.curvature(q, stratum.weights(x)) @ Z
     pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs
     terms = np.concatenate([pushes, np.linalg.eigvalsh(form)])

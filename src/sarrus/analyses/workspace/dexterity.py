@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...system import System
 from .formulate import formulate
 from .problem import Problem
+from .svd import singular
 
 
 class Dexterity(NamedTuple):
@@ -59,7 +60,7 @@ def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:
     J = problem.jacobian(q)
     rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
     free = problem.n - len(rows)
-    Z = np.linalg.svd(J[rows], full_matrices=True)[2][problem.n - free :].T
+    Z = singular(J[rows])[2][problem.n - free :].T
     U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, inputs))
     found = U @ np.linalg.pinv(V)
     sizes = np.linalg.svd(found, compute_uv=False)

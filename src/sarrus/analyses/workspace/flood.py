@@ -15,6 +15,7 @@ from ...algebra import Array
 from ...model.coordinates import WIDTH
 from .problem import Problem
 from .settle import allowed, constrained, settle
+from .svd import singular
 
 SAME = 1e-3  # free of units: positions nearer to each other are one, where they are single
 STRIDE = 0.15  # free of units: of motions that leave the outputs where they are
@@ -106,7 +107,7 @@ class Flood:
 
     def _inverse(self, q: Array) -> tuple[Array, Array]:
         """The least motion for changes of all rows, and the motions that change none."""
-        left, sizes, right = np.linalg.svd(self.problem.jacobian(q)[self._rows])
+        left, sizes, right = singular(self.problem.jacobian(q)[self._rows])
         good = sizes > SINGULAR * sizes[0]
         inverse = (right[: len(sizes)].T[:, good] / sizes[good]) @ left.T[good]
         return inverse, right[len(self._rows) :]

@@ -18,6 +18,7 @@ from ...model.coordinates import WIDTH
 from ...model.rotation import matrix
 from .measures import Measure
 from .problem import Problem
+from .svd import singular
 
 FREE = 1e-8  # of a singular value that counts as zero
 STEADY = 1e-6  # of an axis that stays in the body
@@ -46,7 +47,7 @@ def _of_body(problem: Problem, positions: Sequence[Array], body: int) -> Iterato
 
 def _spin(J: Array, p: Array) -> Array | None:
     """The axis in the body about which it can turn alone, if there is just one."""
-    _, sizes, right = np.linalg.svd(J)
+    _, sizes, right = singular(J)
     if np.count_nonzero(sizes > FREE * sizes[0]) != WIDTH - 1:
         return None
     omega = 2 * G(p) @ right[-1][3:]

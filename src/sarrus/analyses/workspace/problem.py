@@ -19,6 +19,9 @@ from .measures import Measure
 from .operator import Matrix, Vector
 
 NO_NUMBERS = -1
+NOTHING = (
+    1e-20  # of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
+)
 
 
 class Problem:
@@ -157,6 +160,7 @@ class Problem:
         real, J = q * self.scale, np.zeros((self.rows, self.n))
         for matrix in self._Phi_q:
             matrix.add(J, real)
+        J[abs(J) < NOTHING] = 0.0
         return J
 
     def curvature(self, q: Array, weights: Array) -> Array:

@@ -19,6 +19,7 @@ from .newton import NoPoint, Tally, Tangent, tangent
 from .point import Point, point_with
 from .same import SAME, apart, body_signs
 from .stratum import Active, Stratum
+from .svd import singular
 
 Strata = Callable[[Active], Stratum]
 STANDS = 1e-6
@@ -124,7 +125,7 @@ def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:
 
 def _regular(stratum: Stratum, x: Array, tally: Tally) -> Point:
     linear = stratum.linear(x)
-    along = np.linalg.svd(linear.G_x, full_matrices=True)[2][-1]
+    along = singular(linear.G_x)[2][-1]
     return point_with(stratum, x, linear, tangent(stratum, x, linear, along, tally), tally)
 
 
@@ -183,7 +184,7 @@ def balanced(stratum: Stratum, q: Array) -> Array:
     """q with multipliers that balance: the left null vector of all gradients."""
     J = stratum.problem.jacobian(q)
     gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])
-    null = np.linalg.svd(gradients.T, full_matrices=True)[2][-1]
+    null = singular(gradients.T)[2][-1]
     return np.concatenate([q, null])
 
 

@@ -71,6 +71,8 @@ def test_outputs_lose_a_direction_where_a_crank_and_its_rod_align() -> None:
             reached = curve.u - (x, 0)
             off.append(abs(crank[:, 0] * reached[:, 1] - crank[:, 1] * reached[:, 0]).max())
         assert min(off) < 1e-9
+        assert abs(np.diff(curve.input_line, axis=0)).max() < 1  # angles go on from each other
+    assert max(np.ptp(curve.v) for curve in found.curves) > np.pi
 
 
 def test_an_orthogonal_arm_loses_a_direction_on_two_curves_of_its_angles() -> None:

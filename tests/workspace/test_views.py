@@ -67,6 +67,7 @@ def test_parts_are_told_and_numbered() -> None:
     assert [text.get_text() for text in numbers] == ["1", "2", "3", "4"]
     for text, part in zip(numbers, found.components, strict=True):
         assert inside(list(part.loops), np.array([text.get_position()]))[0]
+        assert np.linalg.norm(np.concatenate(part.loops) - text.get_position(), axis=1).min() > 0.2
 
 
 def cone(height: float) -> Slice:

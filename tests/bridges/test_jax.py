@@ -20,6 +20,20 @@ def test_gradients() -> None:
     assert np.allclose(jax.jacrev(f)(jax.numpy.asarray(p.x0)), matrix, rtol=1e-9)
 
 
+def test_second_derivatives() -> None:
+    """Of a function of two responses: their Hessians, and what their gradients make of its own."""
+    from sarrus.bridges.jax import jax_function
+
+    p = problem()
+    f = jax_function(p)
+    found = jax.jacrev(jax.grad(lambda x: f(x)[0] ** 2 * f(x)[1]))(jax.numpy.asarray(p.x0))
+    (a, b, *_), rows = p.values(p.x0), p.gradient(p.x0).matrix
+    one, two = (np.array([p.hvp(p.x0, d, row) for d in np.eye(len(p.x0))]) for row in (0, 1))
+    cross = np.outer(rows[0], rows[1]) + np.outer(rows[1], rows[0])
+    wanted = 2 * b * np.outer(rows[0], rows[0]) + 2 * a * cross + 2 * a * b * one + a**2 * two
+    assert np.allclose(found, wanted, rtol=0, atol=1e-9 * abs(wanted).max())
+
+
 def test_differences_agree() -> None:
     from jax.test_util import check_grads
 

@@ -42,7 +42,11 @@ def test_the_spatial_slider_crank(until: str, method: str) -> None:
     assert errors[2] < 2e-4, errors
 
 
-def test_the_published_slider_crank_of_sundials() -> None:
+RUNS = [(sr.HHT(), 1e-8, 1e-4), (sr.Radau(), 1e-7, 4e-6), (sr.Radau(), 1e-9, 2e-7)]
+
+
+@pytest.mark.parametrize(("method", "rtol", "reached"), RUNS)
+def test_the_published_slider_crank_of_sundials(method: object, rtol: float, reached: float) -> None:
     """Its published gradient of the kinetic energy's integral: dG/dk = 0.33346, dG/dc = -0.36375."""
     told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
     system, names = sundials_crank(), list(SUNDIALS)
@@ -52,12 +56,12 @@ def test_the_published_slider_crank_of_sundials() -> None:
         "int_(x2-1)^2": sr.Integral(lambda o: (o("slider.x") - 1) ** 2),
         "w_T": sr.Final("bearing.angle.rate"),
     }
-    run = sr.simulate(system, until=10.0, t_eval=[10.0], rtol=1e-8, atol=1e-8, keep_steps=True)
+    run = sr.simulate(system, until=10.0, t_eval=[10.0], rtol=rtol, atol=rtol, method=method, keep_steps=True)
     found = sr.sensitivity(run, list(responses.values()), names, design=SUNDIALS, formula=sundials)
     for row, name in enumerate(responses):
-        assert found.values[row] == pytest.approx(told["psi"][name], rel=2e-4)
+        assert found.values[row] == pytest.approx(told["psi"][name], rel=2 * reached)
         wanted = [told["grad"][name][parameter] for parameter in names]
-        assert np.allclose(found.matrix[row], wanted, rtol=0, atol=1e-4 * np.abs(wanted).max())
+        assert np.allclose(found.matrix[row], wanted, rtol=0, atol=reached * np.abs(wanted).max())
 
 
 def test_a_body_that_turns_freely() -> None:

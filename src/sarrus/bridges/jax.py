@@ -1,4 +1,4 @@
-"""A simulation as a function of JAX, with its own derivative: ``jax.grad``, ``jacrev``, ``jit``, ``vmap``."""
+"""A simulation as a function of JAX, with its own derivatives: ``jax.grad``, ``jacrev``, twice, ``jit``, ``vmap``."""
 
 from __future__ import annotations
 
@@ -26,26 +26,35 @@ def jax_function(problem: Problem) -> Callable[[Any], Any]:
     Returns
     -------
     Callable
-        Its derivatives are those of the simulation, by one sweep backwards for each call. JAX computes with single
-        precision unless ``jax_enable_x64`` is set: simulations are in double precision all the same, their results are
-        rounded.
+        Its derivatives are those of the simulation, by one sweep backwards for each call; second ones are exact too, by
+        ``jax.jacrev(jax.grad(...))`` (``jax.hessian`` goes forwards, which functions with a derivative of their own
+        refuse). JAX computes with single precision unless ``jax_enable_x64`` is set: simulations are in double
+        precision all the same, their results are rounded.
     """
     count, size = len(problem.titles), len(problem.names)
 
+    def called(function: Callable[..., Any], length: int, *args: Any) -> Any:
+        """A function of the problem, outside of JAX, that gives so many numbers."""
+        kind = args[0].dtype
+        shape = jax.ShapeDtypeStruct((length,), kind)
+        return jax.pure_callback(_cast(function, kind), shape, *args, vmap_method="sequential")
+
     @jax.custom_vjp
     def responses(x: Any) -> Any:
-        shape = jax.ShapeDtypeStruct((count,), x.dtype)
-        return jax.pure_callback(_cast(problem.values, x.dtype), shape, x, vmap_method="sequential")
+        return called(problem.values, count, x)
 
-    def forward(x: Any) -> tuple[Any, Any]:
-        return responses(x), x
+    @jax.custom_vjp
+    def pulled(x: Any, bar: Any) -> Any:
+        return called(problem.vjp, size, x, bar)
 
-    def backward(x: Any, bar: Any) -> tuple[Any]:
-        shape = jax.ShapeDtypeStruct((size,), x.dtype)
-        found = jax.pure_callback(_cast(problem.vjp, x.dtype), shape, x, bar, vmap_method="sequential")
-        return (found,)
+    def curved(x: Any, bar: Any, direction: Any) -> Any:
+        return sum(weight * problem.hvp(x, direction, row) for row, weight in enumerate(bar))
 
-    responses.defvjp(forward, backward)
+    responses.defvjp(lambda x: (responses(x), x), lambda x, bar: (pulled(x, bar),))
+    pulled.defvjp(
+        lambda x, bar: (pulled(x, bar), (x, bar)),
+        lambda kept, bar: (called(curved, size, *kept, bar), called(problem.jvp, count, kept[0], bar)),
+    )
     return lambda x: responses(jnp.asarray(x))
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .analyses import ODE as ODE
     from .analyses import AssemblyDerivatives as AssemblyDerivatives
     from .analyses import At as At
+    from .analyses import AtEvent as AtEvent
     from .analyses import Combined as Combined
     from .analyses import Event as Event
     from .analyses import Final as Final
@@ -177,7 +178,7 @@ _HOMES = {
     ),
     "system": "System",
     "analyses": (
-        "AssemblyDerivatives At Combined Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace "
+        "AssemblyDerivatives At AtEvent Combined Event Final GeneralizedAlpha HHT IDA Impact Integral JointSpace "
         "Maximum Minimum Misfit NoDerivative ODE Outputs Peak Problem Radau Within WorkspaceMap "
         "area_gradient assemble dexterity distance_gradient end_gradient equilibrium fit hessian hessian_product "
         "input_singularities inverse_dynamics "

@@ -310,3 +310,44 @@ def test_two_events_at_the_same_time(method: object) -> None:
             assert sr.sensitivity(pair, told[n], own, method=way).matrix == pytest.approx(
                 wanted, abs=1e-12
             ), name
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+def test_outputs_at_events(method: object) -> None:
+    """The times of two impacts and the velocities before and after the second one, in closed form."""
+    run = bounced(2.0, method=method)
+    responses = [
+        sr.AtEvent("t", event="bounce"), sr.AtEvent("t", event="bounce", number=2),
+        sr.AtEvent("ball.velocity.z", event="bounce", number=2),
+        sr.AtEvent("ball.velocity.z", event="bounce", number=2, after=True),
+    ]  # fmt: skip
+    found = sr.sensitivity(run, responses, ["ball.velocity.z", "bounce.restitution"])
+    direct = sr.sensitivity(run, responses, ["ball.velocity.z", "bounce.restitution"], method="direct")
+    g, e, v, u = 9.81, 0.8, 0.5, np.sqrt(0.5**2 + 2 * 9.81)
+    values = [(v + u) / g, (v + u + 2 * e * u) / g, -e * u, e * e * u]
+    by_v = [(1 + v / u) / g, (1 + v / u + 2 * e * v / u) / g, -e * v / u, e * e * v / u]
+    by_e = [0.0, 2 * u / g, -u, 2 * e * u]
+    assert found.values == pytest.approx(values, rel=1e-11)
+    assert found.matrix == pytest.approx(np.array([by_v, by_e]).T, abs=1e-11)
+    assert direct.matrix == pytest.approx(found.matrix, abs=1e-12)
+    assert found.responses[2:] == ("ball.velocity.z at bounce 2", "ball.velocity.z after bounce 2")
+
+
+@pytest.mark.parametrize(
+    ("response", "told"),
+    [
+        (sr.AtEvent("ball.z", event="hit"), r"the run has 0 events 'hit' .*; it has bounce"),
+        (
+            sr.AtEvent("ball.z", event="bounce", number=9),
+            "3 events 'bounce' that change velocities or end it, not 9",
+        ),
+        (sr.AtEvent("ball.z", event="end", after=True), "ends with the event 'end': nothing is after it"),
+    ],
+)
+def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
+    end = sr.Event("t - 1.9", terminal=True, name="end")
+    run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], keep_steps=True)
+    with pytest.raises(ValueError, match=told):
+        sr.sensitivity(run, response, ["gravity.z"])
+    with pytest.raises(ValueError, match="run with events"):
+        sr.sensitivity_by_checkpoints(ball(), response, ["gravity.z"], until=0.1)

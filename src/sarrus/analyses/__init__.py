@@ -11,6 +11,7 @@ from .linearization import linearize
 from .optimization import Combined, Problem, Within, fit, optimize
 from .sensitivity import (
     At,
+    AtEvent,
     Final,
     Integral,
     Maximum,
@@ -49,6 +50,7 @@ __all__ = [
     "ODE",
     "AssemblyDerivatives",
     "At",
+    "AtEvent",
     "Combined",
     "Dexterity",
     "Event",

@@ -3,10 +3,11 @@
 from .checkpoints import sensitivity_by_checkpoints
 from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
 from .outputs import Outputs
-from .responses import At, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
+from .responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
 
 __all__ = [
     "At",
+    "AtEvent",
     "Final",
     "Integral",
     "Maximum",

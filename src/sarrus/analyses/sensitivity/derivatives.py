@@ -36,8 +36,8 @@ def sensitivity(
     Parameters
     ----------
     run : from ``simulate(..., keep_steps=True)``
-    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Misfit`; an output's name, or a function of
-        `Outputs`, stands for its final value
+    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
+        output's name, or a function of `Outputs`, stands for its final value
     wrt : names of numbers, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model file,
         design variables; by default every number of the model, or all design variables
     method : "adjoint": one sweep backwards for all numbers. "direct": one forwards with a column for each number, for

@@ -15,9 +15,9 @@ from .chain import Nodes
 from .fine import PARTS, Fine, fine
 from .outputs import Outputs
 from .parameters import Parameters
-from .pieces import sampling_of
+from .pieces import at_event, sampling_of
 from .recording import Angles
-from .responses import Response
+from .responses import AtEvent, Response
 from .sampling import Sampling
 
 
@@ -32,6 +32,8 @@ class Explicit:
 
 def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
     """Where a response is sampled."""
+    if isinstance(response, AtEvent):
+        return at_event(steps, response.event, response.number, response.after)
     if isinstance(steps, Pieces) and isinstance(response, Fine):
         return sampling_of(steps, None, PARTS)
     return sampling_of(steps, response.times(steps.t))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,18 +19,26 @@ from .chain import Nodes
 from .sampling import KINDS, Places, Sampling, _placed
 
 
+class Where(NamedTuple):
+    """Times, the stretches in which they lie, and how much of the change of the event at its end moves each.
+
+    `part` is 0 at a node, 1 at the event itself, between them within the step that it ends; not a number for a time
+    that is fixed.
+    """
+
+    t: Array
+    piece: Array
+    part: Array
+
+
 class PieceSampling(Sampling):
-    """The states at some times of a run with events, at all its nodes and ends of stretches by default."""
+    """The states at some times of a run with events."""
 
     moves = True
 
-    def __init__(self, steps: Pieces, times: Array | None = None, parts: Sequence[float] = (0.0,)) -> None:
-        self._all, self._steps, last = steps, steps.pieces[0], float(steps.ends[-1])
-        if times is not None and len(times) and (min(times) < 0 or max(times) > last * (1 + 1e-12)):
-            raise ValueError(f"responses need times between 0 and {last:g} s")
-        self._times, self._piece, self._part = (
-            _within(steps, parts) if times is None else _fixed(steps, times)
-        )
+    def __init__(self, steps: Pieces, where: Where) -> None:
+        self._all, self._steps = steps, steps.pieces[0]
+        self._times, self._piece, self._part = where
 
     @property
     def t(self) -> Array:
@@ -106,11 +115,10 @@ class PieceSampling(Sampling):
         return np.asarray(self._global @ nodes.shift[:, column])
 
 
-def _within(steps: Pieces, parts: Sequence[float]) -> tuple[Array, Array, Array]:
-    """Times at these parts of all steps and at the ends of stretches, their stretches, and how an event moves them.
+def _within(steps: Pieces, parts: Sequence[float]) -> Where:
+    """All steps at these parts, and the ends of stretches.
 
-    The event at the end of a stretch moves times within the step that it ends, by a part of its own change; no others.
-    The end of a stretch stands there as often as there are parts, as a step of no length; that of the run stands once.
+    Such an end stands there as often as there are parts, as a step of no length; that of the run stands once.
     """
     found: list[tuple[float, int, float]] = []
     for p, (piece, end) in enumerate(zip(steps.pieces, steps.ends, strict=True)):
@@ -118,19 +126,45 @@ def _within(steps: Pieces, parts: Sequence[float]) -> tuple[Array, Array, Array]
         for k, (begin, h) in enumerate(zip(t[:-1], np.diff(t), strict=True)):
             found += [(begin + x * h, p, x if k == len(piece) - 1 else 0.0) for x in parts]
         found += [(end, p, 1.0)] * (len(parts) if p < len(steps.pieces) - 1 else 1)
-    times, pieces, moved = zip(*found, strict=True)
-    return np.array(times), np.array(pieces), np.array(moved)
+    return Where._make(np.array(x) for x in zip(*found, strict=True))
 
 
-def _fixed(steps: Pieces, times: Array) -> tuple[Array, Array, Array]:
-    """Fixed times (not a number); the end of the run is its last state, wherever an event puts it."""
-    t = np.asarray(times, dtype=float)
+def _fixed(steps: Pieces, times: Array) -> Where:
+    """Fixed times; the end of the run is its last state, wherever an event puts it."""
+    t, last = np.asarray(times, dtype=float), float(steps.ends[-1])
+    if len(t) and (min(t) < 0 or max(t) > last * (1 + 1e-12)):
+        raise ValueError(f"responses need times between 0 and {last:g} s")
     piece = np.searchsorted(steps.ends[:-1], t, side="right")
-    return t, piece, np.where(t >= steps.ends[-1], 1.0, np.nan)
+    return Where(t, piece, np.where(t >= last, 1.0, np.nan))
+
+
+def at_event(steps: StepsTaken | Pieces, name: str, number: int, after: bool) -> Sampling:
+    """The state just before or just after an event, the n-th of its name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    turns = steps.turns if isinstance(steps, Pieces) else ()
+    own = [p for p, turn in enumerate(turns) if turn.name == name]
+    if not isinstance(steps, Pieces) or not 1 <= number <= len(own):
+        known = ", ".join(dict.fromkeys(turn.name for turn in turns)) or "none"
+        raise ValueError(
+            f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
+        )
+    p = own[number - 1]
+    if after and p == len(steps.pieces) - 1:
+        raise ValueError(f"the run ends with the event {name!r}: nothing is after it")
+    return PieceSampling(
+        steps, Where(steps.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
+    )
 
 
 def sampling_of(
     steps: StepsTaken | Pieces, times: Array | None = None, parts: Sequence[float] = (0.0,)
 ) -> Sampling:
     """The sampling of a run with or without events; `parts` of the steps that are met if it has events."""
-    return PieceSampling(steps, times, parts) if isinstance(steps, Pieces) else Sampling(steps, times)
+    if not isinstance(steps, Pieces):
+        return Sampling(steps, times)
+    return PieceSampling(steps, _within(steps, parts) if times is None else _fixed(steps, times))

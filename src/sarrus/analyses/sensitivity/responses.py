@@ -102,6 +102,38 @@ class At(Response):
 
 
 @dataclass(frozen=True, eq=False)
+class AtEvent(Response):
+    """The output at an event that changes velocities or ends the run; of ``t`` it is the event's time.
+
+    Parameters
+    ----------
+    event : its name
+    number : which one of this name, from 1 on
+    after : whether just after it, instead of just before
+    """
+
+    event: str = ""
+    number: int = 1
+    after: bool = False
+
+    @property
+    def title(self) -> str:
+        told = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
+        return self.name or f"{told.strip('<>')} {'after' if self.after else 'at'} {self.event} {self.number}"
+
+    def times(self, t: Array) -> Array | None:
+        raise ValueError(
+            f"{self.title}: the steps of a run with events are needed, simulate(..., keep_steps=True)"
+        )
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[0])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
 class Integral(Response):
     """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`."""
 

@@ -51,7 +51,13 @@ class Tape:
 
     def gradient(self, bars: Mapping[int, Any]) -> list[Any]:
         """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places."""
-        return self.gradient_along(bars, {}, [0.0] * len(self.entries))[0]
+        found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
+        for n in range(len(self.entries) - 1, -1, -1):
+            args, bar = self.entries[n].args, found[n]
+            if args and _moves(bar):
+                for arg, slope in zip(args, self._slopes(n), strict=True):
+                    found[arg] = found[arg] + _collected(bar * slope, self.values[arg])
+        return found
 
     def gradient_along(
         self, bars: Mapping[int, Any], bar_dots: Mapping[int, Any], dots: Sequence[Any]

@@ -96,6 +96,7 @@ SCRIPTS = (  # each draws into a folder
     "stewart_platform",
     "workspaces",
     "largest_workspace",
+    "workspace_in_a_box",
     "four_bar_synthesis",
     "optimal_spring",
     "estimate_parameters",

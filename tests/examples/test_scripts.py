@@ -52,3 +52,13 @@ def test_largest_workspace(tmp_path: Path) -> None:
     assert before == pytest.approx(1.1055, abs=1e-4)
     assert after > 1.5 * before
     assert (tmp_path / "largest_workspace.png").stat().st_size > 5000
+
+
+def test_workspace_in_a_box(tmp_path: Path) -> None:
+    """Two steps of the search, which keep nearly to the box."""
+    before, after, room = of("workspace_in_a_box")(tmp_path, iterations=2)
+    angles = np.radians([25, 100, 70])
+    assert before == pytest.approx(0.4 * 0.35 * (np.cos(angles[0]) - np.cos(angles[1])) * angles[2], rel=1e-6)
+    assert after > 4 * before
+    assert room > -0.05
+    assert (tmp_path / "workspace_in_a_box.png").stat().st_size > 5000

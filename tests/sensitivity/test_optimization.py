@@ -250,6 +250,19 @@ def test_noise_is_estimated_from_what_remains() -> None:
     assert one.quantile == pytest.approx(2.0518, abs=1e-4)  # Student's, 27 degrees of freedom
 
 
+def test_residuals_that_noise_does_not_explain_are_told() -> None:
+    """A tenth of the sigma that is true; where only ratios of sigma count there is nothing to say."""
+    data = measured(1e-3)
+    small = sr.Misfit("slider.x", at=data.at, data=data.data, sigma=1e-4)
+    given, estimated = (
+        sr.fit(guessed(), small, NAMES, noise=noise, **LOOSE) for noise in ("given", "estimated")
+    )
+    assert "what is left is" in given.message
+    assert "times as large as sigma" in given.message
+    assert "sigma" not in estimated.message
+    assert "sigma" not in sr.fit(guessed(), data, NAMES, **LOOSE).message
+
+
 def test_too_few_measurements_are_refused() -> None:
     with pytest.raises(ValueError, match="2 measured numbers cannot determine 3 parameters"):
         sr.fit(guessed(), sr.Misfit("slider.x", at=(0.1, 0.2), data=(4.0, 4.0)), NAMES)

@@ -18,6 +18,7 @@ from .search import Bounds, Progress, Search, Stuck, Variables
 from .solvers import Answer, in_words
 
 POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
+LARGE = 2.0  # [-] residuals over sigma, on the average, that noise does not explain
 WORTH = 0.2  # share of a parameter in a combination, above which it is named
 CONFIDENCE = 0.95
 
@@ -95,7 +96,19 @@ def fit(
     if noise == "estimated":
         spread = 2 * optimum.value / spare if spare else np.inf
     return replace(
-        optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare)
+        optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
+        message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
+    )  # fmt: skip
+
+
+def _doubt(value: float, spare: int) -> str:
+    """What to say where residuals are much larger than the noise that was told."""
+    ratio = float(np.sqrt(2 * value / spare)) if spare else 0.0
+    if ratio < LARGE:
+        return ""
+    return (
+        f"; what is left is {ratio:.2g} times as large as sigma: from this start the model does not come to the data, "
+        "or they scatter more than was said, and the intervals mean nothing"
     )
 
 

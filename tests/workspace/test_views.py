@@ -10,6 +10,7 @@ from scipy.io import netcdf_file
 import sarrus as sr
 from sarrus.cli import main
 from sarrus.results.polygons import inside
+from sarrus.results.workspace_range import CriticalValue, WorkspaceRange
 from sarrus.results.workspace_volume import Loop, Slice, WorkspaceVolume
 from sarrus.views.workspace_sheets import barrier_sheets
 from sarrus.views.workspace_surface import surface_parts
@@ -141,6 +142,12 @@ def test_arrays(arm: sr.Workspace, tmp_path: Path) -> None:
     assert found == [curve.kind for curve in arm.curves]
     assert np.array_equal(np.bincount(curve), [len(curve.u) for curve in arm.curves])
     assert area == arm.area
+
+
+def test_an_end_that_many_positions_have_is_told_once() -> None:
+    ends = [CriticalValue(value, 1, (), True, np.zeros(7)) for value in (1.0, 2.0, 2.0)]
+    found = WorkspaceRange("arm", "tip.x", "m", ((1.0, 2.0),), tuple(ends), "mapped", "Nothing is new")
+    assert "Ends: 1 by singularity; 2 by singularity. Nothing is new." in str(found)
 
 
 TABLE = """

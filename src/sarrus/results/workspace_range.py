@@ -67,4 +67,5 @@ class WorkspaceRange:
         )
         ends = {end for pair in self.intervals for end in pair}
         causes = [f"{one.value:.9g} by {one.cause}" for one in self.critical if one.value in ends]
-        return f"{self.name}: {self.output} can be from {told}. Ends: {'; '.join(causes)}. {self.message}."
+        different = "; ".join(dict.fromkeys(causes))  # many positions may have the same end
+        return f"{self.name}: {self.output} can be from {told}. Ends: {different}. {self.message}."

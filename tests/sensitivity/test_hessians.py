@@ -17,7 +17,7 @@ import sarrus as sr
 from sarrus.analyses.sensitivity.chain import Chain
 from sarrus.analyses.sensitivity.derivatives import _adjoint
 from sarrus.analyses.sensitivity.evaluation import Evaluation
-from sarrus.analyses.sensitivity.lagrangian import Lagrangian
+from sarrus.analyses.sensitivity.lagrangian import change_at
 from sarrus.analyses.sensitivity.parameters import Parameters
 
 NAMES = [
@@ -120,7 +120,7 @@ def test_second_derivatives_of_every_element() -> None:
         return np.concatenate([(rows - forces).T @ xi + system.Phi_q(q, t, b=numbers).T @ nu, sum(by_b)])
 
     given = state | {f"{name}_dot": dot for name, dot in dots.items()}
-    change = Lagrangian(system, "step")(t, b, db, lam, nu, lam_dot, xi=xi, **given)
+    change = change_at(system, "step", t, b, db, lam, nu, lam_dot, xi=xi, **given)
     slopes = [(by_q_and_b(e) - by_q_and_b(-e)) / (2 * e) for e in (1e-4, 5e-5)]
     wanted, nq = (4 * slopes[1] - slopes[0]) / 3, system.nq
     own = db[: system.nb] != 0

@@ -27,7 +27,8 @@ class Signature:
     """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `clears` tells which outputs
     are set to zero first.
 
-    `hot` drivers are compiled with LLVM's vectorizer of straight-line code: slower to compile, faster to run.
+    `hot` drivers are compiled with LLVM's vectorizer of straight-line code: slower to compile, faster to run. In
+    several `lanes` scalars are arrays too.
     """
 
     name: str
@@ -36,14 +37,16 @@ class Signature:
     outputs: tuple[str, ...]
     clears: tuple[bool, ...]
     hot: bool = False
+    lanes: int = 1
 
     def types(self) -> tuple[Any, ...]:
         """The types of a driver's arguments."""
         array, table = numba.float64[::1], numba.int64[::1]
+        scalar = numba.float64 if self.lanes == 1 else array
         return (
             table,
             array,
-            *(numba.float64,) * len(self.scalars),
+            *(scalar,) * len(self.scalars),
             *(array,) * (len(self.arrays) + len(self.outputs)),
         )
 
@@ -58,7 +61,7 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
     clear : whether outputs are set to zero first, as the signature says
     """
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
-    counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs))
+    counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs), signature.lanes)
     loops = {f"loop_{n}": loop(record, *counts) for n, record in enumerate(recorders)}
     lines = [f"def driver(index, numbers, {operands}):"]
     if clear:

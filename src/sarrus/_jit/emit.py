@@ -2,7 +2,8 @@
 
 The loop of an element type does, for each element: read its numbers and the coordinates of its bodies, compute every
 operator of a group in one go (what they share is computed once), and put the blocks into the operators' arrays.
-It allocates nothing.
+It allocates nothing. In lanes it does so for several states at once: every number of an array is then as many numbers
+side by side; elements' numbers are the same in all lanes.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -21,9 +23,11 @@ from numba.extending import intrinsic
 
 from .compiled_functions import COMPILED, READS_NUMBERS
 from .expression import Expression, Graph
+from .vector import INT, REAL, Vector
 
 HEADER = 4  # count, bodies, rows, numbers; then one entry per output
-REAL, INT = ir.DoubleType(), ir.IntType(64)
+ROWS = ("lam", "nu", "lam_dot")  # operands along constraint equations
+NUMBERS_DOT = "numbers_dot"  # changes of the elements' numbers
 
 
 @dataclass
@@ -57,18 +61,16 @@ class Recording:
 class Emitter:
     """Emits the nodes of a graph on demand, in the order in which the outputs need them."""
 
-    def __init__(
-        self, recording: Recording, context: Any, builder: Any, inputs: Callable[[tuple[Any, ...]], Any]
-    ):
+    def __init__(self, recording: Recording, context: Any, inputs: Inputs) -> None:
         self.nodes = recording.graph.nodes
-        self.context, self.builder, self.inputs = context, builder, inputs
-        self.numbers: Any = None
+        self.context, self.builder, self.inputs = context, inputs.builder, inputs
+        self.numbers, self.vector = inputs.arguments.all_numbers, inputs.arguments.vector
         self.values: dict[int, Any] = {}
 
     def value(self, expression: Any) -> Any:
         """The LLVM value of an expression or of a plain number."""
         if not isinstance(expression, Expression):
-            return ir.Constant(REAL, float(expression))
+            return self.vector.constant(float(expression))
         stack = [expression.id]
         while stack:
             node = self.nodes[stack[-1]]
@@ -86,7 +88,7 @@ class Emitter:
         builder, flags = self.builder, ("contract",)
         match node.op:
             case "constant":
-                return ir.Constant(REAL, float(node.value))
+                return self.vector.constant(float(node.value))
             case "input":
                 return self.inputs(node.value)
             case "add":
@@ -100,9 +102,9 @@ class Emitter:
             case "neg":
                 return builder.fneg(*args, flags=flags)
             case "sqrt":
-                return builder.call(builder.module.declare_intrinsic("llvm.sqrt", [REAL]), args)
+                return self.vector.sqrt(builder, *args)
             case function:
-                return self._call(function, args)
+                return self.vector.each(builder, args, partial(self._call, function))
 
     def _call(self, function: str, args: list[Any]) -> Any:
         kinds: list[Any] = [types.float64] * len(args)
@@ -114,11 +116,10 @@ class Emitter:
         return result
 
 
-def _function(module: Any, recording: Recording) -> Any:
+def _function(module: Any, recording: Recording, operands: Sequence[Any]) -> Any:
     """Declare the loop: count, bodies, rows, numbers, all numbers, places..., scalars..., arrays..., outputs..."""
     real, whole, count = REAL.as_pointer(), INT.as_pointer(), len(recording.outputs)
-    kinds = [INT, whole, whole, real, real, *[whole] * count]
-    kinds += [REAL] * len(recording.scalars) + [real] * len(recording.arrays) + [real] * count
+    kinds = [INT, whole, whole, real, real, *[whole] * count, *(operand.type for operand in operands)]
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), f"sarrus.{recording.name}")
     function.linkage = "internal"
     function.attributes.add("noinline")
@@ -130,8 +131,8 @@ def _function(module: Any, recording: Recording) -> Any:
 class Arguments:
     """The arguments of a loop, by what they are; `k` is the element whose turn it is."""
 
-    def __init__(self, function: Any, recording: Recording) -> None:
-        self.recording = recording
+    def __init__(self, function: Any, recording: Recording, vector: Vector) -> None:
+        self.recording, self.vector = recording, vector
         self.count, self.bodies, self.rows, self.numbers, self.all_numbers, *rest = function.args
         sizes = (len(recording.outputs), len(recording.scalars), len(recording.arrays))
         cuts = [0, *np.cumsum(sizes), len(rest)]
@@ -155,7 +156,10 @@ class Inputs:
         key, offset = name[:-1], name[-1]
         if key not in self.bases:
             self.bases[key] = self._base(*key)
-        return self.builder.load(self.builder.gep(self.bases[key], [INT(offset)]))
+        at = self.builder.gep(self.bases[key], [INT(offset)])
+        if key[0] in ("numbers", NUMBERS_DOT):
+            return self.arguments.vector.fill(self.builder, self.builder.load(at))
+        return self.arguments.vector.load(self.builder, at)
 
     def pointer(self, base: Any, stride: int) -> Any:
         """This element's entry of a table."""
@@ -166,37 +170,40 @@ class Inputs:
         given, recording = self.arguments, self.arguments.recording
         if kind == "numbers":
             return self.pointer(given.numbers, recording.numbers)
-        if kind == "lam":
-            return self.builder.gep(given.arrays["lam"], [self.builder.load(self.pointer(given.rows, 1))])
+        if kind == NUMBERS_DOT:
+            return self.pointer(given.arrays[kind], recording.numbers)
+        if kind in ROWS:
+            return self.builder.gep(given.arrays[kind], [self.builder.load(self.pointer(given.rows, 1))])
         body = self.builder.gep(self.pointer(given.bodies, recording.bodies), [INT(slot)])
         return self.builder.gep(given.arrays[kind], [self.builder.load(body)])
 
 
-def _emit_loop(module: Any, context: Any, recording: Recording) -> Any:
+def _emit_loop(
+    module: Any, context: Any, recording: Recording, vector: Vector, operands: Sequence[Any]
+) -> Any:
     """The function that computes a recording for every element of a population."""
-    function = _function(module, recording)
-    arguments = Arguments(function, recording)
+    function = _function(module, recording, operands)
+    arguments = Arguments(function, recording, vector)
     builder = ir.IRBuilder(function.append_basic_block("entry"))
     with cgutils.for_range(builder, arguments.count) as loop:
-        _emit_element(builder, context, recording, arguments, loop.index)
+        _emit_element(context, recording, Inputs(builder, arguments, loop.index))
     builder.ret_void()
     return function
 
 
-def _emit_element(builder: Any, context: Any, recording: Recording, arguments: Arguments, k: Any) -> None:
-    """All outputs of element k, block by block."""
-    inputs = Inputs(builder, arguments, k)
-    emitter = Emitter(recording, context, builder, inputs)
-    emitter.numbers = arguments.all_numbers
+def _emit_element(context: Any, recording: Recording, inputs: Inputs) -> None:
+    """All outputs of one element, block by block."""
+    emitter, arguments = Emitter(recording, context, inputs), inputs.arguments
     for output, place, result in zip(recording.outputs, arguments.places, arguments.results, strict=True):
         at = inputs.pointer(place, 2 * len(output.blocks))
         for n, block in enumerate(output.blocks):
-            _put(builder, emitter, at, n, result, block, output.adds)
+            _put(emitter, at, n, result, block, output.adds)
 
 
-def _put(builder: Any, emitter: Emitter, at: Any, n: int, result: Any, block: Any, adds: bool) -> None:
+def _put(emitter: Emitter, at: Any, n: int, result: Any, block: Any, adds: bool) -> None:
     """Store (or add) one block at its base and row stride."""
     matrix = np.atleast_2d(block) if block.ndim != 1 else block.reshape(-1, 1)
+    builder, vector = emitter.builder, emitter.vector
     values = [[emitter.value(entry) for entry in row] for row in matrix]
     base, stride = (builder.load(builder.gep(at, [INT(2 * n + m)])) for m in (0, 1))
     row = builder.gep(result, [base])
@@ -204,18 +211,21 @@ def _put(builder: Any, emitter: Emitter, at: Any, n: int, result: Any, block: An
         if r:
             row = builder.gep(row, [stride])
         for c, value in enumerate(line):
-            if adds and isinstance(value, ir.Constant) and value.constant == 0.0:
+            if adds and vector.is_zero(value):
                 continue
             target = builder.gep(row, [INT(c)])
-            builder.store(builder.fadd(builder.load(target), value) if adds else value, target)
+            vector.store(
+                builder, builder.fadd(vector.load(builder, target), value) if adds else value, target
+            )
 
 
-def loop(record: Callable[[], Recording], arrays: int, scalars: int, outputs: int) -> Any:
+def loop(record: Callable[[], Recording], arrays: int, scalars: int, outputs: int, lanes: int = 1) -> Any:
     """The compiled loop of one element type and group, as a function that Numba code can call:
     ``loop(index, slot, numbers, *scalars, *arrays, *outputs)``. `record` is called only if there is no cached code.
+    In several lanes scalars are arrays too.
     """
     parameters = [f"a{n}" for n in range(scalars + arrays + outputs)]
-    namespace: dict[str, Any] = {"types": types, "codegen": _codegen(record, scalars)}
+    namespace: dict[str, Any] = {"types": types, "codegen": _codegen(record, Vector(lanes))}
     lines = [
         f"def body(typingctx, index, slot, numbers, {', '.join(parameters)}):",
         f"    return types.void(index, slot, numbers, {', '.join(parameters)}), codegen",
@@ -224,7 +234,7 @@ def loop(record: Callable[[], Recording], arrays: int, scalars: int, outputs: in
     return intrinsic(namespace["body"])
 
 
-def _codegen(record: Callable[[], Recording], scalars: int) -> Callable[..., Any]:
+def _codegen(record: Callable[[], Recording], vector: Vector) -> Callable[..., Any]:
     def codegen(context: Any, builder: Any, signature: Any, args: Sequence[Any]) -> Any:
         def data(n: int) -> Any:
             return context.make_array(signature.args[n])(context, builder, args[n]).data
@@ -240,8 +250,17 @@ def _codegen(record: Callable[[], Recording], scalars: int) -> Callable[..., Any
         def table(n: int) -> Any:
             return builder.gep(index, [entry(n)])
 
-        operands = [args[3 + n] if n < scalars else data(3 + n) for n in range(len(args) - 3)]
-        function = _emit_loop(builder.module, context, recording)
+        def operand(n: int, name: str) -> Any:
+            if name in recording.scalars and vector.lanes == 1:
+                return args[n]
+            if name == NUMBERS_DOT:
+                return builder.gep(data(n), [entry(3)])
+            at = vector.pointer(builder, data(n))
+            return vector.load(builder, at) if name in recording.scalars else at
+
+        names = (*recording.scalars, *recording.arrays, *[""] * outputs)
+        operands = [operand(n, name) for n, name in enumerate(names, 3)]
+        function = _emit_loop(builder.module, context, recording, vector, operands)
         count = entry(0)
         with builder.if_then(builder.icmp_signed(">", count, INT(0))):
             call = [count, table(1), table(2), builder.gep(numbers, [entry(3)]), numbers]

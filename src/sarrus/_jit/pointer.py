@@ -32,11 +32,16 @@ class Entry(NamedTuple):
     tables: Any
 
 
+NONE = Entry(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
+
+
 def entry(drivers: list[Any], tables: list[Any], signature: Signature) -> Entry:
     """The entry of drivers of one signature. The drivers must be kept alive as long as it is used."""
     found = [_address(driver, signature.types()) for driver in drivers]
     starts = np.cumsum([0, *(len(table) for table in tables)])
-    return Entry(np.array(found, dtype=np.int64), starts.astype(np.int64), np.concatenate(tables))
+    return Entry(
+        np.array(found, dtype=np.int64), starts.astype(np.int64), np.concatenate([NONE.tables, *tables])
+    )
 
 
 def _address(driver: Any, kinds: tuple[Any, ...]) -> int:

@@ -55,9 +55,10 @@ class Entries(NamedTuple):
 
     def gradient(self, weights: Array, size: int) -> Array:
         """The gradient (size, k) of the operator's sum over rows and times with weights (nt, height, k)."""
-        found = np.zeros((size, weights.shape[2]))
-        for row, columns, values in zip(self.rows, self.columns, self.values, strict=True):
-            np.add.at(found, columns, values[:, None] * weights[:, row])
+        columns, found = self.columns.reshape(-1), np.zeros((size, weights.shape[2]))
+        for k, by_row in enumerate(weights.T):
+            terms = self.values * by_row[self.rows]
+            found[:, k] = np.bincount(columns, terms.reshape(-1), minlength=size)
         return found
 
     def matrix(self, height: int, width: int) -> csr_array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from .._jit.driver import COMPILING, Signature, compiled, driver
 from .._jit.emit import HEADER
 from .._jit.pointer import Entry, entry
+from .._jit.vector import LANES
 from ..algebra import Array
 from ..elements import BUILT_IN, GROUPS, OPERATORS
 from ..elements.recorder import SCALARS, Variant, operands_of, record, variants
@@ -35,6 +36,7 @@ class Group:
         self.operands = (*(n for n in found if n in SCALARS), *(n for n in found if n not in SCALARS))
         family = OPERATORS[names[0]].family
         members = [p for p in populations if p.kind.family and p.kind.family[0].family == family]
+        self._members = members
         shared = not any(is_long(name) for name in names)
         built_in = [n for n, p in enumerate(members) if p.variant in USUAL and shared]
         self.index = self._pack(members, built_in)
@@ -86,6 +88,14 @@ class Group:
         drivers = [self.compiled, *(run for run, _ in self._others)]
         return entry(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
 
+    @cached_property
+    def entry_in_lanes(self) -> Entry:
+        """Drivers for several states at once, for compiled loops; what is summed is added to what is there."""
+        members = [n for n, p in enumerate(self._members) if p.count]
+        drivers = [own_driver(self.names, self._members[n].variant, LANES) for n in members]
+        tables = [self._pack(self._members, [n]) for n in members]
+        return entry(drivers, tables, signature(self.names, lanes=LANES))
+
     def allocate(self) -> list[Array]:
         """Fresh outputs, one array per operator."""
         return [np.zeros(pattern.size) for pattern in self.patterns]
@@ -124,27 +134,29 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 
 
 @cache
-def own_driver(names: tuple[str, ...], variant: Variant) -> Any:
+def own_driver(names: tuple[str, ...], variant: Variant, lanes: int = 1) -> Any:
     """The driver of a group over one variant alone.
 
     That of a built-in element is kept under its name, that of a user's under the hash of what it computes.
     """
     if variant.kind in BUILT_IN:
         with COMPILING:
-            told = signature(names, variant.name)
+            told = signature(names, variant.name, lanes)
             return driver(told, [partial(record, variant, names)], clear=False)
     recording = record(variant, names)
-    return driver(signature(names, recording.fingerprint()), [lambda: recording], clear=False)
+    return driver(signature(names, recording.fingerprint(), lanes), [lambda: recording], clear=False)
 
 
-def signature(names: tuple[str, ...], suffix: str = "") -> Signature:
+def signature(names: tuple[str, ...], suffix: str = "", lanes: int = 1) -> Signature:
     """What the driver of a group takes."""
     found = operands_of(names)
+    side_by_side = f"x{lanes}" if lanes > 1 else ""
     return Signature(
-        name="_".join(filter(None, ("__".join(names), suffix))),
+        name="_".join(filter(None, ("__".join(names), side_by_side, suffix))),
         scalars=tuple(n for n in found if n in SCALARS),
         arrays=tuple(n for n in found if n not in SCALARS),
         outputs=tuple(f"out_{name}" for name in names),
         clears=tuple(OPERATORS[name].sums or OPERATORS[name].is_vector for name in names),
-        hot=len(names) > 1 or names in GROUPS.values(),
+        hot=lanes == 1 and (len(names) > 1 or names in GROUPS.values()),
+        lanes=lanes,
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._jit.driver import COMPILING, Signature, driver
 from .._jit.emit import HEADER
-from .._jit.pointer import Entry, entry
+from .._jit.pointer import NONE, Entry, entry
 from ..algebra import Array
 from ..elements import BUILT_IN
 from ..elements.recorder import Variant, record_scalars
@@ -44,7 +44,7 @@ class Told:
     def entry(self) -> Entry:
         """For compiled loops, see `Group.entry`; operands t, q and the numbers told."""
         if not self._members:
-            return Entry(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
+            return NONE
         return entry(self._drivers, self._tables, _signature(self._method))
 
     def __call__(self, q: Array, b: Array, t: float) -> Array:

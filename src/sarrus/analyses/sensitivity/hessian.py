@@ -11,10 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit.vector import LANES
 from ...algebra import Array
 from .chain import FIELDS, Chain, Nodes
 from .evaluation import Evaluation
-from .lagrangian import Change, Lagrangian, compiled
+from .lagrangian import Change, change_at, compiled, lagrangian, room
 from .parameters import Parameters
 from .sweep import Sweep
 from .sweep_loop import Given, Kept, Sources
@@ -57,10 +58,6 @@ class Curvature:
             raise ValueError(
                 "second derivatives through given rates of an assembly are not there; give velocities"
             )
-
-    @cached_property
-    def _lagrangians(self) -> dict[str, Lagrangian]:
-        return {kind: Lagrangian(self._system, kind) for kind in ("place", "step", "rate", "motion")}
 
     @cached_property
     def _sweep(self) -> Sweep:
@@ -138,29 +135,17 @@ class Curvature:
         """The changes of the equations of all steps, and what they add to the gradient by the numbers."""
         steps, nq, m = self._steps, self._system.nq, self._system.m
         widths = (nq + m, nq, nq) * 2
-        sources, by_b = (
-            Sources._make(np.zeros((len(steps), width)) for width in widths),
-            np.zeros(len(steps.b)),
-        )
+        sources = Sources._make(np.zeros((len(steps), width)) for width in widths)
         dots = Given._make(np.ascontiguousarray(getattr(moved.nodes, k)[:, :, 0]) for k in Given._fields)
         solved = (np.ascontiguousarray(x[:, :, 0]) for x in first.kept[:2])
         adjoint = Kept._make([*solved, first.kept.s])
         changed = np.ascontiguousarray(moved.kept.rescale[:, :, 0])
-        entry, *rest = self._operands("step", moved, dots)
-        compiled()["of_steps"](steps.scheme, entry, *rest, adjoint, *self._results("step", sources, by_b))
-        head = self._operands("rate", moved, dots)
-        compiled()["of_rescales"](*head, adjoint, changed, *self._results("rate", sources, by_b))
-        return sources, by_b
-
-    def _operands(self, kind: str, moved: Moved, dots: Given) -> tuple[Any, ...]:
-        """What both compiled loops take first."""
-        own, steps = self._lagrangians[kind], self._steps
-        numbers, places = own.numbers(steps.b, moved.b[:, 0]), own.places(steps.places)
-        return own.entry, numbers, places, self._sweep.record, dots
-
-    def _results(self, kind: str, sources: Sources, by_b: Array) -> tuple[Any, ...]:
-        """What both compiled loops write into."""
-        return self._lagrangians[kind].room(), sources, by_b
+        work, b, b_dot = room(self._system), steps.b.copy(), np.ascontiguousarray(moved.b[:, 0])
+        head, record = (b, b_dot), self._sweep.record
+        entries = [lagrangian(self._system, kind) for kind in ("step", "rate")]
+        compiled()["of_steps"](steps.scheme, entries[0], *head, record, dots, adjoint, work, sources)
+        compiled()["of_rescales"](entries[1], *head, record, dots, adjoint, changed, work, sources)
+        return sources, work.by_b.reshape(-1, LANES).sum(axis=1)
 
     def _changes(self, moved: Moved, first: Adjoined) -> dict[str, Change]:
         """The changes of the equations of the start and of the assembly."""
@@ -169,16 +154,26 @@ class Curvature:
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         y, z = (x[:, 0] for x in first.start)
         dots = {"q_dot": q_dot, "v_dot": v_dot, "a_dot": moved.nodes.a[0, :, 0]}
-        motion = self._lagrangians["motion"](
-            t, b, b_dot, steps.lam[0], z, moved.nodes.lam[0, :, 0],
+        motion = change_at(
+            system, "motion", t, b, b_dot, steps.lam[0], z, moved.nodes.lam[0, :, 0],
             q=steps.q[0], v=steps.v[0], a=steps.a[0], xi=y, **dots,
         )  # fmt: skip
-        rate = self._lagrangians["rate"](
-            t, b, b_dot, found.mu, -adjoint.y2, mu_dot, q=found.q, eta=found.v, q_dot=q_dot, eta_dot=v_dot,
-            xi=adjoint.x2,
+        rate = change_at(
+            system, "rate", t, b, b_dot, found.mu, -adjoint.y2, mu_dot, q=found.q, eta=found.v, xi=adjoint.x2,
+            q_dot=q_dot, eta_dot=v_dot,
         )  # fmt: skip
-        place = self._lagrangians["place"](
-            t, b, b_dot, found.lam, adjoint.y1, lam_dot, q=found.q, q_dot=q_dot, xi=adjoint.x1
+        place = change_at(
+            system,
+            "place",
+            t,
+            b,
+            b_dot,
+            found.lam,
+            adjoint.y1,
+            lam_dot,
+            q=found.q,
+            q_dot=q_dot,
+            xi=adjoint.x1,
         )
         assert len(motion.lam) == system.m
         return {"motion": motion, "rate": rate, "place": place}

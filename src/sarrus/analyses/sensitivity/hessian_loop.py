@@ -1,101 +1,145 @@
-"""The changes of the equations of all steps along a direction, one after another, as functions that are compiled."""
+"""The changes of the equations of all steps along a direction, several at once, as functions that are compiled."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RUN: Any = None  # calls the drivers of `Lagrangian`, put in place when this is compiled
+from ..._jit.vector import LANES
+from .block_loop import collect, put, remember
+from .lanes_loop import clear_lanes
+
+RUN: Any = None  # calls the drivers of `lagrangian`, put in place when this is compiled
 
 
 class Room(NamedTuple):
-    """Operands and results of one call: see `Lagrangian`. `none` stays zero, `lam` holds λ, ν and the change of λ."""
+    """Operands and results of one call, in lanes: see `lagrangian`. `none` stays zero.
 
-    none: Any
-    lam: Any
-    s: Any
-    s_dot: Any
+    index, used : the steps of the lanes, see `block_loop.Block`
+    """
+
+    index: Any
+    used: Any
+    t: Any
+    q: Any
+    v: Any
+    a: Any
     eta: Any
+    q_dot: Any
+    v_dot: Any
+    a_dot: Any
     eta_dot: Any
+    none: Any
+    xi: Any
+    lam: Any
+    nu: Any
+    lam_dot: Any
     by_q: Any
     by_v: Any
     by_a: Any
     by_eta: Any
     by_lam: Any
+    by_b: Any
 
 
-class Places(NamedTuple):
-    """Where what elements remember stands among the numbers, and where λ, ν and the change of λ stand (3, m)."""
-
-    memory: Any
-    rows: Any
-
-
-def begin(n: Any, numbers: Any, places: Any, record: Any, room: Any) -> None:
-    """What elements remembered during step n; results begin with zero."""
-    for k in range(len(places.memory)):
-        numbers[places.memory[k]] = record.memory[n, k]
-    for k in range(len(room.by_q)):
-        room.by_q[k] = room.by_v[k] = room.by_a[k] = room.by_eta[k] = 0.0
-    for k in range(len(room.by_lam)):
-        room.by_lam[k] = 0.0
+def clear(room: Any) -> None:
+    """Adjoint variables and results begin with zero."""
+    clear_lanes(room.xi)
+    clear_lanes(room.nu)
+    clear_lanes(room.by_q)
+    clear_lanes(room.by_v)
+    clear_lanes(room.by_a)
+    clear_lanes(room.by_eta)
+    clear_lanes(room.by_lam)
 
 
-def solved_rows(n: Any, record: Any, rows: Any, out: Any) -> None:
-    """The rows of the equations that are solved; the others have none."""
-    for k in range(len(rows)):
-        out[k] = rows[k] if len(record.left_out) == 0 or record.left_out[n + 1, k] == 0.0 else 0.0
+def take(x: Any, lane: Any, weight: Any, out: Any) -> None:
+    """Out += weight x of a lane."""
+    for k in range(len(x) // LANES):
+        out[k] += weight * x[k * LANES + lane]
+
+
+def take_rows(record: Any, n: Any, x: Any, lane: Any, out: Any) -> None:
+    """Out = x of a lane in the rows of the equations that are solved; the others have none."""
+    for k in range(len(x) // LANES):
+        solved = len(record.left_out) == 0 or record.left_out[n + 1, k] == 0.0
+        out[k] = x[k * LANES + lane] if solved else 0.0
 
 
 def of_steps(
-    scheme: Any, entry: Any, numbers: Any, places: Any, record: Any, dots: Any, adjoint: Any, room: Any, sources: Any,
-    by_b: Any,
-) -> None:  # fmt: skip
+    scheme: Any, entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, room: Any, sources: Any
+) -> None:
     """Sources of the changes of the adjoint, of every step; what they add to the gradient by the numbers."""
-    nq, m = len(room.by_q), len(room.by_lam)
-    kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    for n in range(len(record.h)):
-        h = record.h[n]
-        beta, gamma = scheme.beta * h * h * kappa, scheme.gamma * h * kappa
-        begin(n, numbers, places, record, room)
-        for k in range(m):
-            room.lam[places.rows[0, k]] = record.lam[n + 1, k]
-            room.lam[places.rows[1, k]] = adjoint.step[n, nq + k] / beta
-            room.lam[places.rows[2, k]] = dots.lam[n + 1, k]
+    nq, kappa, first = record.q.shape[1], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m), 0
+    while first < len(record.h):
+        collect(record, first, len(record.h) - 1, 1, False, room)
+        remember(b, record, room)
+        clear(room)
+        for lane in range(LANES):
+            n, used = room.index[lane], 1.0 if lane < room.used[0] else 0.0
+            room.t[lane] = record.t[n + 1]
+            put(record.q[n + 1], lane, 1.0, room.q)
+            put(record.v[n + 1], lane, 1.0, room.v)
+            put(record.a[n + 1], lane, 1.0, room.a)
+            put(record.lam[n + 1], lane, 1.0, room.lam)
+            put(dots.q[n + 1], lane, 1.0, room.q_dot)
+            put(dots.v[n + 1], lane, 1.0, room.v_dot)
+            put(dots.a[n + 1], lane, 1.0, room.a_dot)
+            put(dots.lam[n + 1], lane, 1.0, room.lam_dot)
+            put(adjoint.step[n, :nq], lane, used, room.xi)
+            put(adjoint.step[n, nq:], lane, used / (scheme.beta * record.h[n] ** 2 * kappa), room.nu)
         RUN(
-            entry, numbers, record.t[n + 1], record.q[n + 1], record.v[n + 1], record.a[n + 1], room.none,
-            dots.q[n + 1], dots.v[n + 1], dots.a[n + 1], room.none, adjoint.step[n, :nq], room.lam,
-            room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, by_b,
+            entry, b, room.t, room.q, room.v, room.a, room.none, room.q_dot, room.v_dot, room.a_dot, room.none,
+            room.xi, room.lam, room.nu, room.lam_dot, b_dot,
+            room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
-        for k in range(nq):
-            sources.step[n, k] = room.by_a[k] + gamma * room.by_v[k] + beta * room.by_q[k]
-            sources.step_q[n, k], sources.step_v[n, k] = room.by_q[k], room.by_v[k]
-        solved_rows(n, record, room.by_lam, sources.step[n, nq:])
+        for lane in range(room.used[0]):
+            n = room.index[lane]
+            h = record.h[n]
+            take(room.by_a, lane, 1.0, sources.step[n])
+            take(room.by_v, lane, scheme.gamma * h * kappa, sources.step[n])
+            take(room.by_q, lane, scheme.beta * h * h * kappa, sources.step[n])
+            take(room.by_q, lane, 1.0, sources.step_q[n])
+            take(room.by_v, lane, 1.0, sources.step_v[n])
+            take_rows(record, n, room.by_lam, lane, sources.step[n, nq:])
+        first += room.used[0]
 
 
-def of_rescales(
-    entry: Any, numbers: Any, places: Any, record: Any, dots: Any, adjoint: Any, changed: Any, room: Any, sources: Any,
-    by_b: Any,
-) -> None:  # fmt: skip
+def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, changed: Any, room: Any,
+                sources: Any) -> None:  # fmt: skip
     """The same of every new size of the steps."""
-    nq, m = len(room.by_q), len(room.by_lam)
-    for n in range(len(record.h)):
-        if record.removed[n] == 0.0:
+    nq, first, last = record.q.shape[1], 0, len(record.h) - 1
+    while first <= last:
+        if record.removed[first] == 0.0:
+            first += 1
             continue
-        begin(n, numbers, places, record, room)
-        for k in range(m):
-            room.lam[places.rows[0, k]] = adjoint.s[n, nq + k]
-            room.lam[places.rows[1, k]] = adjoint.rescale[n, nq + k]
-            room.lam[places.rows[2, k]] = changed[n, nq + k]
-        for k in range(nq):
-            room.s[k], room.s_dot[k] = adjoint.s[n, k], changed[n, k]
-            room.eta[k] = record.v[n, k] - room.s[k]
-            room.eta_dot[k] = dots.v[n, k] - room.s_dot[k]
+        collect(record, first, last, 1, True, room)
+        remember(b, record, room)
+        clear(room)
+        for lane in range(LANES):
+            n, used = room.index[lane], 1.0 if lane < room.used[0] else 0.0
+            s, s_dot = adjoint.s[n, :nq], changed[n, :nq]
+            room.t[lane] = record.t[n]
+            put(record.q[n], lane, 1.0, room.q)
+            put(s, lane, 1.0, room.a)
+            put(adjoint.s[n, nq:], lane, 1.0, room.lam)
+            put(dots.q[n], lane, 1.0, room.q_dot)
+            put(s_dot, lane, 1.0, room.a_dot)
+            put(changed[n, nq:], lane, 1.0, room.lam_dot)
+            put(adjoint.rescale[n, :nq], lane, used, room.xi)
+            put(adjoint.rescale[n, nq:], lane, used, room.nu)
+            for k in range(nq):
+                room.eta[k * LANES + lane] = record.v[n, k] - s[k]
+                room.eta_dot[k * LANES + lane] = dots.v[n, k] - s_dot[k]
         RUN(
-            entry, numbers, record.t[n], record.q[n], room.none, room.s, room.eta, dots.q[n], room.none, room.s_dot,
-            room.eta_dot, adjoint.rescale[n, :nq], room.lam,
-            room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, by_b,
+            entry, b, room.t, room.q, room.none, room.a, room.eta, room.q_dot, room.none, room.a_dot, room.eta_dot,
+            room.xi, room.lam, room.nu, room.lam_dot, b_dot,
+            room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
-        for k in range(nq):
-            sources.rescale[n, k] = room.by_a[k] - room.by_eta[k]
-            sources.rescale_q[n, k], sources.rescale_v[n, k] = room.by_q[k], room.by_eta[k]
-        solved_rows(n, record, room.by_lam, sources.rescale[n, nq:])
+        for lane in range(room.used[0]):
+            n = room.index[lane]
+            take(room.by_a, lane, 1.0, sources.rescale[n])
+            take(room.by_eta, lane, -1.0, sources.rescale[n])
+            take(room.by_q, lane, 1.0, sources.rescale_q[n])
+            take(room.by_eta, lane, 1.0, sources.rescale_v[n])
+            take_rows(record, n, room.by_lam, lane, sources.rescale[n, nq:])
+        first = room.index[room.used[0] - 1] + 1

@@ -43,7 +43,7 @@ def refactor_panels(
 ) -> Any:  # fmt: skip
     """Factor a matrix on a known pattern, as `sparse_lu.refactor` does; false where a pivot is zero or not a number.
 
-    In one piece: calls would take as long as what they do.
+    In one piece: calls would take as long as what they do. Pivots are stored as what they are divided by: 1 / pivot.
     """
     for j in range(np.uint64(len(diagonal))):
         start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
@@ -82,7 +82,8 @@ def refactor_panels(
         pivot = work[j]
         if not abs(pivot) > 0.0:
             return False
-        factors[middle], inverse = pivot, 1.0 / pivot
+        inverse = 1.0 / pivot
+        factors[middle] = inverse
         for entry in range(middle + ONE, end):
             factors[entry] = work[rows[entry]] * inverse
     return True
@@ -107,7 +108,7 @@ def lower_upper_flat(matrix: Any, x: Any) -> None:
             x[rows[entry]] -= factors[entry] * value
     for back in range(n):
         j = n - ONE - back
-        value = x[j] / factors[diagonal[j]]
+        value = x[j] * factors[diagonal[j]]
         x[j] = value
         for entry in range(pointers[j], diagonal[j]):
             x[rows[entry]] -= factors[entry] * value
@@ -121,7 +122,7 @@ def upper_lower_flat(matrix: Any, x: Any) -> None:
         total = x[j]
         for entry in range(pointers[j], diagonal[j]):
             total -= factors[entry] * x[rows[entry]]
-        x[j] = total / factors[diagonal[j]]
+        x[j] = total * factors[diagonal[j]]
     for back in range(n):
         j = n - ONE - back
         total = x[j]
@@ -145,7 +146,7 @@ def lower_upper(matrix: Any, x: Any) -> None:
                 x[row, c] -= value * x[j, c]
     for back in range(n):
         j = n - ONE - back
-        pivot = 1.0 / factors[diagonal[j]]
+        pivot = factors[diagonal[j]]
         for c in range(width):
             x[j, c] *= pivot
         for entry in range(pointers[j], diagonal[j]):
@@ -167,7 +168,7 @@ def upper_lower(matrix: Any, x: Any) -> None:
             value, row = factors[entry], rows[entry]
             for c in range(width):
                 x[j, c] -= value * x[row, c]
-        pivot = 1.0 / factors[diagonal[j]]
+        pivot = factors[diagonal[j]]
         for c in range(width):
             x[j, c] *= pivot
     for back in range(n):

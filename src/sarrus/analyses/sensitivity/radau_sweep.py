@@ -23,7 +23,6 @@ from ..dynamics.placed import (
 )
 from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
-from . import sweep_loop
 from .kernels import GROUPS, calls, operators_by_b
 from .step_matrix import StepMatrix, solvers
 from .sweep import TRUSTED
@@ -33,7 +32,8 @@ OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
-FUNCTIONS = ("remember", "step_weights", "factor_step", "scale", "silence", "subtract", "apply", "move", "stage_by_b",
+FUNCTIONS = ("by_numbers", "by_numbers_transposed",
+             "remember", "step_weights", "factor_step", "scale", "silence", "subtract", "apply", "move", "stage_by_b",
              "forward_step", "backward_step", "factor_node", "quiet",
              "node_by_b", "forward_node", "backward_node", "forward",
              "backward")  # fmt: skip
@@ -46,14 +46,9 @@ def _compiled() -> dict[str, Any]:
     """The loops: the same code for every system; drivers are called by their address."""
     known = calls(loop.Entries._fields)
     known |= {"leave_out": compiled_solver()["leave_out"], **solvers()}
-    parts = [
-        (sweep_loop, "by_numbers"),
-        (sweep_loop, "by_numbers_transposed"),
-        *((loop, name) for name in FUNCTIONS),
-    ]
-    for source, name in parts:
+    for name in FUNCTIONS:
         compile_one = compiled_function if name in ENTRIES else compiled_part
-        known[name] = compile_one(getattr(source, name), **known)
+        known[name] = compile_one(getattr(loop, name), **known)
     return known
 
 

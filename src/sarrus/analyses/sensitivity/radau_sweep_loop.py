@@ -39,8 +39,6 @@ leave_out: Any = None
 copy: Any = None
 solve_columns: Any = None
 solve_columns_transposed: Any = None
-by_numbers: Any = None
-by_numbers_transposed: Any = None
 STEP, NODE = 0, 1  # what is done next
 
 
@@ -95,7 +93,7 @@ class Node(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """The operators by b: which entry each number is, and which are an operator's; see `sweep_loop.by_numbers`."""
+    """The operators by b: which entry each number is, and which are an operator's; see `by_numbers`."""
 
     b_values: Any
     b_rows: Any
@@ -192,6 +190,32 @@ class Given(NamedTuple):
     v: Any
     a: Any
     lam: Any
+
+
+def by_numbers(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight A x, for an operator A by b."""
+    width = x.shape[1]
+    for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
+        k = blocks.chosen[place]
+        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
+        if width == 1:
+            out[row, 0] += value * x[column, 0]
+        else:
+            for c in range(width):
+                out[row, c] += value * x[column, c]
+
+
+def by_numbers_transposed(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight Aᵀ x, for an operator A by b."""
+    width = x.shape[1]
+    for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
+        k = blocks.chosen[place]
+        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
+        if width == 1:
+            out[column, 0] += value * x[row, 0]
+        else:
+            for c in range(width):
+                out[column, c] += value * x[row, c]
 
 
 def remember(record: Any, n: Any, tables: Any, b: Any) -> None:

@@ -1,0 +1,125 @@
+"""Arithmetic on numbers side by side, for compiled loops: arrays hold, for every entry, one number for each lane.
+
+``load(array, k)`` is entry k of all lanes, ``store(array, k, x)`` writes it; products are fused with their sum where
+the processor can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import types
+from numba.extending import intrinsic, models, register_model
+
+from .vector import INT, LANES, Vector
+
+VECTOR = Vector(LANES)
+FUSED = ("contract",)
+
+
+def emitted(function: Callable[..., Any]) -> Any:
+    """A function that is emitted as `function` says; its arguments are those without the context of types."""
+    return intrinsic(function)
+
+
+class LanesType(types.Type):
+    """One number in every lane."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"lanes{LANES}")
+
+
+KIND = LanesType()
+
+
+@register_model(LanesType)
+class _Model(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, VECTOR.kind)  # type: ignore[no-untyped-call]
+
+
+def _at(context: Any, builder: Any, signature: Any, args: Any, n: int, k: Any) -> Any:
+    """Where entry k of argument n stands."""
+    data = context.make_array(signature.args[n])(context, builder, args[n]).data
+    return builder.gep(VECTOR.pointer(builder, data), [k])
+
+
+def _arithmetic(emit: Callable[..., Any]) -> Callable[..., Any]:
+    """Code for a function of lanes that gives lanes."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return emit(builder, *args)
+
+    return codegen
+
+
+@emitted
+def load(typingctx: Any, array: Any, k: Any) -> Any:
+    """Entry k of an array."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return VECTOR.load(builder, _at(context, builder, signature, args, 0, args[1]))
+
+    return KIND(array, k), codegen
+
+
+@emitted
+def store(typingctx: Any, array: Any, k: Any, x: Any) -> Any:
+    """Write entry k of an array."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        VECTOR.store(builder, args[2], _at(context, builder, signature, args, 0, args[1]))
+        return context.get_dummy_value()
+
+    return types.void(array, k, x), codegen
+
+
+@emitted
+def fill(typingctx: Any, x: Any) -> Any:
+    """A number in all lanes."""
+    return KIND(types.float64), _arithmetic(VECTOR.fill)
+
+
+@emitted
+def plus_product(typingctx: Any, x: Any, a: Any, b: Any) -> Any:
+    """x + a b."""
+    return KIND(x, a, b), _arithmetic(
+        lambda builder, x, a, b: builder.fadd(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
+    )
+
+
+@emitted
+def minus_product(typingctx: Any, x: Any, a: Any, b: Any) -> Any:
+    """x - a b."""
+    return KIND(x, a, b), _arithmetic(
+        lambda builder, x, a, b: builder.fsub(x, builder.fmul(a, b, flags=FUSED), flags=FUSED)
+    )
+
+
+@emitted
+def product(typingctx: Any, a: Any, b: Any) -> Any:
+    """a b."""
+    return KIND(a, b), _arithmetic(lambda builder, a, b: builder.fmul(a, b))
+
+
+@emitted
+def ratio(typingctx: Any, a: Any, b: Any) -> Any:
+    """a / b."""
+    return KIND(a, b), _arithmetic(lambda builder, a, b: builder.fdiv(a, b))
+
+
+@emitted
+def turn(typingctx: Any, source: Any, k: Any, target: Any, stride: Any) -> Any:
+    """As many entries as there are lanes, from k on, to ``target[lane * stride + k]``: lane by lane."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        first = _at(context, builder, signature, args, 0, args[1])
+        rows = [VECTOR.load(builder, builder.gep(first, [INT(n)])) for n in range(LANES)]
+        data = context.make_array(signature.args[2])(context, builder, args[2]).data
+        for lane, row in enumerate(VECTOR.transposed(builder, rows)):
+            at = builder.gep(data, [builder.add(args[1], builder.mul(args[3], INT(lane)))])
+            VECTOR.store(builder, row, VECTOR.pointer(builder, at))
+        return context.get_dummy_value()
+
+    return types.void(source, k, target, stride), codegen

@@ -1,0 +1,309 @@
+"""What is evaluated and factored for a block of steps at once, one in every lane? (Functions that are compiled.)
+
+In a sweep all states are known: operators, matrices and their factors do not wait for what is swept. A block holds
+steps that follow one another, or changes of the step size. In arrays "in lanes" every entry is a number for each lane.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..._jit.vector import LANES
+from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
+from .panel_loop import solve_columns, solve_columns_transposed
+from .step_matrix import Factors
+
+VELOCITY: Any = None  # drivers, put in place when this is compiled
+JACOBIAN: Any = None
+INERTIA: Any = None
+STIFFNESS: Any = None
+GAMMA_V: Any = None
+GRADIENT: Any = None
+CHANGE: Any = None
+weights_of: Any = None  # of `dynamics.alpha_loop`
+weigh: Any = None  # of `dynamics.newton_matrix`
+
+
+class Record(NamedTuple):
+    """The steps as they were taken; see `sarrus.results.Steps`."""
+
+    t: Any
+    h: Any
+    removed: Any
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+    left_out: Any
+    places: Any
+    memory: Any
+
+
+class Entries(NamedTuple):
+    """The drivers of the operators, by address, and their entries; in lanes."""
+
+    velocity: Any
+    jacobian: Any
+    inertia: Any
+    stiffness: Any
+    gamma_v: Any
+
+
+class Product(NamedTuple):
+    """A matrix P (nq + m, 2 nq) by columns, made of the numbers of operators as `dynamics.placed` tells."""
+
+    parts: Any
+    places: Any
+    weights: Any
+    indptr: Any
+    indices: Any
+
+
+class Block(NamedTuple):
+    """Some steps or changes of their size.
+
+    index, used : (lanes,) the steps; how many lanes are in use, and which of them is next
+    t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
+    values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
+    weights, product : of the parts of J; P, by which changes of q and v enter the right sides
+    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins
+    work : (nq + m), in lanes
+    entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
+    dots, by_q, by_rows : forwards, changes of b (columns, len(b)), and the results in lanes
+    """
+
+    index: Any
+    used: Any
+    t: Any
+    q: Any
+    v: Any
+    a: Any
+    eta: Any
+    lam: Any
+    values: Any
+    M: Any
+    M_a_q: Any
+    S_q: Any
+    S_v: Any
+    Q_q: Any
+    Q_v: Any
+    Phi_qT_lam_q: Any
+    left_out: Any
+    Phi_q: Any
+    gamma_v: Any
+    Phi_q_xi: Any
+    Phi_t: Any
+    row_of: Any
+    weights: Any
+    product: Any
+    sheet: Any
+    turned: Any
+    cuts: Any
+    work: Any
+    entry: Any
+    xi: Any
+    nu: Any
+    by_b: Any
+    dots: Any
+    by_q: Any
+    by_rows: Any
+
+
+def solve_lane(
+    matrix: Any, block: Any, lane: Any, transposed: Any, right: Any, solution: Any, room: Any
+) -> Any:
+    """Solve with the factors of one lane, as `panel_loop.solve_columns` does, or transposed."""
+    factors, data = block.turned[lane, : block.cuts[1]], block.turned[lane, block.cuts[1] : block.cuts[2]]
+    own = Factors(
+        matrix.parts, matrix.weights, matrix.places, matrix.indptr, matrix.indices, data, matrix.pointers, matrix.rows,
+        matrix.diagonal, factors, matrix.ends, matrix.work, matrix.row_place, matrix.column_order,
+    )  # fmt: skip
+    if transposed:
+        return solve_columns_transposed(own, right, solution, room)
+    return solve_columns(own, right, solution, room)
+
+
+def alike(record: Any, n: Any, k: Any) -> Any:
+    """Whether elements remembered the same during two steps, and the same equations were left out."""
+    for i in range(len(record.places)):
+        if record.memory[n, i] != record.memory[k, i]:
+            return False
+    if len(record.left_out) > 0:
+        for i in range(record.left_out.shape[1]):
+            if record.left_out[n + 1, i] != record.left_out[k + 1, i]:
+                return False
+    return True
+
+
+def collect(record: Any, n: Any, last: Any, way: Any, rescales: Any, block: Any) -> None:
+    """Fill the lanes with steps that are alike, from n on; those that are left repeat one."""
+    count, k = 0, n
+    while count < LANES and (last - k) * way >= 0:
+        if not rescales or record.removed[k] != 0.0:
+            if not alike(record, n, k):
+                break
+            block.index[count] = k
+            count += 1
+        k += way
+    for lane in range(count, LANES):
+        block.index[lane] = n
+    block.used[0], block.used[1] = count, 0
+
+
+def put(x: Any, lane: Any, weight: Any, out: Any) -> None:
+    """A lane of out = weight x."""
+    for k in range(len(x)):
+        out[k * LANES + lane] = weight * x[k]
+
+
+def gather(record: Any, after: Any, block: Any) -> None:
+    """The states at the steps' ends (after = 1) or starts; adjoint variables begin with zero."""
+    for lane in range(LANES):
+        node = block.index[lane] + after
+        block.t[lane] = record.t[node]
+        put(record.q[node], lane, 1.0, block.q)
+        put(record.v[node], lane, 1.0, block.v)
+        put(record.a[node], lane, 1.0, block.a)
+        put(record.lam[node], lane, 1.0, block.lam)
+    block.xi[:], block.nu[:] = 0.0, 0.0
+
+
+def remember(b: Any, record: Any, block: Any) -> None:
+    """What elements remembered during the steps of a block."""
+    for k in range(len(record.places)):
+        b[record.places[k]] = record.memory[block.index[0], k]
+
+
+def leave_out(record: Any, block: Any) -> None:
+    """Equations that are left out have no gradient."""
+    if len(record.left_out) > 0:
+        out = record.left_out[block.index[0] + 1]
+        for k in range(len(block.left_out)):
+            block.left_out[k] = out[k // LANES]
+        for k in range(len(block.Phi_q)):
+            block.Phi_q[k] *= 1.0 - out[block.row_of[k // LANES]]
+
+
+def solved_rows(record: Any, n: Any, x: Any) -> None:
+    """Zero in the rows of equations that are left out in step n."""
+    if len(record.left_out) > 0:
+        m = record.left_out.shape[1]
+        below = x[x.shape[0] - m :]
+        for k in range(m):
+            if record.left_out[n + 1, k] > 0.0:
+                below[k, :] = 0.0
+
+
+def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
+    """The numbers of the operators of constraints and inertia; all others are zero."""
+    clear_lanes(block.values)
+    JACOBIAN(entries.jacobian, b, block.t, block.q, block.lam, block.Phi_q, block.Phi_qT_lam_q)
+    INERTIA(entries.inertia, b, block.q, block.v, block.a, block.M, block.M_a_q, block.S_q, block.S_v)
+    leave_out(record, block)
+
+
+def factor_block(matrix: Any, block: Any) -> None:
+    """Assemble and factor J."""
+    first, last = block.cuts[1], block.cuts[2]
+    factors, data = block.sheet[: first * LANES], block.sheet[first * LANES : last * LANES]
+    assemble_lanes(matrix.parts, matrix.places, block.weights, block.values, data)
+    factor_lanes(
+        matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, data, factors,
+        block.work,
+    )  # fmt: skip
+    turn_lanes(block.sheet, 0, last, block.turned)
+
+
+def make_product(block: Any) -> None:
+    """Assemble P."""
+    product, first = block.product, block.cuts[2]
+    assemble_lanes(product.parts, product.places, product.weights, block.values, block.sheet[first * LANES :])
+    turn_lanes(block.sheet, first, block.turned.shape[1], block.turned)
+
+
+def change(b: Any, block: Any) -> None:
+    """Forwards, what changes of the numbers do."""
+    for c in range(len(block.by_q)):
+        clear_lanes(block.by_q[c])
+        clear_lanes(block.by_rows[c])
+        CHANGE(
+            block.entry, b, block.t, block.q, block.v, block.a, block.eta, block.lam, block.dots[c], block.by_q[c],
+            block.by_rows[c],
+        )  # fmt: skip
+
+
+def finish(b: Any, record: Any, block: Any) -> None:
+    """Backwards, what the adjoint variables give for the gradient by the numbers; the block is used up."""
+    if block.used[0] > 0:
+        remember(b, record, block)
+        for c in range(len(block.xi)):
+            GRADIENT(
+                block.entry, b, block.t, block.q, block.v, block.a, block.eta, block.xi[c], block.lam, block.nu[c],
+                block.by_b[c],
+            )  # fmt: skip
+    block.used[:] = 0
+
+
+def linearize_steps(
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, block: Any
+) -> None:
+    """Evaluate and factor for the steps from n on, up or down."""
+    collect(record, n, last, way, False, block)
+    gather(record, 1, block)
+    remember(b, record, block)
+    evaluate(entries, b, record, block)
+    STIFFNESS(entries.stiffness, b, block.t, block.q, block.v, block.Q_q, block.Q_v)
+    for lane in range(LANES):
+        beta, gamma = weights_of(scheme, record.h[block.index[lane]])
+        weigh(block.weights[:, lane], beta, gamma)
+    factor_block(matrix, block)
+    make_product(block)
+    change(b, block)
+
+
+def linearize_rescales(
+    entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, block: Any, work: Any
+) -> Any:
+    """The same for changes of the step size from step n on; false if pivots must be renewed for it.
+
+    M s + Φ_qᵀσ = 0, Φ_q s = d = Φ_q v + Φ_t. Derivatives: of the first line (M s)_q + (Φ_qᵀσ)_q, of the second line
+    less d: -G with G = (Φ_q (v - s))_q + Φ_tq = -½ γ_v(q, v - s).
+    """
+    collect(record, n, last, way, True, block)
+    gather(record, 0, block)
+    remember(b, record, block)
+    evaluate(entries, b, record, block)
+    factor_block(matrix, block)
+    clear_lanes(block.Phi_q_xi)
+    clear_lanes(block.Phi_t)
+    VELOCITY(entries.velocity, b, block.t, block.q, block.v, block.Phi_q_xi, block.Phi_t)
+    for lane in range(block.used[0]):
+        if not take_defect(record, matrix, block, lane, work):
+            block.used[0] = lane
+            break
+    if block.used[0] == 0:
+        return False
+    evaluate(entries, b, record, block)
+    GAMMA_V(entries.gamma_v, b, block.t, block.q, block.eta, block.gamma_v)
+    make_product(block)
+    change(b, block)
+    return True
+
+
+def take_defect(record: Any, matrix: Any, block: Any, lane: Any, work: Any) -> Any:
+    """s and σ of one lane in place of a and λ; false if pivots must be renewed."""
+    nq, m = record.q.shape[1], record.lam.shape[1]
+    right, found = work.single[0], work.single[1]
+    right[:nq] = 0.0
+    for k in range(m):
+        right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
+    solved_rows(record, block.index[lane], right)
+    if not solve_lane(matrix, block, lane, False, right, found, work.single[2:]) <= work.trusted[0]:
+        return False
+    for k in range(nq):
+        place = k * LANES + lane
+        block.a[place] = found[k, 0]
+        block.eta[place] = block.v[place] - found[k, 0]
+    for k in range(m):
+        block.lam[k * LANES + lane] = found[nq + k, 0]
+    return True

@@ -1,0 +1,118 @@
+"""Room for a block of steps whose derivatives are evaluated together: patterns, tables, and arrays in lanes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..._jit.vector import LANES
+from ...algebra import Array
+from ...system import System
+from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
+from ..dynamics.placed import Numbers, Part, layout_of
+from .block_loop import Block, Entries, Product
+from .by_numbers import change_entry, gradient_entry
+from .kernels import GROUPS
+from .step_matrix import Factors, StepMatrix, unsigned
+
+LINE = 64  # bytes that are read at once
+STEP = {"M_a_q": -1.0, "S_q": 1.0, "Q_q": 1.0, "Phi_qT_lam_q": -1.0, "S_v": 1.0, "Q_v": 1.0, "Phi_q": 1.0}
+RESCALE = {"M_a_q": -1.0, "Phi_qT_lam_q": -1.0, "gamma_v": -0.5, "Phi_q": 1.0}
+
+
+def room(entries: int, *rows: int) -> Array:
+    """Zeros in lanes, where the memory is read fastest."""
+    found = np.zeros(int(np.prod(rows)) * entries * LANES + LINE // 8)
+    first = -found.ctypes.data % LINE // 8
+    return found[first : first + int(np.prod(rows)) * entries * LANES].reshape(*rows, entries * LANES)
+
+
+class Blocks:
+    """Blocks of steps and of changes of their size of one run; one matrix for both.
+
+    Parameters
+    ----------
+    system : System
+    columns : how many derivatives or responses are swept at once
+    b_dot : (len(system.b), k) changes of the numbers, for a sweep forward
+
+    Attributes
+    ----------
+    matrix : of a single step; the order of its pivots serves all lanes
+    steps, rescales : the blocks
+    """
+
+    def __init__(self, system: System, columns: int, b_dot: Array | None) -> None:
+        self._system, self._columns = system, columns
+        nq, m = system.nq, system.m
+        self._numbers = Numbers(system, (*NUMBERS, "gamma_v"))
+        self.matrix = StepMatrix(self._numbers, nq + m, alpha_parts(nq))
+        groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
+        self.entries = Entries._make(group.entry_in_lanes for group in groups)
+        self.dots = np.zeros((0, 0)) if b_dot is None else np.ascontiguousarray(b_dot.T)
+        self.steps = self._block("step", self._product(STEP, {}))
+        self.rescales = self._block("rate", self._product(RESCALE, {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}))
+
+    def _product(self, weights: dict[str, float], places: dict[str, tuple[int, int]]) -> Product:
+        """P made of some operators."""
+        nq, m = self._system.nq, self._system.m
+        usual = {"S_v": (0, nq), "Q_v": (0, nq), "Phi_q": (nq, 0)} | places
+        kinds = tuple(Part(name, *usual.get(name, (0, 0))) for name in weights)
+        layout = layout_of(self._system, max(2 * nq, nq + m), (), kinds)
+        numbers = self._numbers
+        rows = [(numbers.start[name], len(numbers.views[name])) for name in weights]
+        parts = np.column_stack([np.array(rows), layout.first]).astype(np.int64)
+        filled = room(len(weights))
+        filled[:] = np.repeat(list(weights.values()), LANES)
+        place, indptr, indices = unsigned((layout.place, layout.indptr, layout.indices))
+        return Product(parts, place, filled, indptr, indices)
+
+    def _block(self, kind: str, product: Product) -> Block:
+        system, numbers, k = self._system, self._numbers, self._columns
+        nq, m, forward = system.nq, system.m, len(self.dots) > 0
+        values, backward = room(len(numbers.values)), 0 if forward else k
+        starts = {name: numbers.start[name] for name in numbers.names}
+        views = {
+            name: values[start * LANES : (start + len(numbers.views[name])) * LANES]
+            for name, start in starts.items()
+        }
+        moved = tuple(np.any(self.dots != 0.0, axis=0)[: system.nb].tolist()) if forward else ()
+        weights = room(1, len(self.matrix.weights))
+        weights[:] = 1.0
+        weigh(weights, 0.0, 0.0)
+        given: dict[str, Any] = views | {
+            "index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64), "t": room(1),
+            "q": room(nq), "v": room(nq), "a": room(nq), "eta": room(nq), "lam": room(m),
+            "values": values, "Phi_q_xi": room(m), "Phi_t": room(m), "row_of": numbers.row_of,
+            "weights": weights, "product": product,
+            "sheet": room(0), "turned": np.zeros((LANES, 0)), "cuts": np.zeros(3, np.int64), "work": room(nq + m),
+            "entry": change_entry(system, kind, moved) if forward else gradient_entry(system, kind),
+            "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
+            "dots": self.dots, "by_q": room(nq, k - backward), "by_rows": room(m, k - backward),
+        }  # fmt: skip
+        return Block(**given)
+
+    def arrange(self) -> Factors:
+        """Choose pivots for the numbers and weights that are in the matrix; room for factors in the blocks."""
+        matrix = self.matrix.in_panels()
+        parts = [len(matrix.factors), len(matrix.data)]
+        self.steps = self._with_room(self.steps, parts)
+        self.rescales = self._with_room(self.rescales, parts)
+        return matrix
+
+    @staticmethod
+    def _with_room(block: Block, parts: list[int]) -> Block:
+        """A sheet for factors, numbers of J and numbers of P, each from a multiple of the number of lanes on."""
+        widths = [-(-count // LANES) * LANES for count in (*parts, len(block.product.indices))]
+        cuts = np.cumsum([0, *widths])
+        turned = room(int(cuts[-1])).reshape(LANES, -1)
+        return block._replace(sheet=room(int(cuts[-1])), turned=turned, cuts=cuts[:-1].astype(np.int64))
+
+    def gradient(self) -> Array:
+        """What the adjoint variables have given for the gradient by the numbers (nb, k), which is taken."""
+        found = np.zeros((self._system.nb, self._columns))
+        for block in (self.steps, self.rescales):
+            found -= block.by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
+            block.by_b[:] = 0.0
+        return found

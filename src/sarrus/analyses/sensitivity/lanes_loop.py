@@ -1,0 +1,107 @@
+"""How are matrices of one pattern assembled and factored at once, one in every lane? (Functions that are compiled.)
+
+In arrays "in lanes" every entry is as many numbers as there are lanes, side by side. Factors are those of `panel_loop`;
+no pivot is looked at: where one fails, so does the refinement of a solution.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
+from ..._jit.vector import LANES
+
+ONE: Any = np.uint64(1)
+TWO: Any = np.uint64(2)
+THREE: Any = np.uint64(3)
+WIDE: Any = np.uint64(LANES)
+
+
+def clear_lanes(x: Any) -> None:
+    """x = 0, in lanes."""
+    zero = fill(0.0)
+    for k in range(np.uint64(len(x)) // WIDE):
+        store(x, k, zero)
+
+
+def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
+    """Sum the weighted numbers of all parts into the numbers of a matrix, as `dynamics.placed.assemble` does."""
+    clear_lanes(data)
+    for s in range(np.uint64(len(parts))):
+        first, count, at, weight = parts[s, 0], parts[s, 1], parts[s, 2], load(weights, s)
+        for k in range(count):
+            place = places[at + k]
+            store(data, place, plus_product(load(data, place), weight, load(values, first + k)))
+
+
+def factor_lanes(
+    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any
+) -> None:  # fmt: skip
+    """Factor as `panel_loop.refactor_panels` does; all but places are in lanes."""
+    zero, one = fill(0.0), fill(1.0)
+    for j in range(np.uint64(len(diagonal))):
+        start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
+        for entry in range(start, end):
+            store(work, rows[entry], zero)
+        for place in range(indptr[j], indptr[j + ONE]):
+            store(work, indices[place], load(data, place))
+        entry = start
+        while entry < middle:
+            k = rows[entry]
+            behind = min(ends[k], j)
+            base = diagonal[behind - ONE] + ONE
+            size = pointers[behind] - base
+            while k + TWO < behind:
+                u0 = load(work, k)
+                first, second, third = diagonal[k] + ONE, diagonal[k + ONE] + ONE, diagonal[k + TWO] + ONE
+                u1 = minus_product(load(work, k + ONE), load(factors, first), u0)
+                u2 = minus_product(load(work, k + TWO), load(factors, first + ONE), u0)
+                u2 = minus_product(u2, load(factors, second), u1)
+                store(factors, entry, u0)
+                store(factors, entry + ONE, u1)
+                store(factors, entry + TWO, u2)
+                k, entry, first, second = k + THREE, entry + THREE, first + TWO, second + ONE
+                for i in range(behind - k):
+                    x = minus_product(load(work, k + i), load(factors, first + i), u0)
+                    x = minus_product(x, load(factors, second + i), u1)
+                    store(work, k + i, minus_product(x, load(factors, third + i), u2))
+                first, second, third = first + (behind - k), second + (behind - k), third + (behind - k)
+                for i in range(size):
+                    row = rows[base + i]
+                    x = minus_product(load(work, row), load(factors, first + i), u0)
+                    x = minus_product(x, load(factors, second + i), u1)
+                    store(work, row, minus_product(x, load(factors, third + i), u2))
+            if k + ONE < behind:
+                u0 = load(work, k)
+                first, second = diagonal[k] + ONE, diagonal[k + ONE] + ONE
+                u1 = minus_product(load(work, k + ONE), load(factors, first), u0)
+                store(factors, entry, u0)
+                store(factors, entry + ONE, u1)
+                k, entry, first = k + TWO, entry + TWO, first + ONE
+                for i in range(behind - k):
+                    x = minus_product(load(work, k + i), load(factors, first + i), u0)
+                    store(work, k + i, minus_product(x, load(factors, second + i), u1))
+                first, second = first + (behind - k), second + (behind - k)
+                for i in range(size):
+                    row = rows[base + i]
+                    x = minus_product(load(work, row), load(factors, first + i), u0)
+                    store(work, row, minus_product(x, load(factors, second + i), u1))
+            while k < behind:
+                u0 = load(work, k)
+                store(factors, entry, u0)
+                for i in range(diagonal[k] + ONE, pointers[k + ONE]):
+                    store(work, rows[i], minus_product(load(work, rows[i]), load(factors, i), u0))
+                k, entry = k + ONE, entry + ONE
+        inverse = ratio(one, load(work, j))
+        store(factors, middle, inverse)
+        for entry in range(middle + ONE, end):
+            store(factors, entry, product(load(work, rows[entry]), inverse))
+
+
+def turn_lanes(sheet: Any, first: Any, last: Any, turned: Any) -> None:
+    """Entries first:last of an array in lanes, multiples of their number: one lane's after another (lanes, entries)."""
+    stride: Any = np.uint64(turned.shape[1])
+    for k in range(np.uint64(first), np.uint64(last), WIDE):
+        turn(sheet, k, turned, stride)

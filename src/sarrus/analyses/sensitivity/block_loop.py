@@ -66,7 +66,7 @@ class Block(NamedTuple):
     t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
     values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
     weights, product : of the parts of J; P, by which changes of q and v enter the right sides
-    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins
+    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins, and the end
     work : (nq + m), in lanes
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
     dots, by_q, by_rows : forwards, changes of b (columns, len(b)), and the results in lanes
@@ -216,9 +216,10 @@ def factor_block(matrix: Any, block: Any) -> None:
 
 def make_product(block: Any) -> None:
     """Assemble P."""
-    product, first = block.product, block.cuts[2]
-    assemble_lanes(product.parts, product.places, product.weights, block.values, block.sheet[first * LANES :])
-    turn_lanes(block.sheet, first, block.turned.shape[1], block.turned)
+    product, first, last = block.product, block.cuts[2], block.cuts[3]
+    data = block.sheet[first * LANES : last * LANES]
+    assemble_lanes(product.parts, product.places, product.weights, block.values, data)
+    turn_lanes(block.sheet, first, last, block.turned)
 
 
 def change(b: Any, block: Any) -> None:

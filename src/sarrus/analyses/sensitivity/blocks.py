@@ -28,6 +28,11 @@ def room(entries: int, *rows: int) -> Array:
     return found[first : first + int(np.prod(rows)) * entries * LANES].reshape(*rows, entries * LANES)
 
 
+def _whole(count: int) -> int:
+    """The next multiple of the number of lanes."""
+    return -(-count // LANES) * LANES
+
+
 class Blocks:
     """Blocks of steps and of changes of their size of one run; one matrix for both.
 
@@ -40,7 +45,7 @@ class Blocks:
     Attributes
     ----------
     matrix : of a single step; the order of its pivots serves all lanes
-    steps, rescales : the blocks
+    steps, rescales : the blocks; they share room for what is turned, and not needed then
     """
 
     def __init__(self, system: System, columns: int, b_dot: Array | None) -> None:
@@ -50,6 +55,7 @@ class Blocks:
         self.matrix = StepMatrix(self._numbers, nq + m, alpha_parts(nq))
         groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
         self.entries = Entries._make(group.entry_in_lanes for group in groups)
+        self._values = room(len(self._numbers.values))
         self.dots = np.zeros((0, 0)) if b_dot is None else np.ascontiguousarray(b_dot.T)
         self.steps = self._block("step", self._product(STEP, {}))
         self.rescales = self._block("rate", self._product(RESCALE, {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}))
@@ -71,7 +77,7 @@ class Blocks:
     def _block(self, kind: str, product: Product) -> Block:
         system, numbers, k = self._system, self._numbers, self._columns
         nq, m, forward = system.nq, system.m, len(self.dots) > 0
-        values, backward = room(len(numbers.values)), 0 if forward else k
+        values, backward = self._values, 0 if forward else k
         starts = {name: numbers.start[name] for name in numbers.names}
         views = {
             name: values[start * LANES : (start + len(numbers.views[name])) * LANES]
@@ -97,17 +103,13 @@ class Blocks:
         """Choose pivots for the numbers and weights that are in the matrix; room for factors in the blocks."""
         matrix = self.matrix.in_panels()
         parts = [len(matrix.factors), len(matrix.data)]
-        self.steps = self._with_room(self.steps, parts)
-        self.rescales = self._with_room(self.rescales, parts)
+        both = [np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))]) for x in (self.steps, self.rescales)]
+        sheet = room(int(max(cuts[-1] for cuts in both)))
+        self.steps, self.rescales = (
+            block._replace(sheet=sheet, turned=room(int(cuts[-1])).reshape(LANES, -1), cuts=cuts)
+            for block, cuts in zip((self.steps, self.rescales), both, strict=True)
+        )
         return matrix
-
-    @staticmethod
-    def _with_room(block: Block, parts: list[int]) -> Block:
-        """A sheet for factors, numbers of J and numbers of P, each from a multiple of the number of lanes on."""
-        widths = [-(-count // LANES) * LANES for count in (*parts, len(block.product.indices))]
-        cuts = np.cumsum([0, *widths])
-        turned = room(int(cuts[-1])).reshape(LANES, -1)
-        return block._replace(sheet=room(int(cuts[-1])), turned=turned, cuts=cuts[:-1].astype(np.int64))
 
     def gradient(self) -> Array:
         """What the adjoint variables have given for the gradient by the numbers (nb, k), which is taken."""

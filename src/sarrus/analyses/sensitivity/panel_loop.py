@@ -180,10 +180,11 @@ def upper_lower(matrix: Any, x: Any) -> None:
 
 
 def copy(x: Any, out: Any) -> None:
-    """Out = x."""
-    for k in range(x.shape[0]):
-        for c in range(x.shape[1]):
-            out[k, c] = x[k, c]
+    """Out = x (n, k)."""
+    size = x.shape[0] * x.shape[1]
+    source, target = x.reshape(size), out.reshape(size)
+    for k in range(size):
+        target[k] = source[k]
 
 
 def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
@@ -279,9 +280,9 @@ def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
 
 def add(change: Any, x: Any) -> Any:
     """x += change; the largest change over the largest entry."""
-    most, largest = 0.0, 1e-300
-    for k in range(x.shape[0]):
-        for c in range(x.shape[1]):
-            most, largest = max(most, abs(change[k, c])), max(largest, abs(x[k, c]))
-            x[k, c] += change[k, c]
+    size, most, largest = x.shape[0] * x.shape[1], 0.0, 1e-300
+    changes, values = change.reshape(size), x.reshape(size)
+    for k in range(size):
+        most, largest = max(most, abs(changes[k])), max(largest, abs(values[k]))
+        values[k] += changes[k]
     return most / largest

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..._jit.vector import LANES
 from .block_loop import finish, linearize_rescales, linearize_steps, solve_lane, solved_rows
-from .panel_loop import copy
+from .panel_loop import add, copy
 
 weights_of: Any = None  # of `dynamics.alpha_loop`, put in place when this is compiled
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
@@ -179,10 +179,11 @@ def backward_step(
     lane, h, kappa = block.used[1], record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
     nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
-    right, mu = work.right, work.solution
-    for k in range(nq):
-        for c in range(width):
-            right[k, c] = bars.a[k, c] + kappa * bars.x[k, c] + gamma * bars.v[k, c] + beta * bars.q[k, c]
+    right, mu, size = work.right, work.solution, nq * width
+    q, v, a, x = bars.q.reshape(size), bars.v.reshape(size), bars.a.reshape(size), bars.x.reshape(size)
+    above = right[:nq].reshape(size)
+    for k in range(size):
+        above[k] = a[k] + kappa * x[k] + gamma * v[k] + beta * q[k]
     copy(bars.lam, right[nq:])
     if len(sources.step) > 0:
         for k in range(nq + m):
@@ -203,14 +204,12 @@ def backward_step(
     put_adjoint(block, lane, mu, -1.0)
     apply_transposed(block, lane, mu, bars.q, bars.v)
     share_m, share_f = scheme.alpha_m / (1.0 - scheme.alpha_m), scheme.alpha_f / (1.0 - scheme.alpha_m)
-    for k in range(nq):
-        for c in range(width):
-            by_q, by_v = bars.q[k, c], bars.v[k, c]
-            by_x = bars.x[k, c] + h * h * scheme.beta * by_q + h * scheme.gamma * by_v
-            bars.v[k, c] = by_v + h * by_q
-            start = h * h * (0.5 - scheme.beta) * by_q + h * (1.0 - scheme.gamma) * by_v
-            bars.x[k, c] = start - share_m * by_x
-            bars.a[k, c] = share_f * by_x
+    for k in range(size):
+        by_q, by_v = q[k], v[k]
+        by_x = x[k] + h * h * scheme.beta * by_q + h * scheme.gamma * by_v
+        v[k] = by_v + h * by_q
+        x[k] = h * h * (0.5 - scheme.beta) * by_q + h * (1.0 - scheme.gamma) * by_v - share_m * by_x
+        a[k] = share_f * by_x
     block.used[1] += 1
     return True
 
@@ -284,14 +283,10 @@ def backward_rescale(
 
 def add_gradients(given: Any, row: Any, bars: Any) -> None:
     """Add what responses take from one node."""
-    for k in range(bars.q.shape[0]):
-        for c in range(bars.q.shape[1]):
-            bars.q[k, c] += given.q[row, k, c]
-            bars.v[k, c] += given.v[row, k, c]
-            bars.a[k, c] += given.a[row, k, c]
-    for k in range(bars.lam.shape[0]):
-        for c in range(bars.lam.shape[1]):
-            bars.lam[k, c] += given.lam[row, k, c]
+    add(given.q[row], bars.q)
+    add(given.v[row], bars.v)
+    add(given.a[row], bars.a)
+    add(given.lam[row], bars.lam)
 
 
 def backward(
@@ -321,7 +316,7 @@ def backward(
                     break
             if not backward_rescale(record, n, matrix, rescales, work, bars, kept, sources):
                 break
-        if n > 0:
+        if n > 0 and record.h[n] != record.h[n - 1]:
             ratio = record.h[n] / record.h[n - 1]
             for k in range(bars.x.shape[0]):
                 for c in range(bars.x.shape[1]):
@@ -352,7 +347,7 @@ def forward(
                     break
                 if not forward_rescale(record, n, matrix, rescales, work, bars, kept, sources):
                     break
-            if n > 0:
+            if n > 0 and record.h[n] != record.h[n - 1]:
                 ratio = record.h[n] / record.h[n - 1]
                 for k in range(bars.x.shape[0]):
                     for c in range(bars.x.shape[1]):

@@ -279,10 +279,11 @@ def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
 
 
 def add(change: Any, x: Any) -> Any:
-    """x += change; the largest change over the largest entry."""
-    size, most, largest = x.shape[0] * x.shape[1], 0.0, 1e-300
+    """x += change; the largest change over the largest entry, not a number if one of the changes is none."""
+    size, most, largest, total = x.shape[0] * x.shape[1], 0.0, 1e-300, 0.0
     changes, values = change.reshape(size), x.reshape(size)
     for k in range(size):
         most, largest = max(most, abs(changes[k])), max(largest, abs(values[k]))
         values[k] += changes[k]
-    return most / largest
+        total += changes[k]
+    return most / largest if abs(total) < np.inf else np.nan

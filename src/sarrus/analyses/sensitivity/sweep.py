@@ -111,7 +111,7 @@ class Sweep:
         """From the ends of the steps first:last, whose gradients are given, to the start of the first, in place."""
         n, stage, tried = last - 1, loop.GRADIENTS, NOWHERE
         if n >= first and self._shown is None:
-            self._choose_pivots_at(n, 0.0)
+            self._choose_pivots_at(n, n, 0.0)
         while n >= first:
             n, stage = self._run(
                 "backward", n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
@@ -135,7 +135,7 @@ class Sweep:
         """
         n, stage, tried = first, loop.RESCALE, NOWHERE
         if n < last and self._shown is None:
-            self._choose_pivots_at(n, 0.0)
+            self._choose_pivots_at(n, n, 0.0)
         while n < last:
             n, stage = self._run(
                 "forward", n, last, stage, bars, given, kept or NOTHING_KEPT, sources or NOTHING_MOVED
@@ -157,16 +157,15 @@ class Sweep:
         if times > 1:
             raise SingularMatrix(f"the equations of the step to t = {self.steps.t[n + 1]:.6g} s are singular")
         if stage == loop.RESCALE and self.steps.removed[n] != 0.0:
-            self._choose_pivots_at(n, 0.0)
+            self._choose_pivots_at(n, n, 0.0)
         else:
-            self._choose_pivots_at(n + 1, float(self.steps.h[n]))
+            self._choose_pivots_at(n, n + 1, float(self.steps.h[n]))
         self._work.trusted[0] = TRUSTED[times]
         return n, stage, times
 
-    def _choose_pivots_at(self, node: int, h: float) -> None:
-        """A pivot order for the matrix of a step that ends at a node; that of h = 0 serves most steps."""
+    def _choose_pivots_at(self, n: int, node: int, h: float) -> None:
+        """A pivot order for a matrix of step n at a node; that of h = 0 serves most steps."""
         steps, matrix = self.steps, self._blocks.matrix
-        n = min(node, len(steps) - 1)
         self.b[steps.places] = steps.memory[n]
         matrix.numbers.left_out[:] = steps.left_out[n + 1] if len(steps.left_out) else 0.0
         operands = {"t": float(steps.t[node])} | {k: getattr(steps, k)[node] for k in ("q", "v", "a", "lam")}

@@ -90,9 +90,11 @@ def ratios(
     chain, evaluation = Chain(system, steps), Evaluation(system, steps, wanted, parameters)
     curvature, direction = Curvature(chain, evaluation, parameters), np.ones(count)
     curvature.times(direction)
+    nodes, _ = evaluation.gradients()
     functions: dict[str, Callable[[], Any]] = {
         "forward": lambda: simulated(False),
         "forward_kept": lambda: simulated(True),
+        "sweep": lambda: chain.gradients(nodes),
         "adjoint": lambda: _gradient(chain, evaluation, parameters),
         "hessian_product": lambda: curvature.times(direction),
     }

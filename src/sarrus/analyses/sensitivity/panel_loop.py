@@ -180,9 +180,9 @@ def upper_lower(matrix: Any, x: Any) -> None:
 
 
 def copy(x: Any, out: Any) -> None:
-    """Out = x (n, k)."""
+    """Out = x (n, k), where out may have more rows."""
     size = x.shape[0] * x.shape[1]
-    source, target = x.reshape(size), out.reshape(size)
+    source, target = x.reshape(size), out.reshape(out.shape[0] * out.shape[1])
     for k in range(size):
         target[k] = source[k]
 

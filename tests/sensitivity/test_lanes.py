@@ -24,7 +24,9 @@ def states(system: sr.System) -> dict[str, np.ndarray]:
     """One state in each lane (lanes, size)."""
     rng = np.random.default_rng(3)
     sizes = {"lam": system.m, "nu": system.m}
-    found = {n: rng.normal(size=(LANES, sizes.get(n, system.nq))) for n in ("v", "a", "xi", "eta", "lam", "nu")}
+    found = {
+        n: rng.normal(size=(LANES, sizes.get(n, system.nq))) for n in ("v", "a", "xi", "eta", "lam", "nu")
+    }
     near = system.q0 + 0.01 * rng.normal(size=(LANES, system.nq))
     return found | {"t": rng.uniform(size=(LANES, 1)), "q": near}
 
@@ -61,7 +63,12 @@ def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: s
     for lane in range(LANES):
         one = {name: x[lane] for name, x in at.items()}
         t, q, v = float(one["t"][0]), one["q"], one["v"]
-        R_b = crank.Phi_qT_lam_b(q, one["lam"], t) + crank.M_a_b(q, one["a"]) - crank.S_b(q, v) - crank.Q_b(q, v, t)
+        R_b = (
+            crank.Phi_qT_lam_b(q, one["lam"], t)
+            + crank.M_a_b(q, one["a"])
+            - crank.S_b(q, v)
+            - crank.Q_b(q, v, t)
+        )
         Phi_b = crank.Phi_b(q, t)
         wanted = R_b.T @ one["xi"] + Phi_b.T @ one["nu"]
         assert np.allclose(by_b.reshape(-1, LANES)[:, lane], wanted[: crank.nb], rtol=1e-11, atol=1e-11)

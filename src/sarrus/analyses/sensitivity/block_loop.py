@@ -66,7 +66,8 @@ class Block(NamedTuple):
     t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
     values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
     weights, product : of the parts of J; P, by which changes of q and v enter the right sides
-    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins, and the end
+    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins,
+        and the end
     work : (nq + m), in lanes
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
     dots, by_q, by_rows : forwards, changes of b (columns, len(b)), and the results in lanes

@@ -103,7 +103,10 @@ class Blocks:
         """Choose pivots for the numbers and weights that are in the matrix; room for factors in the blocks."""
         matrix = self.matrix.in_panels()
         parts = [len(matrix.factors), len(matrix.data)]
-        both = [np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))]) for x in (self.steps, self.rescales)]
+        both = [
+            np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))])
+            for x in (self.steps, self.rescales)
+        ]
         sheet = room(int(max(cuts[-1] for cuts in both)))
         self.steps, self.rescales = (
             block._replace(sheet=sheet, turned=room(int(cuts[-1])).reshape(LANES, -1), cuts=cuts)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from ..._jit.pointer import Entry
 from ..._jit.vector import LANES
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from .panel_loop import solve_columns, solve_columns_transposed
@@ -70,7 +71,8 @@ class Block(NamedTuple):
         and the end
     work : (nq + m), in lanes
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
-    dots, by_q, by_rows : forwards, changes of b (columns, len(b)), and the results in lanes
+    dots, drivers, by_q, by_rows : forwards, changes of b (columns, len(b)), which drivers they concern, and the results
+        in lanes
     """
 
     index: Any
@@ -106,6 +108,7 @@ class Block(NamedTuple):
     nu: Any
     by_b: Any
     dots: Any
+    drivers: Any
     by_q: Any
     by_rows: Any
 
@@ -228,8 +231,12 @@ def change(b: Any, block: Any) -> None:
     for c in range(len(block.by_q)):
         clear_lanes(block.by_q[c])
         clear_lanes(block.by_rows[c])
+        first, last = block.drivers[c, 0], block.drivers[c, 1]
+        own = Entry(
+            block.entry.addresses[first:last], block.entry.starts[first : last + 1], block.entry.tables
+        )
         CHANGE(
-            block.entry, b, block.t, block.q, block.v, block.a, block.eta, block.lam, block.dots[c], block.by_q[c],
+            own, b, block.t, block.q, block.v, block.a, block.eta, block.lam, block.dots[c], block.by_q[c],
             block.by_rows[c],
         )  # fmt: skip
 

@@ -12,7 +12,7 @@ from ...system import System
 from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, Part, layout_of
 from .block_loop import Block, Entries, Product
-from .by_numbers import change_entry, gradient_entry
+from .by_numbers import change_entry, drivers_of_columns, gradient_entry
 from .kernels import GROUPS
 from .step_matrix import Factors, StepMatrix, unsigned
 
@@ -56,7 +56,7 @@ class Blocks:
         groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
         self.entries = Entries._make(group.entry_in_lanes for group in groups)
         self._values = room(len(self._numbers.values))
-        self.dots = np.zeros((0, 0)) if b_dot is None else np.ascontiguousarray(b_dot.T)
+        self.dots = np.zeros((0, len(system.b))) if b_dot is None else np.ascontiguousarray(b_dot.T)
         self.steps = self._block("step", self._product(STEP, {}))
         self.rescales = self._block("rate", self._product(RESCALE, {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}))
 
@@ -95,7 +95,8 @@ class Blocks:
             "sheet": room(0), "turned": np.zeros((LANES, 0)), "cuts": np.zeros(3, np.int64), "work": room(nq + m),
             "entry": change_entry(system, kind, moved) if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
-            "dots": self.dots, "by_q": room(nq, k - backward), "by_rows": room(m, k - backward),
+            "dots": self.dots, "drivers": drivers_of_columns(system, kind, self.dots),
+            "by_q": room(nq, k - backward), "by_rows": room(m, k - backward),
         }  # fmt: skip
         return Block(**given)
 

@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ..._jit import pointer
 from ..._jit.differentiate import directional
 from ..._jit.emit import NUMBERS_DOT, Recording
+from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
+from ...system.population import Population
 from ..once import once
 from .reverse import gradient
 from .shares import STATES, Share, block, concerned, entry
@@ -38,8 +42,23 @@ def change_entry(system: System, kind: str, moved: tuple[bool, ...]) -> Any:
 
     `moved` tells which numbers change.
     """
-    own = [p for p in concerned(system, kind) if any(moved[p.at : p.end])]
+    own = _moved(system, kind, np.array(moved))
     return entry(own, [_change(p.variant, kind) for p in own], ("coordinates", "rows"), "change")
+
+
+def drivers_of_columns(system: System, kind: str, dots: Array) -> Array:
+    """Which drivers of `change_entry` concern each row of changes of the numbers (k, len(b)): (k, 2) from, to."""
+    own = _moved(system, kind, np.any(dots != 0.0, axis=0))
+    found = np.zeros((len(dots), 2), np.int64)
+    for row, of_row in zip(found, dots, strict=True):
+        touched = np.flatnonzero([np.any(of_row[p.at : p.end]) for p in own])
+        row[:] = (touched[0], touched[-1] + 1) if len(touched) else (0, 0)
+    return found
+
+
+def _moved(system: System, kind: str, moved: Array) -> list[Population]:
+    """The elements that have numbers which change."""
+    return [p for p in concerned(system, kind) if np.any(moved[p.at : p.end])]
 
 
 def _gradient(variant: Variant, kind: str) -> Recording:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.pieces import lagrange
 
 T = np.array([0.0, 0.1, 0.25, 0.3, 0.3, 0.55, 0.7])  # 0.3 stands twice: an event
 G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, -0.4])
@@ -49,3 +50,12 @@ def test_the_change_of_weights(kind: str) -> None:
     g_dot = np.cos(np.arange(len(g)))
     wanted = (response.weights(g + 1e-4 * g_dot, T) - response.weights(g - 1e-4 * g_dot, T)) / 2e-4
     assert response.weights_along(g, T, g_dot) == pytest.approx(wanted, abs=1e-6)
+
+
+def test_polynomials_through_nodes() -> None:
+    """They repeat a cubic: its value and slope at zero."""
+    t = np.array([[-0.3, 0.1, 0.4, 1.1], [0.0, 0.2, 0.5, 0.6]])
+    values, slopes = lagrange(t)
+    cubic = 2 - 3 * t + 0.5 * t**2 + 4 * t**3
+    assert np.sum(values * cubic, axis=1) == pytest.approx([2, 2], rel=1e-13)
+    assert np.sum(slopes * cubic, axis=1) == pytest.approx([-3, -3], rel=1e-13)

@@ -16,7 +16,9 @@ import numpy as np
 from ...algebra import Array
 from ...results import Pieces, RadauSteps, StepsTaken
 from .chain import Nodes
-from .sampling import KINDS, Places, Sampling, _placed
+from .sampling import KINDS, Near, Places, Sampling, _placed
+
+HIGH, LOW = 4, 3  # nodes of a polynomial in time for multipliers: of Radau, and of methods of order two
 
 
 class Where(NamedTuple):
@@ -54,13 +56,13 @@ class PieceSampling(Sampling):
 
     @cached_property
     def _places(self) -> Places:
-        parts = []
-        for p, at in zip(self._piece, self.t, strict=True):
-            t = self._all.pieces[p].t
-            found = _placed(t, np.array([np.searchsorted(t, at, side="right") - 1]), np.array([at]))
-            parts.append((found.first[0] + self._all.first[p], found.h[0], found.s[0]))
-        first, h, s = (np.array(x) for x in zip(*parts, strict=True))
-        return Places(first, h, s)
+        found = Places(np.zeros(len(self.t), dtype=np.int64), np.zeros(len(self.t)), np.zeros(len(self.t)))
+        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
+            own = self._piece == p
+            at = _placed(piece.t, np.searchsorted(piece.t, self.t[own], side="right") - 1, self.t[own])
+            for whole, part in zip(found, at._replace(first=at.first + start), strict=True):
+                whole[own] = part
+        return found
 
     @cached_property
     def _local(self) -> Array:
@@ -86,15 +88,44 @@ class PieceSampling(Sampling):
         waves that quintics through their nodes have.
         """
         first, _, s = self._places
-        if kind != "lam" and isinstance(self._all.pieces[0], RadauSteps):
+        if kind != "lam" and self._precise:
             weights = self._weights[1][:, KINDS.index(kind) + 1]
             ends = [[self._array(k)[first + e, n] for k in KINDS] for e in (0, 1)]
             return np.asarray(np.einsum("tel,elt->t", weights, ends))
         if kind in ("q", "v"):
             now = self._array("v" if kind == "q" else "a")[:, n]
             return np.asarray((1 - s) * now[first] + s * now[first + 1])
-        own = self._array(kind)[:, n]
-        return np.asarray((own[first + 1] - own[first]) / self._places.h)
+        return np.asarray(np.sum(self._slopes * self._array(kind)[:, n][self._near.nodes], axis=1))
+
+    @property
+    def _precise(self) -> bool:
+        """Whether the nodes are of a high order."""
+        return isinstance(self._steps, RadauSteps)
+
+    @cached_property
+    def _near(self) -> Near:
+        return self._polynomials[0]
+
+    @property
+    def _slopes(self) -> Array:
+        """The derivatives by time of the shares of `_near`."""
+        return self._polynomials[1]
+
+    @cached_property
+    def _polynomials(self) -> tuple[Near, Array]:
+        """The shares of some nodes of the stretch in polynomials through them, so that their slopes are good, too."""
+        count, (first, h, s) = HIGH if self._precise else LOW, self._places
+        nodes = np.zeros((len(self.t), count), dtype=np.int64)
+        shares, slopes = np.zeros(nodes.shape), np.zeros(nodes.shape)
+        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
+            own, width = self._piece == p, min(count, len(piece.t))
+            before = first[own] - start
+            begin = np.clip(before - (width - 2) // 2, 0, len(piece.t) - width)
+            near = begin[:, None] + np.arange(width)
+            ahead = piece.t[near] - (piece.t[before] + s[own] * h[own])[:, None]
+            nodes[own, :width] = start + near
+            shares[own, :width], slopes[own, :width] = lagrange(ahead)
+        return Near(nodes, shares), slopes
 
     def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by coordinate n of a kind, to those by the nodes and by the times of the events."""
@@ -113,6 +144,20 @@ class PieceSampling(Sampling):
     def gathered_time(self, nodes: Nodes, column: int) -> Array:
         """The change of the times."""
         return np.asarray(self._global @ nodes.shift[:, column])
+
+
+def lagrange(t: Array) -> tuple[Array, Array]:
+    """Values and slopes at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
+    count = t.shape[1]
+    values, slopes = np.ones(t.shape), np.zeros(t.shape)
+    for i in range(count):
+        others = [j for j in range(count) if j != i]
+        for j in others:
+            gap = t[:, i] - t[:, j]
+            values[:, i] *= -t[:, j] / gap
+            rest = [-t[:, k] / (t[:, i] - t[:, k]) for k in others if k != j]
+            slopes[:, i] += np.prod([np.ones(len(t)), *rest], axis=0) / gap
+    return values, slopes
 
 
 def _within(steps: Pieces, parts: Sequence[float]) -> Where:

@@ -67,9 +67,10 @@ class Sampling:
         return self._places.first, interpolation(self._places.s, self._places.h)
 
     @cached_property
-    def _parts(self) -> Array:
-        """The share of the later node in λ (nt,)."""
-        return self._places.s
+    def _near(self) -> Near:
+        """The nodes that λ at the times is made of."""
+        first, _, s = self._places
+        return Near(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
 
     def _array(self, name: str) -> Array:
         """A field at all nodes."""
@@ -85,8 +86,7 @@ class Sampling:
             [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
         )
         found = np.einsum("tkel,teln->ktn", weights[:, :3], ends)
-        part = self._parts[:, None]
-        lam = (1 - part) * self._array("lam")[first] + part * self._array("lam")[first + 1]
+        lam = np.einsum("tw,twm->tm", self._near.shares, self._array("lam")[self._near.nodes])
         return States._make([self.t, *found, lam])
 
     @property
@@ -106,8 +106,7 @@ class Sampling:
             return
         first, weights = self._weights
         if kind == "lam":
-            np.add.at(nodes.lam[:, n, column], first, (1 - self._parts) * bar)
-            np.add.at(nodes.lam[:, n, column], first + 1, self._parts * bar)
+            np.add.at(nodes.lam[:, n, column], self._near.nodes, self._near.shares * bar[:, None])
             return
         row = KINDS.index(kind)
         for end in (0, 1):
@@ -128,13 +127,19 @@ class Sampling:
             return np.asarray(getattr(nodes, kind)[:, n, column])
         first, weights = self._weights
         if kind == "lam":
-            found = nodes.lam[:, n, column]
-            return np.asarray((1 - self._parts) * found[first] + self._parts * found[first + 1])
+            return np.asarray(np.sum(self._near.shares * nodes.lam[:, n, column][self._near.nodes], axis=1))
         row, total = KINDS.index(kind), np.zeros(len(self.t))
         for end in (0, 1):
             for place, own in enumerate(KINDS):
                 total += weights[:, row, end, place] * getattr(nodes, own)[first + end, n, column]
         return total
+
+
+class Near(NamedTuple):
+    """Nodes about some times (nt, k), and their shares in what is interpolated between them."""
+
+    nodes: Array
+    shares: Array
 
 
 class Places(NamedTuple):

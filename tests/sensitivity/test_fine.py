@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.sensitivity.test_events import BALL, BOUNCE, SIGN, STOP, ball, hung, pendulum
+from tests.sensitivity.test_events import BALL, BOUNCE, HIT, SIGN, STOP, ball, hung, pendulum
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -61,6 +61,33 @@ def test_responses_over_a_motion_with_a_stop() -> None:
     assert np.all(errors[0][:2] > 8 * errors[1][:2]), errors
     assert errors[1][:2].max() < 1e-6, errors
     assert errors[1][2] < 1e-3, errors  # the parabola's
+
+
+FORCES = [
+    sr.At("pin.force.z", time=0.271),
+    sr.Integral(lambda o: o("pin.force.z") ** 2, name="squared"),
+    sr.At("guide.torque.y", time=0.013),
+]
+
+
+@pytest.mark.parametrize("events", [[], [HIT]], ids=["smooth", "impact"])
+def test_forces_between_steps(events: object) -> None:
+    """They have as many digits as the motion, and so have their gradients, on both sides of an impact."""
+    names, found = ["spring.k", "rod.mass", "pin.point.y", "crank.angular_velocity.x"], []
+    for tolerance in (1e-5, 1e-7, 1e-11):
+        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "keep_steps": True}
+        run = sr.simulate(slider_crank(), until=0.4, events=events, **settings)
+        assert len(run.events) == len(events)
+        found.append(sr.sensitivity(run, FORCES, names))
+        direct = sr.sensitivity(run, FORCES, names, method="direct")
+        assert direct.matrix == pytest.approx(found[-1].matrix, rel=1e-7, abs=1e-9 * abs(direct.matrix).max())
+    scale = abs(found[-1].matrix).max(axis=1)
+    errors = [(abs(one.matrix - found[-1].matrix).max(axis=1) / scale).max() for one in found[:2]]
+    assert errors[0] > 8 * errors[1], errors
+    assert errors[1] < 1e-5, errors
+    given = sr.simulate(slider_crank(), until=0.4, events=events, t_eval=[0.013, 0.271], **settings)
+    force = [given.reaction("pin").force[1, 2], given.reaction("guide").torque[0, 1]]
+    assert found[1].values[[0, 2]] == pytest.approx(force, rel=1e-6, abs=1e-7)
 
 
 def test_names_and_numbers_of_samples() -> None:

@@ -16,9 +16,9 @@ import numpy as np
 from ...algebra import Array
 from ...results import Pieces, RadauSteps, StepsTaken
 from .chain import Nodes
-from .sampling import KINDS, Near, Places, Sampling, _placed
+from .sampling import HIGH, KINDS, Near, Places, Sampling, _placed, around, lagrange
 
-HIGH, LOW = 4, 3  # nodes of a polynomial in time for multipliers: of Radau, and of methods of order two
+LOW = 3  # nodes of a polynomial in time for multipliers, of methods of order two
 
 
 class Where(NamedTuple):
@@ -118,10 +118,10 @@ class PieceSampling(Sampling):
         nodes = np.zeros((len(self.t), count), dtype=np.int64)
         shares, slopes = np.zeros(nodes.shape), np.zeros(nodes.shape)
         for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
-            own, width = self._piece == p, min(count, len(piece.t))
+            own = self._piece == p
             before = first[own] - start
-            begin = np.clip(before - (width - 2) // 2, 0, len(piece.t) - width)
-            near = begin[:, None] + np.arange(width)
+            near = around(before, count, len(piece.t))
+            width = near.shape[1]
             ahead = piece.t[near] - (piece.t[before] + s[own] * h[own])[:, None]
             nodes[own, :width] = start + near
             shares[own, :width], slopes[own, :width] = lagrange(ahead)
@@ -144,20 +144,6 @@ class PieceSampling(Sampling):
     def gathered_time(self, nodes: Nodes, column: int) -> Array:
         """The change of the times."""
         return np.asarray(self._global @ nodes.shift[:, column])
-
-
-def lagrange(t: Array) -> tuple[Array, Array]:
-    """Values and slopes at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
-    count = t.shape[1]
-    values, slopes = np.ones(t.shape), np.zeros(t.shape)
-    for i in range(count):
-        others = [j for j in range(count) if j != i]
-        for j in others:
-            gap = t[:, i] - t[:, j]
-            values[:, i] *= -t[:, j] / gap
-            rest = [-t[:, k] / (t[:, i] - t[:, k]) for k in others if k != j]
-            slopes[:, i] += np.prod([np.ones(len(t)), *rest], axis=0) / gap
-    return values, slopes
 
 
 def _within(steps: Pieces, parts: Sequence[float]) -> Where:

@@ -1,6 +1,7 @@
 """States at the nodes of a run or between them, and the way of gradients back to the nodes.
 
-Between two nodes q is the polynomial of degree five that has q, v and a there, λ is linear: linear in the nodes.
+Between two nodes q is the polynomial of degree five that has q, v and a there; λ is linear, and on the long steps of
+Radau of degree five, too, through the six nodes about a time. All are linear in the nodes.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import StepsTaken
+from ...results import RadauSteps, StepsTaken
 from .chain import Nodes
 from .recording import States
 
@@ -26,6 +27,7 @@ HERMITE = np.array([
     [0, 0, 0, 0.5, -1, 0.5],
 ])  # fmt: skip
 KINDS = ("q", "v", "a")
+HIGH = 6  # nodes of a polynomial in time for multipliers, of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 
@@ -69,8 +71,12 @@ class Sampling:
     @cached_property
     def _near(self) -> Near:
         """The nodes that λ at the times is made of."""
-        first, _, s = self._places
-        return Near(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
+        first, h, s = self._places
+        if not isinstance(self._steps, RadauSteps):
+            return Near(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
+        near = around(first, HIGH, len(self._steps.t))
+        ahead = self._steps.t[near] - (self._steps.t[first] + s * h)[:, None]
+        return Near(near, lagrange(ahead)[0])
 
     def _array(self, name: str) -> Array:
         """A field at all nodes."""
@@ -148,6 +154,27 @@ class Places(NamedTuple):
     first: Array
     h: Array
     s: Array
+
+
+def around(before: Array, most: int, count: int) -> Array:
+    """The nodes about times after given ones, of so many at most and of all that there are (nt, k)."""
+    width = min(most, count)
+    begin = np.clip(before - (width - 2) // 2, 0, count - width)
+    return np.asarray(begin[:, None] + np.arange(width))
+
+
+def lagrange(t: Array) -> tuple[Array, Array]:
+    """Values and slopes at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
+    count = t.shape[1]
+    values, slopes = np.ones(t.shape), np.zeros(t.shape)
+    for i in range(count):
+        others = [j for j in range(count) if j != i]
+        for j in others:
+            gap = t[:, i] - t[:, j]
+            values[:, i] *= -t[:, j] / gap
+            rest = [-t[:, k] / (t[:, i] - t[:, k]) for k in others if k != j]
+            slopes[:, i] += np.prod([np.ones(len(t)), *rest], axis=0) / gap
+    return values, slopes
 
 
 def _placed(t: Array, before: Array, times: Array) -> Places:

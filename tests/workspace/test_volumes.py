@@ -10,10 +10,16 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.workspace.formulate import formulate
+from sarrus.analyses.workspace.mapping import WorkspaceMap
+from sarrus.analyses.workspace.slicing import _height_of, _on_curve
 
-from .mechanisms import Case, about, elbow_arm, gough, orthogonal_arm, tilted, translated
+from .mechanisms import Case, about, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
 
 GOUGH = 0.1449207748152  # spheres cut by planes to arcs, these by Gauss-Kronrod quadrature between critical heights
+
+
+OUT = 0.4318 + float(np.hypot(0.0203, 0.4331))  # m, a PUMA's arm stretched
 
 
 def shell() -> Case:
@@ -205,3 +211,17 @@ def test_derivatives_of_a_gough_platform() -> None:
     exact = [-0.130951736143, 0.162502976184, -0.050131182441, 0.051500804807, 0.0]
     assert [by[name] for name in names] == pytest.approx(exact, abs=3e-8)
     assert all(abs(by[name] - wanted) < by.error[name] for name, wanted in zip(names, exact, strict=True))
+
+
+def test_curves_are_carried_to_slices_far_away() -> None:
+    """The hole of a PUMA's slices, where its elbow is nearly folded: the arm turns much between these heights."""
+    system, output, _ = puma()
+    above = formulate(system, output[:2], fixed={output[2]: 0.0996555})
+    below = above.held_at(_height_of(above), 0.0133286)
+    radii = set()
+    for branch in WorkspaceMap.of(above).run().branches:
+        found = _on_curve(below, branch.stratum.key, branch.points[0].x)
+        if found is not None:
+            u = below.values(found.x[: below.n])[below.m + below.outputs] * below.units[below.outputs]
+            radii.add(round(float(np.linalg.norm(u)), 9))
+    assert radii == {0.1497, round(float(np.hypot(0.1497, np.sqrt(OUT**2 - 0.0133286**2))), 9)}

@@ -7,15 +7,18 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ...algebra import Array
 from ...model import Model
 from ...results.workspace_volume import Loop, Slice
 from ...system import System
 from .formulate import formulate
 from .mapping import WorkspaceMap
-from .newton import Tally
+from .newton import TOLERANCE, Tally
 from .problem import Problem
 from .region import Cause, Region
+from .same import apart
 from .seeds import Start, onto
 from .settle import allowed, constrained, settle
 from .shape import area_rates
@@ -23,6 +26,8 @@ from .stratum import Active, Stratum
 from .vertex import balanced
 
 FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
+FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
+NEWTON = 8  # steps
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 PER_TASK = 4  # slices that are handed to a worker at once
 TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as shares of the range
@@ -163,7 +168,7 @@ def _sliced(problem: Problem, asked: Asked, tasks: Sequence[Task]) -> list[Slice
 
 def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
     """A slice; where curves are lost, as close to a critical height, one that is a little higher or lower."""
-    place = [k for k in problem.fixed if k not in problem.locked][-1]
+    place = _height_of(problem)
     for n, (share, shift) in enumerate(TRIES):
         moved = shift * asked.span
         here = problem.held_at(place, task.height + moved)
@@ -211,8 +216,45 @@ def _moved(problem: Problem, starts: Starts) -> Iterator[Start]:
 
 
 def _on_curve(problem: Problem, key: Active, x: Array) -> Start | None:
-    moved = onto(Stratum(problem, key), x, Tally())
+    stratum = Stratum(problem, key)
+    row = problem.m + problem.held.tolist().index(_height_of(problem))
+    moved = _carried(stratum, x, row, HALVINGS)
     return None if moved is None else Start(key, moved)
+
+
+def _height_of(problem: Problem) -> int:
+    """The place of the function that a slice keeps."""
+    return [k for k in problem.fixed if k not in problem.locked][-1]
+
+
+def _carried(stratum: Stratum, x: Array, row: int, halvings: int) -> Array | None:
+    """A point of a curve at the height of another slice, by way of heights in between where it is far."""
+    there = _by_newton(stratum, x)
+    there = onto(stratum, x, Tally()) if there is None else there
+    n, goal = stratum.n, stratum.goal
+    if not halvings or (there is not None and apart(there[:n], x[:n]) < FAR):
+        return there
+    height = float(stratum.problem.values(x[:n])[stratum.rows[row]])
+    stratum.goal = goal.copy()
+    stratum.goal[row] = 0.5 * (height + goal[row])
+    between = _carried(stratum, x, row, halvings - 1)
+    stratum.goal = goal
+    return there if between is None else _carried(stratum, between, row, halvings - 1)
+
+
+def _by_newton(stratum: Stratum, x: Array) -> Array | None:
+    """A solution near x by full steps of least size, which see the smallest parts, too; nothing, if they grow."""
+    last = np.inf
+    for _ in range(NEWTON):
+        linear = stratum.linear(x)
+        if abs(linear.G).max() <= TOLERANCE:
+            return x
+        step = np.linalg.lstsq(linear.G_x, -linear.G, rcond=1e-12)[0]
+        size = float(np.linalg.norm(step))
+        if size > min(last, FAR):
+            return None
+        x, last = x + step, size
+    return None
 
 
 def _corner(problem: Problem, key: Active, q: Array) -> Start | None:

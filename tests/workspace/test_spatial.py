@@ -6,7 +6,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 
-from .mechanisms import arm_3r, delta, gough, orthogonal_arm, tilted
+from .mechanisms import arm_3r, delta, elbow_arm, gough, orthogonal_arm, tilted
 
 
 def test_range_of_the_spatial_slider_crank() -> None:
@@ -71,6 +71,14 @@ def test_a_section_of_an_orthogonal_arm() -> None:
     assert mine == pytest.approx(sorted(stationary), abs=1e-8)
     (outer,), void = radii["outer"], radii["void"]
     assert found.area == pytest.approx(np.pi * (outer**2 - sum(r**2 for r in void)), rel=3e-7)
+
+
+def test_a_section_through_the_first_axis() -> None:
+    """The first hinge is held, so that the arm keeps to a plane with its axis; the area is known in closed form."""
+    system, (x, _, z), limits = elbow_arm()
+    found = sr.workspace(system, (x, z), limits=limits, fixed={"q1": 0.0}, verify=False)
+    assert found.success, found.message
+    assert found.area == pytest.approx(0.326526279020, rel=3e-7)
 
 
 def test_a_section_with_two_ways_of_assembly() -> None:

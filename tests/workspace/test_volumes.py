@@ -14,7 +14,7 @@ from sarrus.analyses.workspace.formulate import formulate
 from sarrus.analyses.workspace.mapping import WorkspaceMap
 from sarrus.analyses.workspace.slicing import _height_of, _on_curve
 
-from .mechanisms import Case, about, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
+from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
 
 GOUGH = 0.1449207748152  # spheres cut by planes to arcs, these by Gauss-Kronrod quadrature between critical heights
 
@@ -29,6 +29,11 @@ def shell() -> Case:
 def tip_of(case: tuple[sr.System, sr.Point]) -> Case:
     system, tip = case
     return system, tip["x", "y", "z"], {}
+
+
+def limited_delta() -> Case:
+    system, output, _ = tip_of(delta())
+    return system, output, {f"q{n}.angle": (-np.pi / 6, np.pi / 2) for n in range(3)}
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +134,9 @@ def test_misuse(output: tuple[str, ...], options: dict[str, float], told: str) -
         (gough(about(2, 30)), (0, 2), 0.0087290447061201),
         (elbow_arm(), None, 1.1964247358662679),
         (tip_of(orthogonal_arm()), None, 350.751924309),
+        (limited_delta(), (-1, 0), 0.23112556),
     ],
-    ids=["gough", "tilted gough", "turned gough", "elbow arm", "orthogonal arm"],
+    ids=["gough", "tilted gough", "turned gough", "elbow arm", "orthogonal arm", "delta"],
 )
 def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, exact: float) -> None:
     """Known from spheres and from Pappus' theorem."""

@@ -249,6 +249,8 @@ def _error(branch: Branch, tally: Tally) -> float:
     """The area between a branch and its interpolation."""
     total, problem = 0.0, branch.stratum.problem
     for step in branch.steps():
+        if not step.length:  # a start that is a corner
+            continue
         guess = step.x(0.5)
         try:
             x, linear = correct(branch.stratum, guess, plane(guess, step.a.t), tally)

@@ -129,3 +129,14 @@ def assert_piece(arm: sr.Workspace, at: np.ndarray, outward: np.ndarray, active:
     else:
         assert curve.kind in ("outer", "barrier")
         assert (curve.inward[k] @ outward > 0) == (kind == "barrier:r>=")
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_limits_with_one_end() -> None:
+    """The tip of an arm is kept within 1.5 m of its pivot, without a limit below: a ring."""
+    system, output, _ = arm_2r()
+    tip = system.model.bodies[-1].point(0.7, 0, 0)
+    limits = {sr.Length(sr.ground.point(0, 0, 0), tip, "rope"): (None, 1.5)}
+    found = sr.workspace(system, output, limits=limits, verify=False)
+    assert found.success
+    assert found.area == pytest.approx(np.pi * (1.5**2 - 0.3**2), rel=1e-6)

@@ -33,7 +33,7 @@ class Measure(NamedTuple):
 
     def value(self, wanted: float) -> float:
         """What the element shows for a wanted value."""
-        return wanted**2 if self.kind == "square" else wanted
+        return wanted * abs(wanted) if self.kind == "square" else wanted  # of no lowest length, -∞
 
     def slope(self, wanted: float) -> float:
         """The derivative of `value`."""

@@ -19,6 +19,7 @@ from .measures import Measure
 from .operator import Matrix, Vector
 
 NO_NUMBERS = -1
+FAR = 1e6  # free of units: from a limit that is not there; a number, so that margins can be subtracted
 NOTHING = (
     1e-20  # of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
 )
@@ -199,4 +200,4 @@ class Problem:
     def margins(self, values: Array) -> Array:
         """How far every limited function is above its lowest and below its highest value (count, 2), scaled."""
         found = values[self.m + self.limited][:, None]
-        return np.asarray((found - self.bounds) * (1.0, -1.0))
+        return np.asarray(np.minimum((found - self.bounds) * (1.0, -1.0), FAR))

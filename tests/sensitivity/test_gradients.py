@@ -1,5 +1,6 @@
 """Forward and backward derivatives agree, and agree with differences of whole simulations with the same steps."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -144,6 +145,13 @@ def test_an_angle_at_one_time_has_all_its_turns() -> None:
     )
     assert np.allclose(found.values, [1.5, 13.5], rtol=1e-4)
     assert np.allclose(found["wheel.angular_velocity.z"], [0.5, 4.5], rtol=1e-3)
+
+
+def test_a_run_that_failed_is_refused() -> None:
+    run = sr.simulate(slider_crank(), until=0.05, keep_steps=True)
+    failed = replace(run, success=False, message="steps become too small near t = 0.05 s")
+    with pytest.raises(ValueError, match="reached its end, but .*steps become too small"):
+        sr.sensitivity(failed, "slider.x")
 
 
 def test_a_run_without_steps_is_refused() -> None:

@@ -63,7 +63,7 @@ def euler_parameters(orientation: Any) -> Array:
 
 def _from_parameters(value: Any) -> Array:
     p = np.array(numbers(value, 4, "orientation", _FOUR))
-    length = np.hypot(np.hypot(p[0], p[1]), np.hypot(p[2], p[3]))
+    length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
     if abs(length - 1) > TOLERANCE:
         told = f"orientation must be unit Euler parameters, but their length is {length:.9g}; {_FOUR}"
         raise ModelError(told, field="orientation")

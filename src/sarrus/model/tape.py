@@ -78,14 +78,14 @@ class Tape:
 
     def _slopes(self, n: int) -> tuple[Any, ...]:
         op, args = self.entries[n]
-        return _operation(op).slopes(self.values[n], *(self.values[arg] for arg in args))
+        return operation(op).slopes(self.values[n], *(self.values[arg] for arg in args))
 
     def _bends(self, n: int, dots: Sequence[Any]) -> tuple[Any, ...]:
         """The changes of the slopes."""
         op, args = self.entries[n]
         if not any(_moves(dots[arg]) for arg in args):
             return (0.0,) * len(args)
-        bends = _operation(op).bends(self.values[n], *(self.values[arg] for arg in args))
+        bends = operation(op).bends(self.values[n], *(self.values[arg] for arg in args))
         return tuple(sum(b * dots[arg] for b, arg in zip(row, args, strict=True)) for row in bends)
 
 
@@ -106,7 +106,8 @@ class Operation(NamedTuple):
     bends: Callable[..., tuple[tuple[Any, ...], ...]]
 
 
-def _operation(op: str | Operation) -> Operation:
+def operation(op: str | Operation) -> Operation:
+    """An operation by its name, or as it is."""
     return op if isinstance(op, Operation) else OPERATIONS[op]
 
 
@@ -117,6 +118,12 @@ def _unary(value: Callable[[Any], Any], slope: Callable[..., Any], bend: Callabl
 def _atan2_bends(f: Any, y: Any, x: Any) -> tuple[tuple[Any, Any], ...]:
     square = (x * x + y * y) ** 2
     return (-2 * x * y / square, (y * y - x * x) / square), ((y * y - x * x) / square, 2 * x * y / square)
+
+
+def _power_bend(a: Any, n: Any) -> Any:
+    """The second derivative of aⁿ, also at 0 of a itself."""
+    bent = np.not_equal(n, 1)
+    return np.where(bent, n * (n - 1) * np.where(bent, a, 1.0) ** (n - 2), 0.0)
 
 
 OPERATIONS: dict[str, Operation] = {
@@ -131,7 +138,7 @@ OPERATIONS: dict[str, Operation] = {
     "power": Operation(
         lambda a, n: a**n,
         lambda f, a, n: (n * a ** (n - 1), 0.0),
-        lambda f, a, n: ((n * (n - 1) * a ** (n - 2) if n != 1 else 0.0, 0.0), (0.0, 0.0)),
+        lambda f, a, n: ((_power_bend(a, n), 0.0), (0.0, 0.0)),
     ),
     "arctan2": Operation(
         np.arctan2, lambda f, y, x: (x / (x * x + y * y), -y / (x * x + y * y)), _atan2_bends
@@ -149,6 +156,7 @@ OPERATIONS: dict[str, Operation] = {
     "arccos": _unary(np.arccos, lambda f, a: -((1 - a * a) ** -0.5), lambda f, a: -a * (1 - a * a) ** -1.5),
     "arctan": _unary(np.arctan, lambda f, a: 1 / (1 + a * a), lambda f, a: -2 * a / (1 + a * a) ** 2),
 }  # fmt: skip
+LINEAR = ("add", "sub", "negative")
 BINARY = {"add": "add", "subtract": "sub", "multiply": "mul", "divide": "truediv", "power": "pow"}
 COMPARISONS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal")
 

@@ -53,7 +53,7 @@ def sensitivity(
     Raises
     ------
     ValueError
-        If the run kept no steps, or failed before it made one.
+        If the run kept no steps, or failed.
     SarrusError
         For names that the model does not have.
     """
@@ -189,8 +189,10 @@ def kept(run: Trajectory) -> StepsTaken | Pieces:
     Raises
     ------
     ValueError
-        If there are none.
+        If there are none, or if the run failed.
     """
+    if not run.success:
+        raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.steps is None or not len(run.steps):
         raise ValueError(
             f"{run.name}: derivatives need the steps of the run; call simulate(..., keep_steps=True) with HHT(), "

@@ -22,6 +22,7 @@ from ...model.written import exchanged, in_functions, named, steps_of, with_numb
 from ...system import System
 from ...system.population import places_of
 from .chain import Gradients
+from .linearized import Linearized
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 GUESS = ("start.q.", "start.v.")
@@ -235,41 +236,22 @@ class Parameters:
 
     def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
         """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
-        change = np.asarray(change, dtype=float)
-        size = len(self.system.b) + 2 * self.system.nq + self.c_size
-        whole, outputs = np.zeros((size, change.shape[1])), self._outputs
-        for k in range(change.shape[1]):
-            dots = self._tape.along(self._seeds(change[:, k]))
-            for place, at in outputs:
-                whole[place, k] += dots[at]
-        return self._split(whole)
+        return self._split(self._construction.along(np.asarray(change, dtype=float)))
 
     def gradient(self, by: Gradients, by_c: Array) -> Array:
         """Gradients by the parameters (p, k) of responses with the gradients given."""
-        whole = np.concatenate([by.b, by.q, by.v, by_c])
-        columns = [self._gradient(whole[:, k]) for k in range(whole.shape[1])]
-        return np.array(columns).reshape(whole.shape[1], len(self.names)).T
-
-    def _gradient(self, bars: Array) -> list[float]:
-        weights: dict[int, float] = {}
-        for place, at in self._outputs:
-            weights[at] = weights.get(at, 0.0) + float(bars[place])
-        found = self._tape.gradient(weights)
-        return [float(found[variable.at]) for variable in self.variables.values()]
+        return self._construction.gradient(np.concatenate([by.b, by.q, by.v, by_c]))
 
     def gradient_along(self, bars: Array, bar_dots: Array, change: Array) -> Array:
         """The change of a gradient (p,), with changes of the parameters and of the gradient by [b; q₀; v₀; c]."""
-        weights: dict[int, float] = {}
-        turned: dict[int, float] = {}
-        for place, at in self._outputs:
-            weights[at] = weights.get(at, 0.0) + float(bars[place])
-            turned[at] = turned.get(at, 0.0) + float(bar_dots[place])
-        dots = self._tape.along(self._seeds(change))
-        _, found = self._tape.gradient_along(weights, turned, dots)
-        return np.array([float(found[variable.at]) for variable in self.variables.values()])
+        return self._construction.gradient_along(bars, bar_dots, change)
 
-    def _seeds(self, change: Array) -> dict[int, float]:
-        return {v.at: float(c) for v, c in zip(self.variables.values(), change, strict=True)}
+    @cached_property
+    def _construction(self) -> Linearized:
+        """How [b; q₀; v₀; c] follow from the parameters."""
+        size, outputs = len(self.system.b) + 2 * self.system.nq + self.c_size, self._outputs
+        places = [variable.at for variable in self.variables.values()]
+        return Linearized(self._tape, places, outputs, size)
 
     def _split(self, whole: Array) -> tuple[Array, Array, Array, Array]:
         size, nq = len(self.system.b), self.system.nq

@@ -150,7 +150,7 @@ def test_an_angle_at_one_time_has_all_its_turns() -> None:
 def test_a_run_that_failed_is_refused() -> None:
     run = sr.simulate(slider_crank(), until=0.05, keep_steps=True)
     failed = replace(run, success=False, message="steps become too small near t = 0.05 s")
-    with pytest.raises(ValueError, match="reached its end, but .*steps become too small"):
+    with pytest.raises(ValueError, match=r"reached its end, but .*steps become too small"):
         sr.sensitivity(failed, "slider.x")
 
 

@@ -39,7 +39,7 @@ def test_uncertain_spring(tmp_path: Path) -> None:
 def test_workspaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     of("workspaces")(tmp_path)
     told = capsys.readouterr().out
-    assert "can reach 31.49750" in told
+    assert "can reach 31.49751" in told
     assert "can reach 4.16078" in told
     assert "can reach 11.78898" in told
     assert "Solutions of the inverse kinematics: 4 everywhere." in told

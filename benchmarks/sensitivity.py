@@ -96,6 +96,7 @@ def ratios(
         "forward_kept": lambda: simulated(True),
         "sweep": lambda: chain.gradients(nodes),
         "adjoint": lambda: _gradient(chain, evaluation, parameters),
+        "sensitivity": lambda: sr.sensitivity(run, response),
         "hessian_product": lambda: curvature.times(direction),
     }
     for columns in (1, FEW, min(MANY, count)):
@@ -113,7 +114,7 @@ def ratios(
         **told,
         "direct_ratio_per_parameter": slope,
         "finite_differences_ratio": 2.0 * count,
-        "construction_recorded_s": best(lambda: Parameters(system, start=steps.start), 1),
+        "construction_recorded_s": best(lambda: Parameters(system, start=steps.start).recorded(), 1),
         "kilobytes_a_step": steps.nbytes / len(steps) / 1000,
     }
 

@@ -71,9 +71,27 @@ def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.Monke
     made: list[int] = []
     kind = parameters.Linearized
     monkeypatch.setattr(parameters, "Linearized", lambda *given: made.append(1) or kind(*given))
-    run = sr.simulate(slider_crank(), until=0.05, keep_steps=True)
-    sr.hessian(run, "slider.x", ["spring.k", "rod.mass"])
+    system = slider_crank()
+    names = ["spring.k", "rod.mass"]
+    for until in (0.05, 0.1):
+        run = sr.simulate(system, until=until, keep_steps=True)
+        sr.hessian(run, "slider.x", names)
+        sr.sensitivity(run, "slider.x", names, method="direct")
     assert len(made) == 1
+    sr.sensitivity(run, "slider.x", ["spring.k"])
+    assert len(made) == 2
+
+
+def test_a_design_is_recorded_each_time() -> None:
+    """A formula may compute something else the next time."""
+    run = sr.simulate(slider_crank(), until=0.05, keep_steps=True)
+    given: dict[str, float] = {}
+    found = []
+    for power in (1.0, 2.0):
+        given["power"] = power
+        formula = lambda p: {"spring.k": 10.0 * p["stiff"] ** given["power"]}  # noqa: E731
+        found.append(sr.sensitivity(run, "slider.x", design={"stiff": 1.0}, formula=formula)["stiff"])
+    assert found[1] == pytest.approx(2 * found[0])
 
 
 def test_second_derivatives_by_an_orientation() -> None:

@@ -21,6 +21,7 @@ from ...model.tape import Tape, Traced, value_of
 from ...model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ...system import System
 from ...system.population import places_of
+from ..once import once
 from .chain import Gradients
 from .linearized import Linearized
 
@@ -248,7 +249,17 @@ class Parameters:
 
     @cached_property
     def _construction(self) -> Linearized:
-        """How [b; q₀; v₀; c] follow from the parameters."""
+        """How [b; q₀; v₀; c] follow from the parameters; recorded once for the same numbers of a model."""
+        own, fixed = (
+            self._known.keys() | self.system.model.parameters.keys(),
+            tuple(self.restitutions.items()),
+        )
+        if self._design or self._formula or not own.issuperset(self.names):
+            return self.recorded()
+        return _recorded(self.system, tuple(self.names), (self._own_q, self._own_v), fixed)
+
+    def recorded(self) -> Linearized:
+        """The same, by building the model."""
         size, outputs = len(self.system.b) + 2 * self.system.nq + self.c_size, self._outputs
         places = [variable.at for variable in self.variables.values()]
         return Linearized(self._tape, places, outputs, size)
@@ -257,6 +268,19 @@ class Parameters:
         size, nq = len(self.system.b), self.system.nq
         b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
         return b, q, v, c
+
+
+@once
+def _recorded(
+    system: System,
+    names: tuple[str, ...],
+    own: tuple[bool, bool],
+    restitutions: tuple[tuple[str, float], ...],
+) -> Linearized:
+    """Of numbers that are the model's, which does not change."""
+    found = Parameters(system, names, restitutions=dict(restitutions))
+    found._own_q, found._own_v = own
+    return found.recorded()
 
 
 def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:

@@ -71,7 +71,7 @@ def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.Monke
     made: list[int] = []
     kind = parameters.Linearized
     monkeypatch.setattr(parameters, "Linearized", lambda *given: made.append(1) or kind(*given))
-    system = slider_crank()
+    system = sr.System(slider_crank().model)
     names = ["spring.k", "rod.mass"]
     for until in (0.05, 0.1):
         run = sr.simulate(system, until=until, keep_steps=True)

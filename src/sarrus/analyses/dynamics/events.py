@@ -22,9 +22,8 @@ LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
 AHEAD = 1e-7  # s, after which its direction is seen
 JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
-MEETS = (
-    1e-4  # of what it moves until then: so near to zero when another event comes, it crosses at the same time
-)
+# of what it moves until then: so near to zero when another event comes, it crosses at the same time
+MEETS = 1e-4
 NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
 Function = Callable[[float, Array, Array], float]
 

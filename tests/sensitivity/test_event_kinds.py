@@ -240,3 +240,20 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
             lambda e, x=at, n=name: (sr.System(with_numbers(system.model, {n: x + e})), hit),
         )
         assert found[:, n] == pytest.approx(wanted, abs=1e-8 * abs(found).max())
+
+
+def test_an_event_counts_the_turns_of_an_angle() -> None:
+    """A formula that is not linear in the angle has other slopes a turn later."""
+    wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, terminal=True, name="wound")
+    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    found = sr.simulate(slider_crank(), until=3.0, events=wound, **settings)
+    told, name = [sr.AtEvent("t", event="wound")], "ball.point.z"
+    gradient = sr.sensitivity(found, told, [name])
+
+    def ended(change: float) -> float:
+        moved = sr.System(with_numbers(slider_crank().model, {name: gradient.at[0] + change}))
+        return sr.simulate(moved, until=3.0, events=wound, **settings).events[0].t
+
+    q = found.events[0].q
+    assert found.system.joint("pin").angle(q) ** 2 + 20 * q[X] < 97
+    assert gradient[name] == pytest.approx((ended(1e-3) - ended(-1e-3)) / 2e-3, rel=1e-3)

@@ -17,7 +17,7 @@ from ...model.tape import Tape, Traced
 from ...results import Turn
 from ...system import System
 from .outputs import Outputs
-from .recording import Key, States, Variable
+from .recording import Angles, Key, States, Variable
 
 
 class Slopes(NamedTuple):
@@ -72,8 +72,8 @@ class Recorded:
         return gathered
 
 
-def recorded(system: System, turn: Turn, function: Any, b: Array) -> Recorded:
-    """The value of a formula, or of what a Python function returns, at an event.
+def recorded(system: System, turn: Turn, function: Any, b: Array, angles: Angles) -> Recorded:
+    """The value of a formula, with all turns of joints' angles, or of what a Python function returns, at an event.
 
     Raises
     ------
@@ -82,14 +82,17 @@ def recorded(system: System, turn: Turn, function: Any, b: Array) -> Recorded:
     """
     sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1
     if isinstance(function, str):
-        return _of_formula(system, turn, function, b, sizes)
+        return _of_formula(Outputs(system, _state(system, turn), b, _unknown, angles), function, sizes)
     return _of_python(turn, function, sizes)
 
 
-def _of_formula(system: System, turn: Turn, text: str, b: Array, sizes: Sequence[int]) -> Recorded:
+def _state(system: System, turn: Turn) -> States:
     none = np.zeros((1, system.m))
-    state = States(np.array([turn.t]), turn.q[None], turn.v[None], 0 * turn.q[None], none)
-    outputs, tree = Outputs(system, state, b, _unknown), parse(text)
+    return States(np.array([turn.t]), turn.q[None], turn.v[None], 0 * turn.q[None], none)
+
+
+def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:
+    tree = parse(text)
     found = tree.value({name: outputs(name) for name in tree.names()})
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
     return Recorded(outputs.tape, [found], places, sizes)

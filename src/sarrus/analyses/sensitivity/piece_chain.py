@@ -11,7 +11,9 @@ from ...algebra import Array
 from ...results import Pieces
 from ...system import System
 from .chain import Chain, Gradients, Nodes, through
+from .pieces import sampling_of
 from .radau_chain import RadauChain
+from .recording import Angles
 from .turn import TurnDerivatives
 
 KINDS = ("q", "v", "a")
@@ -40,8 +42,10 @@ class PieceChain:
     def _turns(self) -> list[Array]:
         """The matrices of all events."""
         pairs = zip(self._chains, self.steps.turns, strict=False)
-        names = list(self.steps.restitutions)
-        return [TurnDerivatives(self.system, chain.steps, turn, names).matrix for chain, turn in pairs]
+        names, angles = list(self.steps.restitutions), Angles(self.system, sampling_of(self.steps).states)
+        return [
+            TurnDerivatives(self.system, chain.steps, turn, names, angles).matrix for chain, turn in pairs
+        ]
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""

@@ -27,11 +27,11 @@ from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..saddle import Saddle
 from .event_functions import Recorded, Slopes, recorded
+from .recording import Angles
 from .sampling import interpolation
 
-SHALLOW = (
-    1e-3  # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
-)
+# of the tolerance of the steps: an event whose function goes no farther below zero only grazes
+SHALLOW = 1e-3
 
 
 class State(NamedTuple):
@@ -51,6 +51,7 @@ class TurnDerivatives:
     steps : those before it; it lies in the last one
     turn : the event
     restitutions : names of those of all events
+    angles : the joints' coordinates along the run, with all their turns
 
     Attributes
     ----------
@@ -64,8 +65,10 @@ class TurnDerivatives:
         For an event that only grazes, and for Python functions that cannot be recorded.
     """
 
-    def __init__(self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str]) -> None:
-        self.system, self._turn, self._steps = system, turn, steps
+    def __init__(
+        self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str], angles: Angles
+    ) -> None:
+        self.system, self._turn, self._steps, self._angles = system, turn, steps, angles
         self._b = steps.b.copy()
         self._b[steps.places] = steps.memory[-1]
         kept = np.flatnonzero(~steps.left_out[len(steps) - 1]) if len(steps.left_out) else None
@@ -173,7 +176,7 @@ class TurnDerivatives:
         return np.vstack([now.q, now.v, when])
 
     def _recorded(self, function: Any) -> Recorded:
-        return recorded(self.system, self._turn, function, self._b)
+        return recorded(self.system, self._turn, function, self._b, self._angles)
 
     def _change(self, slopes: Slopes, found: State) -> Array:
         """The derivatives of what has these slopes."""

@@ -68,3 +68,16 @@ def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest
 def test_too_little_memory_is_told() -> None:
     with pytest.raises(ValueError, match=r"too few at t = .* give more than memory="):
         sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=0.8, memory=1e5)
+
+
+def test_runs_that_come_to_nothing_are_refused() -> None:
+    for until in (-1.0, np.nan):
+        with pytest.raises(ValueError, match="until must be a positive time"):
+            sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=until)
+    with pytest.raises(ValueError, match="max_step must be a positive time"):
+        sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=1.0, max_step=-1.0)
+    ball = sr.Body("ball", mass=1.0, inertia=(1.0, 1.0, 1.0))
+    load = sr.PointForce("load", ball.point(0, 0, 0), force=(1, 0, 0), factor=lambda t: 1 / (0.5 - t) ** 2)
+    system = sr.System(sr.Model("blown", bodies=[ball], forces=[load]))
+    with pytest.raises(ValueError, match="reached its end, but blown: "):
+        sr.sensitivity_by_checkpoints(system, "ball.x", until=1.0)

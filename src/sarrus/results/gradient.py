@@ -30,7 +30,7 @@ class Gradient:
 
     @property
     def undefined(self) -> tuple[str, ...]:
-        """Numbers whose change alone contradicts equations that others imply: there is no derivative."""
+        """Numbers without a derivative: alone they contradict equations that others imply, or a root is at zero."""
         missing = np.isnan(self.matrix).any(axis=0)
         return tuple(self.names[k] for k in np.flatnonzero(missing))
 
@@ -126,6 +126,8 @@ class Hessian:
         KeyError
             If it was not asked for.
         """
+        if isinstance(pair, str):
+            raise KeyError(f'two names are needed, H["{pair}", "{pair}"]')
         for name in pair:
             if name not in self.names:
                 told = f"no second derivatives with respect to {name!r}"

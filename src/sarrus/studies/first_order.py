@@ -105,7 +105,7 @@ def uncertainty_of(asked: Asked) -> Uncertainty:
     gradient = sensitivity(motion, outer.parts, list(names))
     if gradient.undefined:
         raise SarrusError(
-            f"{gradient.undefined[0]} alone cannot vary: its change contradicts equations that repeat others"
+            f"{gradient.undefined[0]} alone cannot vary: there is no derivative by it, see Gradient.undefined"
         )
     values, slopes = outer.linear(gradient.values)
     return Uncertainty(names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1])

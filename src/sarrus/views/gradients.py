@@ -32,9 +32,7 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
         lines.append(f"  and {len(ranked) - most} more of less influence")
     if undefined:
         told = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
-        lines.append(
-            f"  {len(undefined)} have no derivative alone, they contradict redundant equations: {told}"
-        )
+        lines.append(f"  {len(undefined)} have no derivative, see Gradient.undefined: {told}")
     return "\n".join(lines)
 
 

@@ -29,6 +29,17 @@ from .tolerance import Given, Tolerances
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
 
+def refuse_end(until: float) -> None:
+    """Refuse an end time that is none.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not (np.isfinite(until) and until > 0):
+        raise ValueError(f"until must be a positive time in s, but is {until}")
+
+
 def simulate(
     system: System,
     start: Assembly | None = None,
@@ -84,8 +95,7 @@ def simulate(
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
         where the steps of a run with events cannot be kept.
     """
-    if not (np.isfinite(until) and until > 0):
-        raise ValueError(f"until must be a positive time in s, but is {until}")
+    refuse_end(until)
     chosen, watched = _method(method), [events] if isinstance(events, Event) else list(events)
     times = np.linspace(0.0, until, 1001) if t_eval is None else np.array(t_eval, dtype=float)
     if times.ndim != 1 or not len(times) or np.any(np.diff(times) <= 0) or times[0] < 0 or times[-1] > until:

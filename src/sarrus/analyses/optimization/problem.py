@@ -16,10 +16,11 @@ from ...model import SarrusError
 from ...results import Gradient, Trajectory
 from ...system import System
 from ..assembly import assemble
+from ..assembly_derivatives import NoDerivative
 from ..dynamics import HHT, GeneralizedAlpha, Radau, simulate
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
-from ..sensitivity.derivatives import inner, sensitivity
+from ..sensitivity.derivatives import inner, own_parts, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
@@ -260,12 +261,22 @@ class Point:
         Raises
         ------
         NoDerivative
-            For a variable whose change alone contradicts equations that others imply.
+            For a variable whose change alone contradicts equations that others imply, or has no derivative otherwise.
         """
         found = self.gradient
         if found.undefined:
             self._parameters()
-        return found.matrix
+        return self._known(found.matrix)
+
+    def _known(self, derivatives: Array) -> Array:
+        """Derivatives by the variables (…, p), all of which are there."""
+        missing = np.flatnonzero(np.isnan(derivatives).reshape(-1, len(self.problem.names)).any(axis=0))
+        if len(missing):
+            name = self.problem.names[missing[0]]
+            raise NoDerivative(
+                f"{self.system.name}: responses have no derivative by {name} at this design; move it"
+            )
+        return derivatives
 
     @property
     def gradient(self) -> Gradient:
@@ -285,7 +296,7 @@ class Point:
         parameters, evaluation = self._parameters(), self.evaluation()
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
-        named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
+        named = own_parts(explicit, parameters)
         total = inner(nodes, self._chain().along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
         return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
@@ -296,8 +307,7 @@ class Point:
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
         by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
         found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column + by.c)
-        named = np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-        return np.asarray((found.T + column.T @ named)[0])
+        return self._known((found.T + column.T @ own_parts(explicit, parameters))[0])
 
     def curved(self, direction: Array, response: int = 0) -> Array:
         """The Hessian of a response times a direction (p,)."""

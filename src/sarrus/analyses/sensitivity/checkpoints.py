@@ -17,7 +17,8 @@ from ...system import System
 from ..assembly import assemble
 from ..assembly_derivatives import AssemblyDerivatives
 from ..dynamics import HHT, GeneralizedAlpha, Radau
-from ..dynamics.stepper import Settings
+from ..dynamics.simulation import refuse_end
+from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
 from .chain import Gradients, Nodes, through
 from .derivatives import Wanted, as_responses, own_parts
@@ -61,12 +62,24 @@ def sensitivity_by_checkpoints(
     Raises
     ------
     ValueError
-        Where the memory is too small, and where the run does not reach its end.
+        For an end time that is none, where the memory is too small, and where the run does not reach its end.
+
+    Notes
+    -----
+    Multipliers between nodes of Radau are interpolated within a stretch; at its ends they differ a little from those
+    of a run that keeps all steps.
     """
+    refuse_end(until)
     wanted, begin = as_responses(responses), assemble(system) if start is None else start
     settings = Settings(Tolerances.of(system, rtol, atol), max_step, keep_steps=True)
     per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(wanted))
-    run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step)
+    if not begin.success:
+        raise ValueError(f"derivatives need a start that is assembled, but {system.name}: {begin.message}")
+    try:
+        run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step)
+    except Trouble as trouble:
+        told = f"derivatives need a run that reached its end, but {system.name}: {trouble.sentence}"
+        raise ValueError(told) from None
     if isinstance(method, Radau):
         wanted = [fine(response) for response in wanted]
     return LongGradient(run, wanted, Parameters(system, wrt, start=begin)).gradient()

@@ -286,10 +286,8 @@ def _vertex(g: Array, t: Array, n: int) -> Vertex:
     if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
         near = slice(n - 1, n + 2)
         a, c = (float(x) for x in t[[n - 1, n + 1]] - t[n])
-        bend_of = 2 / np.array(
-            [a * (a - c), a * c, c * (c - a)]
-        )  # second derivatives of the three polynomials
-        slope_of = -0.5 * bend_of * np.array([c, a + c, a])  # slopes at sample n
+        bend_of = 2 / np.array([a * (a - c), a * c, c * (c - a)])  # of the three polynomials
+        slope_of = -0.5 * bend_of * np.array([c, a + c, a])  # at sample n
         bend, slope = float(bend_of @ g[near]), float(slope_of @ g[near])
         if bend:
             u = -slope / bend

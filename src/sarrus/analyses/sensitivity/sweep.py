@@ -29,10 +29,8 @@ FUNCTIONS = {
     loop: ("add_columns", "add_rows", "apply", "apply_transposed", "subtract", "put_adjoint", "add_gradients",
            "forward_step", "backward_step", "forward_rescale", "backward_rescale"),
 }  # fmt: skip
-TRUSTED = (
-    1e-8,
-    1e-3,
-)  # last relative change of a solution up to which pivots are kept: those by pairs, by size
+# Last relative change of a solution up to which pivots are kept: those by pairs, by size
+TRUSTED = (1e-8, 1e-3)
 NOWHERE = -1, 0, 0  # where pivots were chosen last
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
 NOTHING_MOVED = loop.Sources._make(np.zeros((0, 0, 0)) for _ in loop.Sources._fields)
@@ -75,6 +73,8 @@ class Sweep:
     def over(self, steps: Steps) -> None:
         """Go on with other steps of the same run, those before."""
         self.steps, self.record = steps, _record(steps)
+        for block in (self._blocks.steps, self._blocks.rescales):
+            block.left_out[:] = 0.0  # a record may tell of none
 
     def _make_work(self) -> loop.Work:
         nq, size, k = self.system.nq, self.system.nq + self.system.m, self.columns

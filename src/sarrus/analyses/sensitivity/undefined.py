@@ -57,9 +57,9 @@ def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -
 
 def contradictions(system: System, b: Array, t: float, q: Array) -> Array:
     """Random sums of nᵀΦ_b (len(b), SUMS)."""
-    J = system.Phi_q(q, t)
+    J = system.Phi_q(q, t, b=b)
     null = rank_of(J).null
     chosen = null @ np.random.default_rng(0).normal(size=(null.shape[1], SUMS))
     by_b = np.zeros((len(b), SUMS))
-    by_b[: system.nb] = system.Phi_b(q, t).T @ (chosen / row_lengths(J)[:, None])
+    by_b[: system.nb] = system.Phi_b(q, t, b=b).T @ (chosen / row_lengths(J)[:, None])
     return by_b

@@ -257,3 +257,42 @@ def test_an_event_counts_the_turns_of_an_angle() -> None:
     q = found.events[0].q
     assert found.system.joint("pin").angle(q) ** 2 + 20 * q[X] < 97
     assert gradient[name] == pytest.approx((ended(1e-3) - ended(-1e-3)) / 2e-3, rel=1e-3)
+
+
+def halted_in_place(t, q, v):
+    """The array that it is given is overwritten."""
+    v *= -0.4
+    return v
+
+
+def halted_in_part(t, q, v):
+    v[X] = 0.0
+    return v
+
+
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        (halted_in_place, lambda t, q, v: -0.4 * v),
+        (halted_in_part, lambda t, q, v: np.where(np.arange(len(v)) == X, 0.0 * v, v)),
+    ],
+)
+def test_velocities_overwritten_in_place(own: object, other: object) -> None:
+    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.4]}
+    found = []
+    for reset in (own, other):
+        event = sr.Event(WHEN, direction=1, reset=reset, name="hit")
+        there = sr.simulate(slider_crank(), until=0.4, events=event, **settings)
+        found.append(sr.sensitivity(there, RESPONSES, NUMBERS).matrix)
+    assert np.allclose(found[0], found[1], rtol=1e-12, atol=0)
+
+
+def test_a_function_that_cannot_be_recorded_is_named() -> None:
+    def looked_up(t, q, v):
+        return passed({float: t}[type(t)], q, v)
+
+    event = sr.Event(looked_up, terminal=True, name="hit")
+    settings = {"keep_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    there = sr.simulate(slider_crank(), until=0.4, events=event, **settings)
+    with pytest.raises(ValueError, match="cannot be differentiated through its Python function"):
+        sr.sensitivity(there, sr.Final("t"), ["rod.mass"])

@@ -101,14 +101,14 @@ def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:
 def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]) -> Recorded:
     tape = Tape()
     t, q, v = tape.variable(turn.t), _variables(tape, turn.q), _variables(tape, turn.v)
+    inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
     try:
-        found = list(np.ravel(np.asarray(function(t, q, v), dtype=object)))
-    except (TypeError, AttributeError) as trouble:
+        found = list(np.ravel(np.asarray(function(t, q.copy(), v.copy()), dtype=object)))
+    except Exception as trouble:  # foreign code: whatever it raises
         raise ValueError(
             f"the event {turn.name} at t = {turn.t:.6g} s cannot be differentiated through its Python function: "
             f"{trouble}; write it with arithmetic and NumPy's functions of the entries of q and v, or as a formula"
-        ) from None
-    inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
+        ) from trouble
     return Recorded(tape, found, inputs, sizes)
 
 

@@ -89,6 +89,29 @@ def test_a_joint_angle_and_velocities_of_ones_own() -> None:
     assert np.all(run.events[0].after == 0)
 
 
+def test_velocities_overwritten_in_place_are_those_after() -> None:
+    def halved(t, q, v):
+        q[:] = 0.0
+        v *= 0.5
+        return v
+
+    run = sr.simulate(ball(), until=0.5, events=sr.Event("ball.z - 0.5", reset=halved))
+    hit = run.events[0]
+    assert hit.v[2] == pytest.approx(-np.sqrt(G))
+    assert hit.q[2] == pytest.approx(0.5)
+    assert np.array_equal(hit.after, 0.5 * hit.v)
+
+
+@pytest.mark.parametrize(
+    "velocities", [lambda v: None, lambda v: v[:3], lambda v: v + np.inf, lambda v: ["a"] * len(v)]
+)
+def test_a_reset_that_returns_no_velocities_is_refused(velocities: object) -> None:
+    hit = sr.Event("ball.z - 0.5", reset=lambda t, q, v: velocities(v), name="hit")
+    sentence = "the reset of the event hit must return 7 finite velocities; return a new array"
+    with pytest.raises(ValueError, match=sentence):
+        sr.simulate(ball(), until=0.5, events=hit)
+
+
 def test_impacts_that_accumulate_end_with_a_sentence() -> None:
     floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5))
     run = sr.simulate(ball(), until=3.0, events=floor)

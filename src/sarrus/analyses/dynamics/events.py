@@ -176,15 +176,34 @@ class Watch:
         return bool(wanted) and (wanted is True or self.count >= wanted)
 
     def after(self, t: float, q: Array, v: Array, sampler: Sampler) -> Array:
-        """The velocities after it; the sampler has settled the state just before."""
+        """The velocities after it; the sampler has settled the state just before.
+
+        Raises
+        ------
+        ValueError
+            For a reset that does not return velocities.
+        """
         reset = self.event.reset
         if reset is None:
             return v
         if not isinstance(reset, Impact):
-            return np.array(reset(t, q, v), dtype=float)
+            return self._velocities(reset(t, q.copy(), v.copy()), len(v))
         s_q = self.output.gradient(t, q)
         w = sampler.pushed(s_q)
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
+
+    def _velocities(self, given: Any, size: int) -> Array:
+        """What a function of one's own has returned."""
+        sentence = (
+            f"the reset of the event {self.name} must return {size} finite velocities; return a new array"
+        )
+        try:
+            found = np.array(given, dtype=float)
+        except (TypeError, ValueError) as trouble:
+            raise ValueError(sentence) from trouble
+        if found.shape != (size,) or not np.all(np.isfinite(found)):
+            raise ValueError(sentence)
+        return found
 
 
 def _looks(nodes: Nodes) -> Iterator[tuple[float, Array, Array]]:

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.workspace import slicing
 from sarrus.analyses.workspace.formulate import formulate
 from sarrus.analyses.workspace.mapping import WorkspaceMap
-from sarrus.analyses.workspace.slicing import _height_of, _on_curve
+from sarrus.analyses.workspace.slicing import Asked, Slicer, _height_of, _on_curve
+from sarrus.results.workspace_volume import Slice
 
 from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
 
@@ -217,6 +219,20 @@ def test_derivatives_of_a_gough_platform() -> None:
     exact = [-0.130951736143, 0.162502976184, -0.050131182441, 0.051500804807, 0.0]
     assert [by[name] for name in names] == pytest.approx(exact, abs=3e-8)
     assert all(abs(by[name] - wanted) < by.error[name] for name, wanted in zip(names, exact, strict=True))
+
+
+def test_slices_beside_one_that_stays_incomplete_are_made_again_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    system, output, limits = shell()
+    monkeypatch.setattr(
+        slicing,
+        "_sliced",
+        lambda problem, asked, tasks: [
+            Slice(one.height, 0.0, 0.0, (), (), one.height < 0.5) for one in tasks
+        ],
+    )
+    slicer = Slicer(system, Asked(system.model, output, limits, {}, 0, 0.1, 0.5, 1.0, False), [], None)
+    slicer.at([0.4, 0.6])
+    assert [slicer.agree([(0.4, 0.6)]) for _ in range(2)] == [True, False]
 
 
 def test_curves_are_carried_to_slices_far_away() -> None:

@@ -104,6 +104,8 @@ class Slicer:
         both = [each for pair in pairs for each in (pair, pair[::-1])]
         doubtful = sorted({height for height, other in both if other not in self._made_from[height]})
         self._map(doubtful)
+        for height, other in both:
+            self._made_from[height].add(other)  # once each, also where the other one is not complete
         return bool(doubtful)
 
     def _map(self, heights: Sequence[float]) -> None:

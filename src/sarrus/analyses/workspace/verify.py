@@ -174,6 +174,8 @@ def _inner(map_: WorkspaceMap, region: Region) -> tuple[int, int]:
     for k, at in _evenly(region):
         piece = region.division.pieces[k]
         slope = piece.arc.slope(at)
+        if not slope.any():
+            continue
         left = np.array([-slope[1], slope[0]]) / np.linalg.norm(slope)
         target = piece.arc.point(at) + DEPTH * left * (1 if region.can[region.sides[k, 0]] else -1)
         if region.can[region.cells.locate(target[None])[0]]:
@@ -186,8 +188,9 @@ def _evenly(region: Region) -> Iterator[tuple[int, float]]:
     """Pieces of the boundary and parameters of their arcs: the middle of every piece, and more along long ones."""
     edges = np.flatnonzero(region.bounds).tolist()
     lengths = [region.division.pieces[k].arc.length for k in edges]
+    whole = sum(lengths) or 1.0
     for k, length in zip(edges, lengths, strict=True):
-        count = max(1, round(INNER * length / sum(lengths)))
+        count = max(1, round(INNER * length / whole))
         for n in range(count):
             yield k, (n + 0.5) / count * region.division.pieces[k].arc.end
 

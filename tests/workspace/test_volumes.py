@@ -14,6 +14,7 @@ from sarrus.analyses.workspace import slicing
 from sarrus.analyses.workspace.formulate import formulate
 from sarrus.analyses.workspace.mapping import WorkspaceMap
 from sarrus.analyses.workspace.slicing import Asked, Slicer, _height_of, _on_curve
+from sarrus.analyses.workspace.volume import _missed
 from sarrus.results.workspace_volume import Slice
 
 from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
@@ -233,6 +234,12 @@ def test_slices_beside_one_that_stays_incomplete_are_made_again_once(monkeypatch
     slicer = Slicer(system, Asked(system.model, output, limits, {}, 0, 0.1, 0.5, 1.0, False), [], None)
     slicer.at([0.4, 0.6])
     assert [slicer.agree([(0.4, 0.6)]) for _ in range(2)] == [True, False]
+
+
+def test_positions_at_heights_that_were_missed_are_outside() -> None:
+    positions = [(np.zeros(2), z, np.zeros(0)) for z in (0.5, 1.01, 1.5, 2.5)]
+    assert [_missed(positions, [(0, 1), (2, 3)], between, 0.1) for between in (None, (0, 1.2))] == [1, 0]
+    assert _missed(positions, [], (1, 2), 0.1) == 2
 
 
 def test_curves_are_carried_to_slices_far_away() -> None:

@@ -16,7 +16,7 @@ from .extremes import workspace_range
 from .formulate import Limits, formulate
 from .loft import loft
 from .measures import measures
-from .quadrature import Integral
+from .quadrature import NEAR, Integral
 from .sample import Samples
 from .slicing import Asked, Slicer
 from .trace import LONGEST
@@ -84,7 +84,7 @@ def workspace_volume(
     expected = sorted({one.value for one in reach.critical})
     integral = Integral(slicer, ranges, expected, rtol, most)
     integral.run()
-    outside = _outside(slicer, positions, ranges)
+    outside = _outside(slicer, positions, ranges) + _missed(positions, reach.intervals, between, NEAR * span)
     found = sorted(slicer.known.values(), key=lambda one: one.height)
     surface = loft(integral.groups())
     lost = sum(not one.success for one in found)
@@ -135,6 +135,19 @@ def _outside(
     own = slicer.at(z for _, z in doubtful)
     size = max((float(np.ptp(loop.points)) for one in own for loop in one.loops), default=0.0)
     return sum(not one.holds(u, NEARLY * size) for (u, _), one in zip(doubtful, own, strict=True))
+
+
+def _missed(
+    positions: Iterable[tuple[Array, float, Array]],
+    intervals: Iterable[tuple[float, float]],
+    between: tuple[float, float] | None,
+    near: float,
+) -> int:
+    """How many positions that were asked for lie at heights that seemed out of reach."""
+    lowest, highest = between or (-np.inf, np.inf)
+    can = [(low - near, high + near) for low, high in intervals]
+    heights = [z for _, z, _ in positions if lowest < z < highest]
+    return sum(not any(low < z < high for low, high in can) for z in heights)
 
 
 def _cut(

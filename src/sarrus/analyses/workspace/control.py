@@ -88,7 +88,9 @@ def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
     """Trace what random walks cross; how many crossings in a row were of known curves in the end."""
     in_a_row = 0
     for start in changes(map_.problem, seed + 1, map_.explorer.tally):
-        in_a_row = 0 if map_.explorer.start(*start) else in_a_row + 1
+        led = map_.explorer.start(*start)
+        if led != "lost":
+            in_a_row = 0 if led == "new" else in_a_row + 1
         map_.run()
         if in_a_row >= CROSSINGS:
             break

@@ -14,6 +14,8 @@ from .formulate import formulate
 from .problem import Problem
 from .svd import singular
 
+VANISHES = 1e-15  # of a singular value, relative to the largest
+
 
 class Dexterity(NamedTuple):
     """How inputs move outputs at a position.
@@ -62,7 +64,14 @@ def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:
     free = problem.n - len(rows)
     Z = singular(J[rows])[2][problem.n - free :].T
     U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, inputs))
-    found = U @ np.linalg.pinv(V)
-    sizes = np.linalg.svd(found, compute_uv=False)
+    found = U @ _inverse(V)
+    sizes = singular(found)[1]
     condition = float(sizes[0] / sizes[-1]) if sizes[-1] > 0 else np.inf
     return Dexterity(found, float(np.prod(sizes)), condition)
+
+
+def _inverse(matrix: Array) -> Array:
+    """The pseudoinverse, as of `np.linalg.pinv`."""
+    left, sizes, right = singular(matrix)
+    k = np.flatnonzero(sizes > VANISHES * sizes.max(initial=0.0))
+    return np.asarray(right[k].T / sizes[k] @ left[:, k].T)

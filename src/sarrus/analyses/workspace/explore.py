@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -74,15 +75,15 @@ class Explorer:
             self._strata[key] = Stratum(self.problem, key)
         return self._strata[key]
 
-    def start(self, key: Active, x: Array) -> bool:
-        """Take a point of a candidate curve as a start, unless its curve is known; whether it is new."""
+    def start(self, key: Active, x: Array) -> Literal["new", "known", "lost"]:
+        """Take a point of a candidate curve as a start, unless its curve is known; lost if none passes through it."""
         if any(branch.stratum.key == key and branch.holds(x) for branch in self.branches):
-            return False
+            return "known"
         try:
             self._add(seed(self.stratum(key), x, self.tally))
         except NoPoint:
-            return False
-        return True
+            return "lost"
+        return "new"
 
     def _add(self, vertex: Vertex) -> None:
         self.vertices.append(vertex)

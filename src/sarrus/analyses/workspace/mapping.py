@@ -129,8 +129,9 @@ class WorkspaceMap:
         self.met.append(q)
         by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
         start = self.ray(q) if by_ray else random_start(self.problem, q, self.random, self.explorer.tally)
-        if start is not None:
-            self.in_a_row = 0 if self.explorer.start(*start) else self.in_a_row + 1
+        led = "lost" if start is None else self.explorer.start(*start)
+        if led != "lost":
+            self.in_a_row = 0 if led == "new" else self.in_a_row + 1
 
     def ray(self, q: Array) -> Start | None:
         """The end of a ray in a random direction."""
@@ -213,7 +214,7 @@ class WorkspaceMap:
         name = self.problem.system.name
         if trouble:
             return "incomplete", f"{name}: {trouble}"
-        share = 1 - (1 - CONFIDENCE) ** (1 / self.in_a_row)
+        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
         told = (
             f"the last {self.in_a_row} starts led to nothing new, so with {100 * CONFIDENCE:.0f} % confidence"
         )

@@ -151,8 +151,8 @@ def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Star
 def _look_around(map_: WorkspaceMap, q: Array) -> None:
     """Rays from a position outside; if they find nothing new, it tells that its cell can be reached."""
     starts = [map_.ray(q) for _ in range(DIRECTIONS)]
-    new = [map_.explorer.start(*start) for start in starts if start is not None]
-    if not any(new):
+    led = [map_.explorer.start(*start) for start in starts if start is not None]
+    if "new" not in led:
         map_.met.append(q)
     for _ in map_.explorer:
         pass
@@ -162,7 +162,7 @@ def _known(map_: WorkspaceMap, ends: Sequence[Start]) -> int:
     """How many ends of rays, or crossings, lie on known curves; the others are starts."""
     known = 0
     for end in ends:
-        known += not map_.explorer.start(*end)
+        known += map_.explorer.start(*end) == "known"
         for _ in map_.explorer:
             pass
     return known

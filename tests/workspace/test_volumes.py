@@ -5,6 +5,8 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import sarrus as sr
 from sarrus.analyses.workspace import slicing
 from sarrus.analyses.workspace.formulate import formulate
 from sarrus.analyses.workspace.mapping import WorkspaceMap
+from sarrus.analyses.workspace.quadrature import Integral
 from sarrus.analyses.workspace.slicing import Asked, Slicer, _height_of, _on_curve
 from sarrus.analyses.workspace.volume import _missed
 from sarrus.results.workspace_volume import Slice
@@ -234,6 +237,27 @@ def test_slices_beside_one_that_stays_incomplete_are_made_again_once(monkeypatch
     slicer = Slicer(system, Asked(system.model, output, limits, {}, 0, 0.1, 0.5, 1.0, False), [], None)
     slicer.at([0.4, 0.6])
     assert [slicer.agree([(0.4, 0.6)]) for _ in range(2)] == [True, False]
+
+
+def test_rates_where_slices_are_empty() -> None:
+    """Rates of a piece of which no slice has a curve are zero; without any there are none."""
+
+    def integral(whole: bool) -> Integral:
+        known: dict[float, Slice] = {}
+        slicer: Any = SimpleNamespace(
+            known=known, problem=None, at=lambda heights: [known[z] for z in heights]
+        )
+        made = Integral(slicer, [(0.0, 1.0), (2.0, 3.0)], [], 1e-4, 100)
+        heights = [z for piece in made.pieces for z in piece.heights(piece.count)]
+        rates = {z: np.ones(3) if whole and z < 1.5 else None for z in heights}
+        known |= {z: Slice(z, 0.0, 0.0, (), (), True, (), one) for z, one in rates.items()}
+        return made
+
+    reach: Any = SimpleNamespace(critical=[SimpleNamespace(value=0.0)])
+    assert integral(False).rates(reach) is None
+    told = integral(True).rates(reach)
+    assert told is not None
+    assert told.total == pytest.approx(np.ones(3))
 
 
 def test_positions_at_heights_that_were_missed_are_outside() -> None:

@@ -126,8 +126,10 @@ class Integral:
         self._estimate()
         self.slicer.at(z for low, high in self.ranges for z in _inside(low, high))
 
-    def rates(self, reach: WorkspaceRange) -> VolumeRates:
-        """Derivatives of the volume by all numbers; `reach` tells how critical heights move."""
+    def rates(self, reach: WorkspaceRange) -> VolumeRates | None:
+        """Derivatives of the volume by all numbers, if a slice has any; `reach` tells how critical heights move."""
+        if all(one.rates is None for one in self.slicer.known.values()):
+            return None
         total, half = (np.sum([self._by_numbers(piece, n) for piece in self.pieces], axis=0) for n in (1, 2))
         kinked = sum(
             float(open_weights(piece.count) @ (self._of(piece, "kinked") * piece.slopes(piece.count)))
@@ -138,8 +140,9 @@ class Integral:
     def _of(self, piece: Piece, what: str) -> Array:
         """A property of the slices of a piece."""
         found = [getattr(one, what) for one in self.slicer.at(piece.heights(piece.count))]
-        sizes = max(np.size(one) if one is not None else 0 for one in found)
-        return np.array([np.zeros(sizes) if one is None else one for one in found])
+        known = [getattr(one, what) for one in self.slicer.known.values()]
+        size = max(np.size(one) for one in known if one is not None)
+        return np.array([np.zeros(size) if one is None else one for one in found])
 
     def _by_numbers(self, piece: Piece, every: int) -> Array:
         """The integral of a piece's rates, with every slice or every other one."""

@@ -209,3 +209,11 @@ def differenced_file(swing: sr.Trajectory, responses: list, path: Path) -> np.nd
 
     slopes = [(at(0.1 + e) - at(0.1 - e)) / (2 * e) for e in (4e-4, 2e-4)]
     return (4 * slopes[1] - slopes[0]) / 3
+
+
+def test_a_body_may_be_called_energy() -> None:
+    body = sr.Body("energy", mass=1.0, inertia=(1.0, 1.0, 1.0), velocity=(2.0, 0.0, 0.0))
+    run = sr.simulate(sr.System(sr.Model("named", bodies=[body])), until=0.1, keep_steps=True)
+    found = sr.sensitivity(run, ["energy.x", "energy.kinetic"], ["energy.mass", "energy.velocity.x"])
+    assert np.allclose(found.values, [0.2, 2.0])
+    assert np.allclose(found.matrix, [[0.0, 0.1], [2.0, 2.0]])

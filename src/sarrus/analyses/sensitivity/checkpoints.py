@@ -86,7 +86,7 @@ def sensitivity_by_checkpoints(
 
 
 @dataclass(frozen=True, eq=False)
-class Share(Response):
+class PartOf(Response):
     """The part of a response that some samples have, with given weights."""
 
     at: Array | None = None
@@ -134,7 +134,7 @@ class LongGradient:
                     else np.concatenate([[0.0], weights[r][own]])
                 )
                 present.append(r)
-                shares.append(Share(response.of, response.name, None if times is None else times[own], by))
+                shares.append(PartOf(response.of, response.name, None if times is None else times[own], by))
         return present, Evaluation(self._run.system, steps, shares, self._parameters, self._angles(n, steps))
 
     def _angles(self, n: int, steps: StepsTaken) -> Angles:

@@ -19,6 +19,7 @@ from .force_outputs import COILS, SPRINGS, WORDS, ForceOutputs
 from .recording import TURN, UnknownOutput, bodies_of, members_of
 
 AXES = {"x": 0, "y": 1, "z": 2}
+ENERGIES = ("energy.kinetic", "energy.potential", "energy.total")
 
 
 class Outputs(ForceOutputs):
@@ -48,7 +49,7 @@ class Outputs(ForceOutputs):
             return self.t
         part, _, rest = name.partition(".")
         word, _, axis = rest.partition(".")
-        if part == "energy":
+        if name in ENERGIES:
             return self._energy(name)
         if f"{part}.{word}" in self.system.joint_coordinates.names and axis in ("", "rate"):
             return self.joint(f"{part}.{word}", rate=axis == "rate")
@@ -65,8 +66,6 @@ class Outputs(ForceOutputs):
     def _energy(self, name: str) -> Any:
         if name == "energy.total":
             return self.kinetic_energy() + self.potential_energy()
-        if name not in ("energy.kinetic", "energy.potential"):
-            raise self._unknown(name)
         return self.kinetic_energy() if name == "energy.kinetic" else self.potential_energy()
 
     def _of_body(self, name: str, body: str, word: str, axis: str) -> Any:
@@ -96,7 +95,7 @@ class Outputs(ForceOutputs):
             *(f"{n}{w}" for n in system.joint_coordinates.names for w in ("", ".rate")),
             *(f"{j}.{w}" for j in system.rows for w in ("force.x", "torque.x", "multiplier.1")),
             *(f"{o}.{w}" for kinds, words in WORDS.items() for o in self._owners(kinds) for w in words),
-            *(f"energy.{word}" for word in ("kinetic", "potential", "total")),
+            *ENERGIES,
         ]
         return UnknownOutput(f"{system.name} has no output {name!r}; {suggest(name, known)}")
 

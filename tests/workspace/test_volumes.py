@@ -123,12 +123,25 @@ def test_a_range_that_is_cut() -> None:
 
 @pytest.mark.parametrize(
     ("output", "options", "told"),
-    [(("tool.x", "tool.y"), {}, "of three outputs"), (("tool.x",) * 3, {"rtol": 0.0}, "rtol must be")],
+    [
+        (("tool.x", "tool.y"), {}, "of three outputs"),
+        (("tool.x",) * 3, {"rtol": 0.0}, "rtol must be"),
+        (("tool.x",) * 3, {"between": (1.0, 0.0)}, "between must rise, but is 1 to 0"),
+    ],
 )
-def test_misuse(output: tuple[str, ...], options: dict[str, float], told: str) -> None:
+def test_misuse(output: tuple[str, ...], options: dict[str, Any], told: str) -> None:
     system, _, limits = shell()
     with pytest.raises(sr.SarrusError, match=told):
         sr.workspace_volume(system, output, limits=limits, **options)
+
+
+def test_heights_out_of_reach() -> None:
+    system, output, limits = shell()
+    found = sr.workspace_volume(
+        system, output, limits=limits, between=(2.0, 3.0), samples=20, derivatives=True
+    )
+    assert (found.volume, found.rates) == (0.0, None)
+    assert "Nothing can be reached between these heights" in str(found)
 
 
 @pytest.mark.slow

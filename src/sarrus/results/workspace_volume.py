@@ -204,7 +204,7 @@ class WorkspaceVolume:
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
     def __str__(self) -> str:
-        heights = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in self.ranges)
+        heights = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in self.ranges) or "nowhere"
         return (
             f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} "
             f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights}, by {len(self.slices)} slices. "

@@ -66,13 +66,18 @@ def workspace_volume(
     Raises
     ------
     SarrusError
-        If there are not three outputs, rtol is not positive, or the mechanism cannot be assembled within its limits.
+        If there are not three outputs, rtol is not positive, `between` does not rise, or the mechanism cannot be
+        assembled within its limits.
     """
     names = tuple(output)
     if len(names) != 3:
         raise SarrusError(f"a volume is of three outputs, not {len(names)}; name as many")
     if not rtol > 0:
         raise SarrusError(f"rtol must be positive, but is {rtol:g}; choose another, such as 1e-4")
+    if between is not None and not between[0] < between[1]:
+        raise SarrusError(
+            f"between must rise, but is {between[0]:g} to {between[1]:g}; give the lower value first"
+        )
     reach = workspace_range(system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS)
     ranges = tuple(_cut(reach.intervals, between))
     middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
@@ -91,6 +96,10 @@ def workspace_volume(
     status: Any = "incomplete" if lost or outside or not found else "mapped"
     labels: Any = tuple(one.name for one in measures(system, names))
     told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
+    if not found:
+        told = "Nothing can be reached" + (
+            " between these heights" if between else " over a range of heights"
+        )
     told += f"; of {len(positions)} random admissible positions {outside or 'none'} lay outside"
     return WorkspaceVolume(
         system.name,

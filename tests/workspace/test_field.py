@@ -1,6 +1,7 @@
 """Manipulability, solutions and orientations on a grid, beside closed forms."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -145,6 +146,9 @@ def test_report(arm: sr.WorkspaceField) -> None:
     [
         (("q1",), {}, "has 2 degrees of freedom, but 1 input is given; give as many"),
         ((), {"turn": "link_2.turn_z"}, "cannot turn while"),
+        ((), {"cells": 0}, "0 cells are no grid"),
+        ((), {"starts": -1}, "-1 starts are none"),
+        ((), {"cells": 1}, "no cell's centre lies inside; give more cells"),
     ],
 )
 def test_misuse(
@@ -159,3 +163,10 @@ def test_endless_solutions_are_refused() -> None:
     found = sr.workspace(system, output, limits=legs, verify=False)
     with pytest.raises(sr.SarrusError, match="endless solutions at every place; name its inputs"):
         sr.workspace_field(found)
+    with pytest.raises(sr.SarrusError, match=r"\.x is no angle; turn is for one"):
+        sr.workspace_field(found, turn="platform(1, 0, 0).x")
+
+
+def test_no_field_where_nothing_is_reached(arm: sr.WorkspaceField) -> None:
+    with pytest.raises(sr.SarrusError, match="nothing can be reached, so there is no field"):
+        sr.workspace_field(replace(arm.workspace, components=()))

@@ -45,7 +45,7 @@ def workspace_field(
         Two degrees of freedom are left beside what is fixed, or three, so that the mechanism can turn at a place.
     inputs : functions of the position, as many as there are degrees of freedom; without them, manipulability and
         conditioning are left out
-    turn : a function of the position whose range is told, such as ``"platform.turn_z"``, with three degrees of freedom
+    turn : an angle whose range is told, such as ``"platform.turn_z"``, with three degrees of freedom
     cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these
@@ -55,12 +55,12 @@ def workspace_field(
     WorkspaceField
         `solutions` where they are single; `manipulability`, sqrt(det J Jᵀ), and `conditioning`, the inverse of J's
         condition number, of the best and of the worst solution at each place; `turn`, the length [rad] of all values
-        that the function can have there.
+        that the angle can have there.
 
     Raises
     ------
     SarrusError
-        If a name is unknown, or numbers of inputs and degrees of freedom do not fit.
+        If a name is unknown, numbers of inputs and degrees of freedom do not fit, or nothing can be reached.
     """
     map_: WorkspaceMap = found.map
     _, output, limits, fixed = map_.asked
@@ -69,7 +69,10 @@ def workspace_field(
         map_.problem.system, output, limits=limits, fixed=fixed, inputs=[*driven, *turns], singular="inputs"
     )
     _refuse_counts(problem, len(driven), bool(turns))
-    x, y, inside = _grid(found, cells or CELLS[problem.freedoms])
+    _refuse_numbers(found, cells, starts)
+    x, y, inside = _grid(found, CELLS[problem.freedoms] if cells is None else cells)
+    if not inside.any():
+        raise SarrusError(f"{found.name}: no cell's centre lies inside; give more cells")
     units = problem.units[problem.outputs]
     places = np.stack(np.meshgrid(x, y), axis=-1)[inside] / units
     flood = _filled(problem, places, inside, islice(Samples(problem, seed), starts), map_.met)
@@ -97,10 +100,21 @@ def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
         raise SarrusError(f"{told}; give as many inputs")
     if turns and freedoms == 2:
         raise SarrusError(f"{name} cannot turn while its two outputs keep their values; leave turn out")
+    if turns and problem.table[problem.normal[-1]].kind != "angle":
+        raise SarrusError(f"{problem.table[problem.normal[-1]].name} is no angle; turn is for one")
     if not inputs and not turns and freedoms == 3:
         raise SarrusError(
             f"{name} has endless solutions at every place; name its inputs, or what turns there"
         )
+
+
+def _refuse_numbers(found: Workspace, cells: int | None, starts: int) -> None:
+    if cells is not None and cells < 1:
+        raise SarrusError(f"{cells} cells are no grid; give at least 1")
+    if starts < 0:
+        raise SarrusError(f"{starts} starts are none; give at least 0")
+    if not found.components:
+        raise SarrusError(f"{found.name}: nothing can be reached, so there is no field; see its message")
 
 
 def _grid(found: Workspace, cells: int) -> tuple[Array, Array, Array]:
@@ -166,12 +180,10 @@ def _columns(flood: Flood, driven: Array, turns: Array) -> Iterator[tuple[Quanti
 
 
 def _range(problem: Problem, turn: int, strides: list[tuple[Array, Array]]) -> float:
-    """The length of all values of a function along strides."""
+    """The length of all values of an angle along strides."""
     ends = np.array([[problem.values(q)[problem.m + turn] for q in pair] for pair in strides])
     if not len(ends):
         return float("nan")
-    if problem.table[turn].kind != "angle":
-        return _covered(np.sort(ends, axis=1)) * float(problem.units[turn])
     change = (ends[:, 1] - ends[:, 0] + np.pi) % TURN - np.pi
     first = np.where(change < 0, ends[:, 1], ends[:, 0]) % TURN
     parts = np.column_stack([first, first + abs(change)])

@@ -99,6 +99,10 @@ def _bounds(one: Measure, pair: tuple[float | None, float | None]) -> tuple[floa
         low = -np.inf
     if not low < high:
         raise SarrusError(f"the limits of {one.name} are {low:g} and {high:g}; give the lower one first")
+    if one.kind == "angle" and np.isfinite(low) != np.isfinite(high):
+        raise SarrusError(
+            f"one limit of {one.name} is missing; give both ends: an angle comes back after a turn"
+        )
     return low, high
 
 

@@ -112,6 +112,20 @@ def test_a_reset_that_returns_no_velocities_is_refused(velocities: object) -> No
         sr.simulate(ball(), until=0.5, events=hit)
 
 
+def test_an_impact_along_an_angle_counts_its_turns() -> None:
+    """A rotor has turned by more than half a turn when it is struck together with a mass."""
+    rotor = sr.Body("rotor", mass=1.0, inertia=(1, 1, 1), angular_velocity=(0, 0, 2))
+    mass = sr.Body("mass", mass=1.0, inertia=(1, 1, 1), velocity=(3, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, rotor, point=(0, 0, 0), axis=(0, 0, 1))
+    system = sr.System(sr.Model("struck", bodies=[rotor, mass], joints=[pin]))
+    hit = sr.Event("t - 2.5", reset=sr.Impact(1.0, along="0.5*pin.angle^2 + mass.x"))
+    run = sr.simulate(system, until=2.6, events=hit, method=sr.ODE(), rtol=1e-10, atol=1e-12)
+    rate, speed = run.joint("pin").rate[-1], run["mass"].velocity[-1, 0]
+    impulse = (rate - 2) / 5.0
+    assert speed - 3 == pytest.approx(impulse, rel=1e-6)
+    assert 5.0 * rate + speed == pytest.approx(-(5.0 * 2 + 3), rel=1e-6)
+
+
 def test_impacts_that_accumulate_end_with_a_sentence() -> None:
     floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5))
     run = sr.simulate(ball(), until=3.0, events=floor)

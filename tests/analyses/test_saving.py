@@ -108,6 +108,43 @@ def test_a_run_that_was_stopped_is_gone_on_with(tmp_path: Path, monkeypatch: pyt
     assert len(plain.events) > len(cut.events) > 0
 
 
+def _in_parts(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, system: sr.System, after: float, **given: object
+) -> sr.Trajectory:
+    """A run that is stopped after a time, and gone on with."""
+    for name, value in (("PAUSE", 0.0), ("PATIENT", 0.0), ("WATCHED", 1)):
+        monkeypatch.setattr(march, name, value)
+
+    def stop(t: float) -> None:
+        if t > after:
+            raise KeyboardInterrupt
+
+    assert sr.simulate(system, save=folder, progress=stop, **given).status == "stopped"
+    return sr.resume(folder)
+
+
+def test_turns_of_an_events_angle_are_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, terminal=True)
+    given = {"until": 3.0, "t_eval": [0.0], "events": wound, "rtol": 1e-4}
+    plain = sr.simulate(slider_crank(), **given)
+    resumed = _in_parts(tmp_path / "r", monkeypatch, slider_crank(), 1.2, **given)
+    assert resumed.status == plain.status == "event"
+    assert [e.t for e in resumed.events] == [e.t for e in plain.events]
+
+
+def test_events_at_the_same_time_happen_once_when_gone_on_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    balls = [sr.Body(n, mass=1, inertia=(1, 1, 1), position=(x, 0, 1)) for x, n in enumerate(("one", "two"))]
+    floor = [sr.Event(f"{b.name}.z", reset=sr.Impact(0.8)) for b in balls]
+    system = sr.System(sr.Model("balls", bodies=balls, gravity=(0, 0, -9.81)))
+    given = {"until": 0.6, "t_eval": [0.6], "events": floor}
+    plain = sr.simulate(system, **given)
+    resumed = _in_parts(tmp_path / "r", monkeypatch, system, 0.4, **given)
+    assert [(e.name, e.t) for e in resumed.events] == [(e.name, e.t) for e in plain.events]
+    assert len(plain.events) == 2
+
+
 def test_arrays_are_read_by_what_is_indexed(tmp_path: Path) -> None:
     run = sr.simulate(slider_crank(), until=1.0, save=tmp_path / "r", t_eval=np.linspace(0, 1, 101))
     q = np.asarray(run.q)

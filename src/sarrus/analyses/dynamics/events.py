@@ -106,6 +106,16 @@ class Output:
         """Its value."""
         return float(self._tree.value(self._values(t, q)))
 
+    @property
+    def near(self) -> Array:
+        """The joints' coordinates at the last state asked for; not a number before the first."""
+        return np.array([np.nan if x is None else x for x in self._near.values()])
+
+    @near.setter
+    def near(self, values: Array) -> None:
+        for name, x in zip(self._near, values, strict=True):
+            self._near[name] = None if np.isnan(x) else float(x)
+
     def gradient(self, t: float, q: Array) -> Array:
         """Its derivative to q (nq,)."""
         values, result = self._values(t, q), np.zeros(self._system.nq)
@@ -132,11 +142,12 @@ class Watch:
         )
         along = event.reset.along if isinstance(event.reset, Impact) else None
         self.output: Any = Output(system, along) if along else self.function
+        self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, Output)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 
     def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
         """A start, perhaps after an event: then a function at zero has crossed it just now, or is about to."""
-        value = float(self.function(t, q, v))
+        value = self._value(t, q, v)
         change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if event else 0.0
         own = t - self.at <= NEAR * max(1.0, t)
         self.last = value
@@ -145,11 +156,27 @@ class Watch:
         elif not own and abs(value) <= MEETS * abs(change):
             self.last = -change
 
+    def _value(self, t: float, q: Array, v: Array) -> float:
+        """The function's value; what an impact is along counts its turns, too."""
+        if self.output is not self.function:
+            self.output(t, q, v)
+        return float(self.function(t, q, v))
+
+    @property
+    def near(self) -> Array:
+        """The joints' coordinates from which turns are counted on."""
+        return np.array([x for output in self._counted for x in output.near])
+
+    @near.setter
+    def near(self, values: Array) -> None:
+        for output in self._counted:
+            output.near, values = values[: len(output.near)], values[len(output.near) :]
+
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
         since = nodes.t[0]
         for t, q, v in _looks(nodes):
-            value = float(self.function(t, q, v))
+            value = self._value(t, q, v)
             if self.last * value < 0 and value * self.event.direction >= 0:
                 yield self._root(nodes, sampler, since, t)
             if value != 0:
@@ -237,6 +264,8 @@ class Watches:
         names = [watch.name for watch in every]
         found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
         found["watch_last"] = np.array([watch.last for watch in every])
+        found["watch_at"] = np.array([watch.at for watch in every])
+        found |= {f"watch_near_{n}": watch.near for n, watch in enumerate(every)}
         found["event_of"] = np.array([names.index(event.name) for event in happened], dtype=np.int64)
         found["event_names"] = np.array(names, dtype="U")
         return found | {
@@ -244,9 +273,11 @@ class Watches:
         }
 
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state."""
+        """Go on from such a state; older ones do not tell when each happened, and how far joints had turned."""
+        at = state.get("watch_at", np.full(len(self._all), -np.inf))
         for n, watch in enumerate(self._all):
             watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
+            watch.at, watch.near = float(at[n]), state.get(f"watch_near_{n}", watch.near)
         self.happened = happened_of(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:

@@ -25,6 +25,7 @@ from ...results.workspace_volume import WorkspaceVolume
 from ..sensitivity.chain import Gradients
 from ..sensitivity.parameters import Parameters, UnknownParameter
 from .explore import Branch
+from .extremes import ONE
 from .newton import NoPoint, Row, Tally, correct
 from .problem import Problem
 from .region import Region
@@ -34,6 +35,7 @@ from .stratum import Linear, Stratum
 FOOT = 1e-4  # free of units: so near to the interpolated boundary its foot is found
 NODES = 6  # of Gauss's rule in a step
 SAME = 1e-9
+LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are singular there
 
 
 def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
@@ -128,16 +130,25 @@ def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> Sha
     Raises
     ------
     SarrusError
-        If there is no such number.
+        If there is no such number, no critical value, or the constraints alone are singular there.
     """
     search, names = found.search, list(wrt)
     problem: Problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
-    values = np.array(search.values()) * unit
-    start = search.found[int(np.argmin(abs(values - value)))]
+    values = [one * unit for one in search.values()]
+    told = min(values, key=lambda one: abs(one - value), default=value)
+    alike = [
+        (abs(one - value), n)
+        for n, one in enumerate(values)
+        if abs(one - told) < ONE * unit and abs(search.found[n].x[-1]) > LEAST
+    ]
+    if not alike:
+        raise SarrusError(
+            f"{found.output} has no end at {told:.6g} that moves; ask for another of its critical values"
+        )
+    start = search.found[min(alike)[1]]
     numbers = _Numbers(problem, names)
     rates = numbers.derivatives(numbers.row(Stratum(problem, start.key), start.x) / start.x[-1]) * unit
-    told = float(values[int(np.argmin(abs(values - value)))])
     return ShapeDerivative(found.output, told, dict(zip(names, rates, strict=True)))
 
 
@@ -157,7 +168,8 @@ def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) ->
     Raises
     ------
     SarrusError
-        If there is no such number, the outputs have different units, or the nearest place is a corner.
+        If there is no such number, the outputs have different units, there is no boundary, or the nearest place is a
+        corner or one where the constraints alone are singular.
     """
     map_, names = found.map, list(wrt)
     problem, region = map_.problem, map_.region()
@@ -169,8 +181,11 @@ def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) ->
     p, numbers = np.asarray(point, dtype=float) / units, _Numbers(problem, names)
     branch, side, x = _foot(region, p, map_.explorer.tally)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
-    room = -side * float((u - p) @ c) / float(np.linalg.norm(c))
-    speed = -side * numbers.row(branch.stratum, x) / float(np.linalg.norm(c))
+    length = float(np.linalg.norm(c))
+    if length < LEAST:
+        raise SarrusError(f"{found.name}: the nearest place of the boundary has no speed; take another")
+    room = -side * float((u - p) @ c) / length
+    speed = -side * numbers.row(branch.stratum, x) / length
     rates = numbers.derivatives(speed) * float(units[0])
     return ShapeDerivative("distance", room * float(units[0]), dict(zip(names, rates, strict=True)))
 
@@ -178,6 +193,9 @@ def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) ->
 def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
     """The branch of the boundary that is nearest to a place, its open side, and the unknowns at the foot."""
     edges = np.flatnonzero(region.bounds).tolist()
+    if not edges:
+        name = region.problem.system.name
+        raise SarrusError(f"{name}: there is no boundary, nothing can be reached or nothing ends it")
     near = [(*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges]
     _, at, k = min(near)
     piece = region.division.pieces[k]
@@ -230,10 +248,9 @@ def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers)
     for tau, weight in zip(low + (high - low) * nodes, (high - low) * weights, strict=True):
         x = step.x(tau)
         slope = (np.arange(1, 6) * tau ** np.arange(5)) @ outputs[1:]
-        c = x[len(x) - 2 :]
-        total += (
-            weight * float(np.linalg.norm(slope)) / float(np.linalg.norm(c)) * numbers.row(branch.stratum, x)
-        )
+        length = float(np.linalg.norm(x[len(x) - 2 :]))
+        if length > LEAST:
+            total += weight * float(np.linalg.norm(slope)) / length * numbers.row(branch.stratum, x)
     return total
 
 

@@ -186,7 +186,7 @@ def test_one_and_three_outputs_in_the_shell(tmp_path: Path, capsys: pytest.Captu
         f"{name}.travel {end}" for name in ("one", "two") for end in ENDS
     }
     assert main([*words, "tool.x", "--netcdf", str(files[3])]) == 2
-    assert "not written so" in capsys.readouterr().err
+    assert "for more than one output" in capsys.readouterr().err
 
 
 ARM = """
@@ -228,6 +228,11 @@ def test_fields_and_singular_positions_in_the_shell(
         (["--turn", "x.turn_z"], "--turn is for --field turn; add it"),
         (["--singular", "x.png"], "add --inputs NAME"),
         (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1; leave it out"),
+        (["--output", "tool.x", "--curves", "outer"], "--curves is for two outputs, not 1"),
+        (["--output", "tool.x", "--netcdf", "x.nc"], "--netcdf is for more than one output"),
+        (["--field", "solutions", "--at=1,1"], "--at is for a picture without --field"),
+        (["--inputs", "one"], "--inputs is for --field and --singular"),
+        (["--view", "x.html"], "--view is for three outputs, not 2"),
     ],
 )
 def test_options_that_do_not_fit(

@@ -68,9 +68,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X,Y",
         help="a place at which the mechanism is drawn; --at=-1,2",
     )
-    parser.add_argument(
-        "--curves", nargs="+", choices=KINDS, default=KINDS, help="curves that are drawn (all)"
-    )
+    parser.add_argument("--curves", nargs="+", choices=KINDS, help="curves that are drawn (all)")
     parser.add_argument("--samples", type=natural, default=1000, help="random positions that test it (1000)")
     shared.seed(parser, "numbers")
     shared.figure(parser, "the picture", "workspace.png")
@@ -123,10 +121,17 @@ def _refuse_options(chosen: argparse.Namespace) -> None:
     """Options that only two outputs have, or that need others."""
     from ..model.errors import SarrusError
 
-    planar = {"--field": chosen.field, "--at": chosen.at, "--singular": chosen.singular}
+    planar = {
+        "--field": chosen.field,
+        "--at": chosen.at,
+        "--curves": chosen.curves,
+        "--inputs": chosen.inputs,
+        "--singular": chosen.singular,
+    }
     given = [option for option, value in planar.items() if value]
     if given and len(chosen.output) != 2:
         raise SarrusError(f"{given[0]} is for two outputs, not {len(chosen.output)}; leave it out")
+    _refuse_ignored(chosen)
     if chosen.singular and not chosen.inputs:
         raise SarrusError("--singular needs to know what drives the mechanism; add --inputs NAME ...")
     if chosen.turn and chosen.field != "turn":
@@ -137,6 +142,23 @@ def _refuse_options(chosen: argparse.Namespace) -> None:
         )
     if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
         raise SarrusError(f"--field {chosen.field} needs to know what drives it; add --inputs NAME ...")
+
+
+def _refuse_ignored(chosen: argparse.Namespace) -> None:
+    """Options that would change nothing."""
+    from ..model.errors import SarrusError
+
+    if chosen.field and (chosen.at or chosen.curves):
+        option = "--at" if chosen.at else "--curves"
+        raise SarrusError(f"{option} is for a picture without --field; leave one of them out")
+    if chosen.inputs and not chosen.field and not chosen.singular:
+        raise SarrusError("--inputs is for --field and --singular; add one of them")
+    if chosen.view and len(chosen.output) == 2:
+        raise SarrusError("--view is for three outputs, not 2; leave it out")
+    written = {"--csv": chosen.csv, "--netcdf": chosen.netcdf, "--view": chosen.view}
+    given = [option for option, value in written.items() if value]
+    if given and len(chosen.output) == 1:
+        raise SarrusError(f"{given[0]} is for more than one output; leave it out")
 
 
 def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer) -> WorkspaceField:
@@ -169,7 +191,7 @@ def _picture(shown: Any, chosen: argparse.Namespace, lost: list[InputSingulariti
     """Of what was found, and where inputs lose control."""
     if len(chosen.output) == 3:
         return shown.plot()
-    ax = shown.plot(chosen.field) if chosen.field else shown.plot(kinds=chosen.curves, at=chosen.at)
+    ax = shown.plot(chosen.field) if chosen.field else shown.plot(kinds=chosen.curves or KINDS, at=chosen.at)
     return lost[0].plot(ax) if lost else ax
 
 
@@ -205,13 +227,9 @@ def _volume(system: System, chosen: argparse.Namespace, answer: Answer, given: A
 
 
 def _write(chosen: argparse.Namespace, found: Any, answer: Answer) -> None:
-    """The files that were asked for; a result that does not come as such a file says so."""
+    """The files that were asked for."""
     for file, method in ((chosen.csv, "to_csv"), (chosen.netcdf, "to_netcdf"), (chosen.view, "view")):
         if file is not None:
-            if not hasattr(found, method):
-                from ..model.errors import SarrusError
-
-                raise SarrusError(f"{file}: {len(chosen.output)} outputs are not written so; leave it out")
             getattr(found, method)(file)
             answer.wrote(file)
 

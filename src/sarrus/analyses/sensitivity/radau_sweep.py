@@ -32,7 +32,7 @@ OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
-FUNCTIONS = ("by_numbers", "by_numbers_transposed",
+FUNCTIONS = ("times_numbers",
              "remember", "step_weights", "factor_step", "scale", "silence", "subtract", "apply", "move", "stage_by_b",
              "forward_step", "backward_step", "factor_node", "quiet",
              "node_by_b", "forward_node", "backward_node", "forward",

@@ -93,7 +93,7 @@ class Node(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """The operators by b: which entry each number is, and which are an operator's; see `by_numbers`."""
+    """The operators by b: which entry each number is, and which are an operator's; see `times_numbers`."""
 
     b_values: Any
     b_rows: Any
@@ -192,30 +192,12 @@ class Given(NamedTuple):
     lam: Any
 
 
-def by_numbers(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
-    """Out += weight A x, for an operator A by b."""
-    width = x.shape[1]
+def times_numbers(blocks: Any, n: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
+    """Out += weight A x, for operator n by b with the rows and columns of its numbers; exchanged, Aᵀ x."""
     for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
-        k = blocks.chosen[place]
-        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
-        if width == 1:
-            out[row, 0] += value * x[column, 0]
-        else:
-            for c in range(width):
-                out[row, c] += value * x[column, c]
-
-
-def by_numbers_transposed(blocks: Any, n: Any, weight: Any, x: Any, out: Any) -> None:
-    """Out += weight Aᵀ x, for an operator A by b."""
-    width = x.shape[1]
-    for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
-        k = blocks.chosen[place]
-        value, row, column = weight * blocks.b_values[k], blocks.b_rows[place], blocks.b_columns[place]
-        if width == 1:
-            out[column, 0] += value * x[row, 0]
-        else:
-            for c in range(width):
-                out[column, c] += value * x[row, c]
+        value, row, column = weight * blocks.b_values[blocks.chosen[place]], rows[place], columns[place]
+        for c in range(x.shape[1]):
+            out[row, c] += value * x[column, c]
 
 
 def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
@@ -323,9 +305,9 @@ def stage_by_b(
 def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transposed: Any) -> None:
     """Add an operator by b, whose rows begin at a place of the equations, to these or, transposed, to the numbers."""
     if transposed:
-        by_numbers_transposed(numbers, n, weight, x[at:], out)
+        times_numbers(numbers, n, numbers.b_columns, numbers.b_rows, weight, x[at:], out)
     else:
-        by_numbers(numbers, n, weight, x, out[at:])
+        times_numbers(numbers, n, numbers.b_rows, numbers.b_columns, weight, x, out[at:])
 
 
 def forward_step(

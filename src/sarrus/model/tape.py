@@ -7,7 +7,8 @@ along a direction, gradients, and their change along a direction, all exact.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import reduce
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ class Tape:
     def __init__(self) -> None:
         self.entries: list[Entry] = []
         self.values: list[Any] = []
+        self._moving: list[bool] = []
 
     def variable(self, value: Any) -> Traced:
         """A number that derivatives can be taken by."""
@@ -36,6 +38,7 @@ class Tape:
         """Write one operation."""
         self.entries.append(Entry(op, args))
         self.values.append(value)
+        self._moving.append(op == "variable" or any(self._moving[arg] for arg in args))
         return Traced(self, len(self.entries) - 1)
 
     def along(self, changes: Mapping[int, Any]) -> list[Any]:
@@ -44,19 +47,22 @@ class Tape:
         for n, (_, args) in enumerate(self.entries):
             if n in changes:
                 dots[n] = changes[n]
-            elif args and any(_moves(dots[arg]) for arg in args):
-                slopes = self._slopes(n)
-                dots[n] = sum(slope * dots[arg] for slope, arg in zip(slopes, args, strict=True))
+            elif any(_moves(dots[arg]) for arg in args):
+                for slope, arg in zip(self._slopes(n), args, strict=True):
+                    dots[n] = _sum(dots[n], _product(slope, dots[arg]))
         return dots
 
     def gradient(self, bars: Mapping[int, Any]) -> list[Any]:
-        """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places."""
+        """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places.
+
+        By what depends on no variable it is left zero.
+        """
         found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
         for n in range(len(self.entries) - 1, -1, -1):
-            args, bar = self.entries[n].args, found[n]
-            if args and _moves(bar):
-                for arg, slope in zip(args, self._slopes(n), strict=True):
-                    found[arg] = found[arg] + _collected(bar * slope, self.values[arg])
+            bar = found[n]
+            if self._moving[n] and self.entries[n].args and _moves(bar):
+                for arg, slope in self._moving_slopes(n):
+                    found[arg] = _sum(found[arg], _collected(bar, slope, self.values[arg]))
         return found
 
     def gradient_along(
@@ -66,44 +72,94 @@ class Tape:
         found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
         change: list[Any] = [bar_dots.get(n, 0.0) for n in range(len(self.entries))]
         for n in range(len(self.entries) - 1, -1, -1):
-            args, bar, bar_dot = self.entries[n].args, found[n], change[n]
-            if not args or not (_moves(bar) or _moves(bar_dot)):
+            bar, bar_dot = found[n], change[n]
+            if not (self._moving[n] and self.entries[n].args and (_moves(bar) or _moves(bar_dot))):
                 continue
-            slopes, bends = self._slopes(n), self._bends(n, dots)
-            for arg, slope, bend in zip(args, slopes, bends, strict=True):
+            bends = self._bends(n, dots)
+            for place, (arg, slope) in enumerate(self._moving_slopes(n)):
                 like = self.values[arg]
-                found[arg] = found[arg] + _collected(bar * slope, like)
-                change[arg] = change[arg] + _collected(bar_dot * slope + bar * bend, like)
+                found[arg] = _sum(found[arg], _collected(bar, slope, like))
+                moved = _sum(_collected(bar_dot, slope, like), _collected(bar, bends[place], like))
+                change[arg] = _sum(change[arg], moved)
         return found, change
 
     def _slopes(self, n: int) -> tuple[Any, ...]:
         op, args = self.entries[n]
         return operation(op).slopes(self.values[n], *(self.values[arg] for arg in args))
 
-    def _bends(self, n: int, dots: Sequence[Any]) -> tuple[Any, ...]:
-        """The changes of the slopes."""
+    def _moving_slopes(self, n: int) -> list[tuple[int, Any]]:
+        """The arguments of an entry that depend on variables, and its slopes by them."""
+        pairs = zip(self.entries[n].args, self._slopes(n), strict=True)
+        return [(arg, slope) for arg, slope in pairs if self._moving[arg]]
+
+    def _bends(self, n: int, dots: Sequence[Any]) -> list[Any]:
+        """The changes of the slopes by the arguments that depend on variables."""
         op, args = self.entries[n]
-        if not any(_moves(dots[arg]) for arg in args):
-            return (0.0,) * len(args)
-        bends = operation(op).bends(self.values[n], *(self.values[arg] for arg in args))
-        return tuple(sum(b * dots[arg] for b, arg in zip(row, args, strict=True)) for row in bends)
+        moved, own = (
+            [dots[arg] for arg in args],
+            [place for place, arg in enumerate(args) if self._moving[arg]],
+        )
+        if not any(_moves(dot) for dot in moved):
+            return [0.0] * len(own)
+        told = operation(op)
+        if told.turned is not None:
+            whole = told.turned(moved)
+            return [whole[place] for place in own]
+        bends = told.bends(self.values[n], *(self.values[arg] for arg in args))
+        return [_total(_product(b, dot) for b, dot in zip(bends[place], moved, strict=True)) for place in own]
 
 
 def _moves(dot: Any) -> bool:
     return not (isinstance(dot, float) and dot == 0.0)
 
 
-def _collected(bar: Any, like: Any) -> Any:
-    """A gradient by a scalar that was used at many times is the sum over them."""
-    return float(np.sum(bar)) if np.ndim(like) == 0 and np.ndim(bar) else bar
+def _product(slope: Any, moved: Any) -> Any:
+    """Their product; without a multiplication where one of them is a plain 0 or 1."""
+    for one, other in ((slope, moved), (moved, slope)):
+        if isinstance(one, float) and one in (0.0, 1.0, -1.0):
+            return 0.0 if one == 0.0 else other if one == 1.0 else -other
+    return slope * moved
+
+
+def _sum(total: Any, term: Any) -> Any:
+    """Their sum, of which one may be a plain zero. Neither is written to: others may hold it."""
+    if not _moves(term):
+        return total
+    return total + term if _moves(total) else term
+
+
+def _total(terms: Iterable[Any]) -> Any:
+    return reduce(_sum, terms, 0.0)
+
+
+def _collected(bar: Any, slope: Any, like: Any) -> Any:
+    """A gradient's share by an argument; by a scalar that was used at many times the sum over them."""
+    if np.ndim(like) or not (np.ndim(bar) or np.ndim(slope)):
+        return _product(slope, bar)
+    if np.ndim(bar) and np.ndim(slope):
+        return float(np.dot(bar, slope))
+    return float(np.sum(_product(slope, bar)))
 
 
 class Operation(NamedTuple):
-    """How a function is computed, its partial derivatives, and theirs, of its value and arguments."""
+    """How a function is computed, its partial derivatives, and theirs, of its value and arguments.
+
+    `turned`, in place of `bends` where it is given: the changes of the partial derivatives along a direction.
+    """
 
     value: Callable[..., Any]
     slopes: Callable[..., tuple[Any, ...]]
     bends: Callable[..., tuple[tuple[Any, ...], ...]]
+    turned: Callable[[Sequence[Any]], Sequence[Any]] | None = None
+
+
+def whole(value: Any, slopes: Any, turned: Callable[[Any], Any]) -> Operation:
+    """An operation on many numbers whose value and slopes are known, and how the slopes change along a direction."""
+
+    def bends(*args: Any) -> tuple[tuple[Any, ...], ...]:
+        return tuple(tuple(turned(row)) for row in np.eye(len(slopes)))
+
+    return Operation(lambda *_: value, lambda *_: tuple(slopes), bends, turned)
 
 
 def operation(op: str | Operation) -> Operation:

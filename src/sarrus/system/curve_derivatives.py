@@ -277,7 +277,7 @@ def evaluated(
     for identity in needed(graph, wanted):
         node = graph.nodes[identity]
         if node.op == "constant":
-            values[identity] = node.value
+            values[identity] = float(node.value)  # fractions are recorded, too
         elif node.op == "input":
             values[identity] = inputs[node.value]
         else:

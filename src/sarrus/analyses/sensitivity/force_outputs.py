@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from ...algebra import Array
 from ...elements import RSDA, TSDA, NonlinearRSDA, NonlinearTSDA
-from ...elements.operators import OPERATORS
+from ...model.tape import Traced, whole
 from ...system.population import Population
+from .energies import Along, Energy, members, plain, told
 from .recording import Recording, UnknownOutput, members_of
 
 SPRINGS, COILS = (TSDA, NonlinearTSDA), (RSDA, NonlinearRSDA)
@@ -42,18 +45,37 @@ class ForceOutputs(Recording):
 
     def kinetic_energy(self) -> Any:
         """½ vᵀ M v. [J]"""
-        inertias = [p for p in self.system.populations if OPERATORS["M_a"] in p.kind.family]
-        return 0.5 * sum(self._twice_kinetic(p, k) for p in inertias for k in range(p.count))
+        return self._summed("kinetic")
 
     def potential_energy(self) -> Any:
         """That of gravity, linear springs and bushings, and of users' elements with `potential`. [J]"""
-        members = [p for p in self.system.populations if callable(getattr(p.kind, "potential", None))]
-        return sum(x for p in members for k in range(p.count) for x in self.told(p, k, "potential"))
+        return self._summed("potential")
 
-    def _twice_kinetic(self, p: Population, k: int) -> Any:
-        v = self.local(p, k, "v")
-        momentum = self.element(p, k, "b").M_a(self.local(p, k, "q"), v)
-        return sum(part @ block for part, block in zip(v, momentum, strict=True) if block is not None)
+    def _summed(self, energy: Energy) -> Any:
+        """The energy of all elements."""
+        others = [p for p in members(self.system, energy) if not plain(p)]
+        every = [(p, told(p.variant, energy), k) for p in others for k in range(p.count)]
+        found = sum(self.replayed(p, k, one.graph, [one.value])[0] for p, one, k in every)
+        along = Along(self.system, energy, self._b, *self._states[:3])
+        return self._on_tape(along) + found if len(along.coordinates) else found
+
+    def _on_tape(self, along: Along) -> Traced:
+        """An energy as one operation."""
+        inputs = [self.input(kind, int(n)) for kind in ("q", "v") for n in along.coordinates]
+        inputs += [self.input("b", int(n)) for n in along.numbers]
+        width, count = len(along.coordinates), len(self._states.t)
+
+        def turned(dots: Sequence[Any]) -> Array:
+            q_dot, v_dot = np.zeros((2, count, self.system.nq))
+            for n, place in enumerate(along.coordinates):
+                q_dot[:, place], v_dot[:, place] = dots[n], dots[width + n]
+            b_dot = np.zeros(len(self._b))
+            b_dot[along.numbers] = dots[2 * width :]
+            return along.turned(q_dot, v_dot, b_dot)
+
+        return self.tape.add(
+            whole(along.value, along.slopes, turned), tuple(x.at for x in inputs), along.value
+        )
 
     def _stretch(self, spring: str) -> tuple[Any, Any]:
         p, k = self._member(spring, SPRINGS)

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit.expression import Expression, Graph
+from ..._jit.replay import needed
 from ...algebra import Array
 from ...elements.evaluation import element_from, partition
 from ...elements.recorder import record_scalars
@@ -113,13 +115,25 @@ class Recording:
     def told(self, p: Population, k: int, method: str) -> list[Traced]:
         """What a method of an element tells about a state in plain numbers, such as `potential` and `remember`."""
         recording = record_scalars(p.variant, method)
-        at, size = p.at + k * p.kind.size(), p.kind.size()
-        inputs: dict[tuple[Any, ...], Any] = {("numbers", n): self._number("b", at + n) for n in range(size)}
-        inputs |= {("numbers", place): law for place, law in self._laws(p, k).values()} | {("t",): self.t}
-        bodies = [(i, int(first)) for i, first in enumerate(p.bodies[k])]
-        inputs |= {("q", i, n): self.input("q", first + n) for i, first in bodies for n in range(WIDTH)}
-        wanted = [block[0] for block in recording.outputs[0].blocks]
-        return evaluated(recording.graph, wanted, inputs, TRACED)
+        return self.replayed(p, k, recording.graph, [block[0] for block in recording.outputs[0].blocks])
+
+    def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Traced]:
+        """What was recorded of a kind of element, of one of them; its inputs are those of a kernel."""
+        laws = dict(self._laws(p, k).values())
+        names = [graph.nodes[n].value for n in needed(graph, wanted) if graph.nodes[n].op == "input"]
+        inputs = {name: self._of_element(p, k, name, laws) for name in names}
+        return evaluated(graph, wanted, inputs, TRACED)
+
+    def _of_element(self, p: Population, k: int, name: tuple[Any, ...], laws: Mapping[int, Any]) -> Any:
+        """An input of a kernel: ``("t",)``, ``("numbers", n)``, ``("q", body, n)``, ``("v", body, n)``."""
+        kind, *place = name
+        if kind == "t":
+            return self.t
+        if kind == "numbers":
+            (n,) = place
+            return laws[n] if n in laws else self._number("b", p.at + k * p.kind.size() + n)
+        body, n = place
+        return self.input(kind, int(p.bodies[k, body]) + n)
 
     def _laws(self, p: Population, k: int) -> dict[str, tuple[int, CurveOnTape]]:
         """The curves of an element by field, with the places of their numbers."""

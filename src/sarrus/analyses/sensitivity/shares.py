@@ -43,8 +43,8 @@ class Share:
         self.numbers = graph.inputs("numbers", cls.size())
         self.lam, self.nu = self.rows("lam"), self.rows("nu")
         element = element_from(cls, self.numbers, t=graph.input("t"))
-        local = {name: _local(variant, own, name) for name, own in self.moving.items()}
-        self.value = _share(element, kind, local, self.lam, self.nu, graph.input("t"))
+        parts = {name: local(variant, own, name) for name, own in self.moving.items()}
+        self.value = _share(element, kind, parts, self.lam, self.nu, graph.input("t"))
         fields = zip(cls.fields.values(), cls.widths(), strict=True)
         self.held = [field in HELD for field, width in fields for _ in range(width)]
 
@@ -81,7 +81,8 @@ def block(values: Sequence[Any]) -> list[Array]:
     return [np.array(values, dtype=object)] if len(values) else []
 
 
-def _local(variant: Variant, symbols: Array, name: str) -> Any:
+def local(variant: Variant, symbols: Array, name: str) -> Any:
+    """Coordinates, or a direction in them, of an element's bodies, some of which may be the ground."""
     ground = GROUND if name == "q" else (0,) * WIDTH
     parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
     return partition(variant.kind, np.concatenate(parts))
@@ -126,13 +127,19 @@ def _absent(p: Population, kind: str) -> bool:
 
 
 def entry(
-    populations: Sequence[Population], recordings: Sequence[Recording], outputs: Sequence[str], title: str
+    populations: Sequence[Population],
+    recordings: Sequence[Recording],
+    outputs: Sequence[str],
+    title: str,
+    firsts: Sequence[int] | None = None,
 ) -> pointer.Entry:
     """Drivers in lanes, one for each population, to be called by their addresses; `outputs` names what each is along.
 
-    Compiled under the hash of what they compute.
+    Compiled under the hash of what they compute. `firsts`: where the numbers of each population begin in an output
+    along numbers; by default as in b.
     """
-    tables = [_table(p, outputs) for p in populations]
+    places = [p.at for p in populations] if firsts is None else firsts
+    tables = [_table(p, outputs, first) for p, first in zip(populations, places, strict=True)]
     found = [_driver(recording, outputs, title) for recording in recordings]
     return pointer.entry(found, tables, _signature(recordings[0], outputs, title)) if found else pointer.NONE
 
@@ -154,14 +161,15 @@ def _driver(recording: Recording, outputs: Sequence[str], title: str) -> Any:
 _drivers: dict[str, Any] = {}
 
 
-def _table(p: Population, outputs: Sequence[str]) -> Array:
+def _table(p: Population, outputs: Sequence[str], first: int) -> Array:
     """Header, bodies, rows and places of a population, as `emit` reads them."""
     coordinates = [_place(p.bodies[:, slot]) for slot in range(p.variant.moving)]
     none = np.zeros((p.count, 0, 2), np.int64)
     places = {
         "coordinates": np.stack(coordinates, axis=1) if coordinates else none,
         "rows": _place(p.rows)[:, None] if p.kind.rows else none,
-        "numbers": _place(p.at + p.kind.size() * np.arange(p.count))[:, None] if p.kind.size() else none,
+        "numbers": _place(first + p.kind.size() * np.arange(p.count))[:, None] if p.kind.size() else none,
+        "one": _place(np.zeros(p.count, np.int64))[:, None],
     }
     parts = [part.reshape(-1) for part in (p.bodies, p.rows, *(places[along] for along in outputs))]
     starts = HEADER + len(outputs) + np.cumsum([0, *(len(part) for part in parts)])

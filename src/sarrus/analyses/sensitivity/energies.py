@@ -1,0 +1,199 @@
+"""What are the energies of elements along a motion, and how do they change? With first and second derivatives.
+
+The energy of an element is recorded from what it says, differentiated, and compiled for several states at once; that
+of all of them is one operation on a tape. Left out are elements with curves or memory: these have numbers of their own
+at every time, and are recorded on the tape themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..._jit import pointer
+from ..._jit.differentiate import directional
+from ..._jit.driver import compiled_function
+from ..._jit.emit import NUMBERS_DOT, Output, Recording
+from ..._jit.expression import Expression, Graph
+from ..._jit.vector import LANES
+from ...algebra import Array
+from ...elements.evaluation import element_from
+from ...elements.operators import OPERATORS
+from ...elements.recorder import Variant
+from ...model.coordinates import WIDTH
+from ...system import System
+from ...system.population import Population
+from ..once import once
+from . import energy_loop
+from .reverse import gradient
+from .shares import block, entry, local
+
+Energy = Literal["kinetic", "potential"]
+OPERANDS = ("q", "v")
+DOTS = ("q_dot", "v_dot", NUMBERS_DOT)
+OWN = ("Curve", "Memory")  # fields that have other numbers at every time
+
+
+class Told(NamedTuple):
+    """The energy of one element, recorded, and its inputs: coordinates and rates (moving, 7), and numbers."""
+
+    graph: Graph
+    value: Expression
+    q: Array
+    v: Array
+    numbers: Array
+
+
+def members(system: System, energy: Energy) -> list[Population]:
+    """The elements that have an energy."""
+    return [p for p in system.populations if p.count and _has(p, energy)]
+
+
+def _has(p: Population, energy: Energy) -> bool:
+    if energy == "kinetic":
+        return OPERATORS["M_a"] in p.kind.family
+    return callable(getattr(p.kind, "potential", None))
+
+
+def plain(p: Population) -> bool:
+    """Whether elements of a kind have the same numbers at all times."""
+    return not any(field in OWN for field in p.kind.fields.values())
+
+
+def told(variant: Variant, energy: Energy) -> Told:
+    """½ vᵀ M v, or the sum of what `potential` returns."""
+    graph, kind = Graph(), variant.kind
+    q, v = (graph.inputs(name, variant.moving, WIDTH) for name in OPERANDS)
+    numbers = graph.inputs("numbers", kind.size())
+    element: Any = element_from(kind, numbers, t=graph.input("t"))
+    x, rate = local(variant, q, "q"), local(variant, v, "v")
+    parts = element.potential(x) if energy == "potential" else _halves(rate, element.M_a(x, rate))
+    value = sum(parts)
+    return Told(graph, value if isinstance(value, Expression) else graph.constant(value), q, v, numbers)
+
+
+def _halves(rate: Any, momentum: Any) -> list[Any]:
+    return [0.5 * (part @ own) for part, own in zip(rate, momentum, strict=True) if own is not None]
+
+
+class Along:
+    """The energy of all plain elements of a system along a motion.
+
+    Parameters
+    ----------
+    system, energy : which one
+    b : (len(system.b),) numbers
+    t, q, v : the motion (nt,), (nt, nq)
+
+    Attributes
+    ----------
+    coordinates, numbers : those that it depends on, by place in q and in b
+    value : (nt,) [J]
+    slopes : by these coordinates, by their rates, and by these numbers (n, nt)
+    """
+
+    def __init__(self, system: System, energy: Energy, b: Array, t: Array, q: Array, v: Array) -> None:
+        self._system, self._energy, self._b, self._count = system, energy, b, len(t)
+        own = [p for p in members(system, energy) if plain(p)]
+        bodies = [first + np.arange(WIDTH) for p in own for first in np.unique(p.bodies)]
+        self.coordinates = np.unique(np.concatenate([np.zeros(0, np.int64), *bodies]))
+        self.numbers = np.concatenate([np.zeros(0, np.int64), *(np.arange(p.at, p.end) for p in own)])
+        self._motion = [in_lanes(x) for x in (t[:, None], q, v)]
+        value = self._room(1)
+        results = [value, *self._results()]
+        compiled()["slopes"](_slopes_entry(system, energy), b, *self._motion, *results)
+        self.value, self.slopes = self._by_time(value, [0])[0], self._sorted(results[1:])
+
+    def turned(self, q_dot: Array, v_dot: Array, b_dot: Array) -> Array:
+        """The changes of the slopes for changes of all coordinates, rates (nt, nq) and numbers (len(b),)."""
+        dots, results = (in_lanes(q_dot), in_lanes(v_dot)), self._results()
+        compiled()["turns"](
+            _turns_entry(self._system, self._energy), self._b, *self._motion, *dots, b_dot, *results
+        )
+        return self._sorted(results)
+
+    def _room(self, width: int) -> Array:
+        return np.zeros((len(self._motion[0]), width * LANES))
+
+    def _results(self) -> list[Array]:
+        return [self._room(width) for width in (self._system.nq, self._system.nq, len(self.numbers))]
+
+    def _sorted(self, results: Sequence[Array]) -> Array:
+        places = (self.coordinates, self.coordinates, np.arange(len(self.numbers)))
+        return np.concatenate([self._by_time(x, at) for x, at in zip(results, places, strict=True)])
+
+    def _by_time(self, x: Array, places: Any) -> Array:
+        """Some entries of what is in lanes (places, nt)."""
+        chosen = x.reshape(len(x), -1, LANES)[:, places].transpose(1, 0, 2)
+        return np.ascontiguousarray(chosen).reshape(-1, len(x) * LANES)[:, : self._count]
+
+
+def in_lanes(x: Array) -> Array:
+    """A row for every time (nt, n): a row for every block of times, in lanes; the last time fills up its block."""
+    blocks = -(-len(x) // LANES)
+    whole = np.empty((blocks * LANES, x.shape[1]))
+    whole[: len(x)], whole[len(x) :] = x, x[-1:]
+    return whole.reshape(blocks, LANES, -1).transpose(0, 2, 1).reshape(blocks, -1)
+
+
+@once
+def _slopes_entry(system: System, energy: Energy) -> Any:
+    """Operands t, q, v; the energy and its gradient by q, v and the numbers are added to the outputs."""
+    own = [p for p in members(system, energy) if plain(p)]
+    along = ("one", "coordinates", "coordinates", "numbers")
+    return entry(own, [_slopes(p.variant, energy) for p in own], along, "energy", _firsts(own))
+
+
+@once
+def _turns_entry(system: System, energy: Energy) -> Any:
+    """Operands t, q, v and their changes; the change of the gradient is added to the outputs."""
+    own = [p for p in members(system, energy) if plain(p)]
+    along = ("coordinates", "coordinates", "numbers")
+    return entry(own, [_turns(p.variant, energy) for p in own], along, "energy", _firsts(own))
+
+
+def _firsts(own: Sequence[Population]) -> list[int]:
+    """Where the numbers of populations begin when only theirs are counted."""
+    sizes = [p.end - p.at for p in own]
+    return [sum(sizes[:n]) for n in range(len(sizes))]
+
+
+def _slopes(variant: Variant, energy: Energy) -> Recording:
+    one = told(variant, energy)
+    return _recording(variant, energy, one.graph, OPERANDS, [block([one.value])], _gradient(one))
+
+
+def _turns(variant: Variant, energy: Energy) -> Recording:
+    one = told(variant, energy)
+    graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
+    dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]
+    moved = [*dots[0].flat, *dots[1].flat, *graph.inputs(NUMBERS_DOT, len(one.numbers))]
+    slopes = [x if isinstance(x, Expression) else graph.constant(x) for x in _gradient(one)]
+    change = directional(graph, slopes, list(zip(inputs, moved, strict=True)))
+    return _recording(variant, energy, graph, (*OPERANDS, *DOTS), [], change)
+
+
+def _gradient(one: Told) -> list[Any]:
+    return gradient(one.graph, one.value, [*one.q.flat, *one.v.flat, *one.numbers])
+
+
+def _recording(
+    variant: Variant, energy: Energy, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
+) -> Recording:  # fmt: skip
+    """What is compiled: some outputs, and what belongs to coordinates, rates and numbers."""
+    size, cut = variant.kind.size(), variant.moving * WIDTH
+    bodies = [list(np.array(part, dtype=object).reshape(-1, WIDTH)) for part in (by[:cut], by[cut : 2 * cut])]
+    found = Recording(f"{variant.name}.{energy}", graph, variant.moving, size, arrays, ("t",))
+    found.outputs += [Output(blocks, True) for blocks in (*first, *bodies, block(by[2 * cut :]))]
+    return found
+
+
+@cache
+def compiled() -> dict[str, Any]:
+    """The loops over all blocks."""
+    known = {"SLOPES": pointer.run(0, 1 + len(OPERANDS) + 4)}
+    known |= {"TURNS": pointer.run(0, 1 + len(OPERANDS) + len(DOTS) + 3)}
+    return {name: compiled_function(getattr(energy_loop, name), **known) for name in ("slopes", "turns")}

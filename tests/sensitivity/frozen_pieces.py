@@ -35,13 +35,15 @@ def struck(
     steps = stepper.steps()
     memory = np.concatenate([steps.memory[-1:], steps.memory[-1:]])
     nodes = Nodes(*(getattr(steps, name)[-2:] for name in ("t", "q", "v", "a", "lam")), memory)
-    sampler, watch = Sampler(system, stepper.independence, stepper.b, stepper.host), Watch(system, event)
+    sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
+    watch = Watch(system, event)
 
     def value(t: float) -> float:
         state = sampler.states(nodes, np.array([t]))
         return float(watch.function(t, state.q[0], state.v[0]))
 
-    t = brentq(value, *nodes.t, xtol=1e-15, rtol=1e-15)
+    h = nodes.t[1] - nodes.t[0]
+    t = brentq(value, nodes.t[0] - h, nodes.t[1] + h, xtol=1e-15, rtol=1e-15)  # or where the step would go on
     state = sampler.states(nodes, np.array([t]))
     q, v = state.q[0], state.v[0]
     after = watch.after(t, q, v, sampler)

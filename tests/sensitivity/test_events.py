@@ -150,7 +150,7 @@ def test_an_impact_in_a_spatial_mechanism(name: str) -> None:
         return valued(again.system, again.steps, responses)
 
     slope = (values(1e-3) - values(-1e-3)) / 2e-3
-    assert found.matrix[:, 0] == pytest.approx(slope, rel=1e-3, abs=1e-4 * abs(slope).max())
+    assert found.matrix[:, 0] == pytest.approx(slope, rel=1e-5, abs=1e-5 * abs(slope).max())
 
 
 def test_extremes_and_peaks_of_a_motion_with_events() -> None:

@@ -140,6 +140,8 @@ class AlphaStepper(Implicit):
     t, b, independence, tally : see `Stepper`
     """
 
+    apart = True
+
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
         self.b = (system.b if settings.b is None else settings.b).copy()

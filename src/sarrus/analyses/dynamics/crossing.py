@@ -98,6 +98,11 @@ class Crossing:
         return self._inner.tally
 
     @property
+    def apart(self) -> bool:
+        """See `Stepper`."""
+        return self._inner.apart
+
+    @property
     def host(self) -> PlacedMatrix | None:
         """See `Stepper`."""
         return self._inner.host

@@ -175,7 +175,7 @@ class Watch:
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
         since = nodes.t[0]
-        for t, q, v in _looks(nodes):
+        for t, q, v in _looks(nodes, sampler.apart):
             value = self._value(t, q, v)
             if self.last * value < 0 and value * self.event.direction >= 0:
                 yield self._root(nodes, sampler, since, t)
@@ -216,7 +216,7 @@ class Watch:
         if not isinstance(reset, Impact):
             return self._velocities(reset(t, q.copy(), v.copy()), len(v))
         s_q = self.output.gradient(t, q)
-        w = sampler.pushed(s_q)
+        w = sampler.pushed(t, q, s_q)
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
 
     def _velocities(self, given: Any, size: int) -> Array:
@@ -233,13 +233,13 @@ class Watch:
         return found
 
 
-def _looks(nodes: Nodes) -> Iterator[tuple[float, Array, Array]]:
+def _looks(nodes: Nodes, apart: bool) -> Iterator[tuple[float, Array, Array]]:
     """Places of the steps at which signs are compared."""
     for k in range(len(nodes.t) - 1):
         t0, t1 = nodes.t[k], nodes.t[k + 1]
         for n in range(1, LOOKS):
             t = float(t0 + n / LOOKS * (t1 - t0))
-            yield t, *nodes.part(slice(k, k + 2)).near(t)
+            yield t, *nodes.part(slice(k, k + 2)).near(t, apart)
         yield float(t1), nodes.q[k + 1], nodes.v[k + 1]
 
 

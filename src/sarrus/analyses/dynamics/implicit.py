@@ -69,6 +69,7 @@ class Implicit:
     t: float
     independence: Independence
     tally: Tally
+    apart = False
     _control: Any
     _state: Any
     _arrays: Any

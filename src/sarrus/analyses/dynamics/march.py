@@ -69,7 +69,7 @@ class March:
 
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
-        self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host)
+        self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
         self.nearness = Nearness(system, stepper.independence)
         self._samples: list[Samples] = []

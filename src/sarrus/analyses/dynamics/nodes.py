@@ -1,9 +1,9 @@
-"""What every method gives: the states at the ends of its steps, between which a motion is a quintic in time."""
+"""What every method gives: the states at the ends of its steps, and what a motion is between them."""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,21 +32,46 @@ class Nodes(NamedTuple):
         """Some of them, one after another."""
         return Nodes._make(array[rows] for array in self)
 
-    def near(self, t: float) -> tuple[Array, Array]:
+    def near(self, t: float, apart: bool) -> tuple[Array, Array]:
         """q and v at a time within, not yet on the constraints."""
         k = int(np.clip(np.searchsorted(self.t, t) - 1, 0, len(self.t) - 2))
-        h = self.t[k + 1] - self.t[k]
-        s = (t - self.t[k]) / h
-        slope0, slope1 = h * self.v[k], h * self.v[k + 1]
-        bend0, bend1 = 0.5 * h * h * self.a[k], 0.5 * h * h * self.a[k + 1]
-        rest, turn, bent = (
-            self.q[k + 1] - self.q[k] - slope0 - bend0,
-            slope1 - slope0 - 2 * bend0,
-            bend1 - bend0,
-        )
-        c, d, e = 10 * rest - 4 * turn + bent, -15 * rest + 7 * turn - 2 * bent, 6 * rest - 3 * turn + bent
-        q = self.q[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
-        return q, (slope0 + s * (2 * bend0 + s * (3 * c + s * (4 * d + s * 5 * e)))) / h
+        h = float(self.t[k + 1] - self.t[k])
+        found = np.zeros((3, self.q.shape[1]))
+        q, v, a = (x[k : k + 2] for x in (self.q, self.v, self.a))
+        between(q[0], v[0], a[0], q[1], v[1], a[1], (t - self.t[k]) / h, h, apart, *found)
+        return found[0], found[1]
+
+
+def between(
+    q0: Any, v0: Any, a0: Any, q1: Any, v1: Any, a1: Any, s: Any, h: Any, apart: Any, q: Any, v: Any, a: Any
+) -> None:  # fmt: skip
+    """q, v and a at the part s of a step of length h, of the states at its ends.
+
+    By the polynomial of degree five that has q, v and a there, and its derivatives. Or q and v `apart`: q by the
+    cubic that has q and v there, v by that which has v and a, a by the slope of that one: nodes of a method of order
+    two are errors of that order away from one motion, and a derivative loses none of it that is made of its own kind
+    and the next.
+    """
+    for k in range(len(q)):
+        slope0, slope1 = h * v0[k], h * v1[k]
+        bend0, bend1 = 0.5 * h * h * a0[k], 0.5 * h * h * a1[k]
+        way = q1[k] - q0[k]
+        if apart:
+            gain = slope1 - slope0
+            c, d = 3.0 * way - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * way
+            q[k] = q0[k] + s * (slope0 + s * (c + s * d))
+            c, d = 3.0 * gain - 4.0 * bend0 - 2.0 * bend1, 2.0 * (bend0 + bend1) - 2.0 * gain
+            v[k] = (slope0 + s * (2.0 * bend0 + s * (c + s * d))) / h
+            a[k] = (2.0 * bend0 + s * (2.0 * c + s * 3.0 * d)) / (h * h)
+        else:
+            rest = way - slope0 - bend0
+            turn, bent = slope1 - slope0 - 2.0 * bend0, bend1 - bend0
+            c = 10.0 * rest - 4.0 * turn + bent
+            d = -15.0 * rest + 7.0 * turn - 2.0 * bent
+            e = 6.0 * rest - 3.0 * turn + bent
+            q[k] = q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
+            v[k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
+            a[k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
 
 
 def joined(parts: list[Nodes]) -> Nodes:

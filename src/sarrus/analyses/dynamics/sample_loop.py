@@ -1,6 +1,6 @@
 """States between the steps of a method, made consistent: one function that is compiled.
 
-A motion is interpolated in time by quintics through q, v and a at the ends of steps. What is given out lies on the
+A motion is interpolated in time through q, v and a at the ends of steps (`nodes`). What is given out lies on the
 constraints, Φ = 0 and Φ_q v = -Φ_t, by the least changes in the metric of M, and its accelerations and multipliers
 solve the equations of motion there: M a + Φ_qᵀλ = Q + S, Φ_q a = γ. All three need the factors of [M Φ_qᵀ; Φ_q 0].
 """
@@ -20,6 +20,7 @@ POTENTIAL: Any = None
 REMEMBER: Any = None
 refactor: Any = None  # of `placed`
 backsolve: Any = None
+between: Any = None  # of `nodes`
 leave_out: Any = None
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 WARM = 8  # iterations for the weakest combination at the first state
@@ -91,25 +92,14 @@ class Samples(NamedTuple):
     growth: Any
 
 
-def interpolate(t0: Any, t1: Any, q: Any, v: Any, a: Any, lam: Any, row: Any, out: Any, n: Any) -> None:
-    """The state at out.t[n] between the nodes `row` and `row + 1`: quintic in q, linear in λ."""
-    h = t1 - t0
-    s = (out.t[n] - t0) / h
-    for k in range(q.shape[1]):
-        slope0, slope1 = h * v[row, k], h * v[row + 1, k]
-        bend0, bend1 = 0.5 * h * h * a[row, k], 0.5 * h * h * a[row + 1, k]
-        rest = q[row + 1, k] - q[row, k] - slope0 - bend0
-        turn, bent = slope1 - slope0 - 2.0 * bend0, bend1 - bend0
-        c, d, e = (
-            10.0 * rest - 4.0 * turn + bent,
-            -15.0 * rest + 7.0 * turn - 2.0 * bent,
-            6.0 * rest - 3.0 * turn + bent,
-        )
-        out.q[n, k] = q[row, k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
-        out.v[n, k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
-        out.a[n, k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
-    for k in range(lam.shape[1]):
-        out.lam[n, k] = (1.0 - s) * lam[row, k] + s * lam[row + 1, k]
+def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:
+    """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
+    h = nodes.t[row + 1] - nodes.t[row]
+    s = (out.t[n] - nodes.t[row]) / h
+    between(nodes.q[row], nodes.v[row], nodes.a[row], nodes.q[row + 1], nodes.v[row + 1], nodes.a[row + 1],
+            s, h, apart, out.q[n], out.v[n], out.a[n])  # fmt: skip
+    for k in range(nodes.lam.shape[1]):
+        out.lam[n, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
 
 
 def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
@@ -295,8 +285,8 @@ def settle(
 
 
 def sample(
-    entries: Any, b: Any, places: Any, nodes: Any, out: Any, first: Any, row: Any, work: Any, matrix: Any
-) -> Any:
+    entries: Any, b: Any, places: Any, nodes: Any, apart: Any, out: Any, first: Any, row: Any, work: Any, matrix: Any
+) -> Any:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
     Returns
@@ -310,7 +300,7 @@ def sample(
         for k in range(len(places)):
             b[places[k]] = nodes.memory[row, k]
         if row + 1 < len(nodes.t):
-            interpolate(nodes.t[row], nodes.t[row + 1], nodes.q, nodes.v, nodes.a, nodes.lam, row, out, n)
+            interpolate(nodes, row, apart, out, n)
         else:
             for k in range(nodes.q.shape[1]):
                 out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]

@@ -18,7 +18,7 @@ from ..linear import SingularMatrix
 from . import sample_loop as loop
 from .entries import entry_of
 from .newton_matrix import motion_matrix
-from .nodes import Nodes
+from .nodes import Nodes, between
 from .placed import FACTORS, PRECISE, PlacedMatrix, compiled_solver
 
 GROUPS = {
@@ -38,7 +38,7 @@ def _compiled() -> Any:
     run = pointer.run
     calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
     calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
-    made = calls | compiled_solver()
+    made = calls | compiled_solver() | {"between": compiled_part(between)}
     order = (
         "interpolate factor position_defect velocity_defect correct sensible project solve_motion energies"
     )
@@ -57,6 +57,7 @@ class Sampler:
     independence : which equations are solved, where some are dependent
     b : the numbers of the elements
     host : a matrix in whose pattern that of the equations of motion stands, if there is one
+    apart : whether q and v are interpolated apart, see `nodes.between`
 
     Attributes
     ----------
@@ -64,9 +65,14 @@ class Sampler:
     """
 
     def __init__(
-        self, system: System, independence: Independence, b: Array, host: PlacedMatrix | None = None
+        self,
+        system: System,
+        independence: Independence,
+        b: Array,
+        host: PlacedMatrix | None = None,
+        apart: bool = False,
     ) -> None:
-        self.system, self.independence, self.b = system, copy(independence), b.copy()
+        self.system, self.independence, self.b, self.apart = system, copy(independence), b.copy(), apart
         self.matrix = motion_matrix(system, host)
         self.matrix.numbers.keep(independence.kept)
         self.unsettled: list[float] = []
@@ -114,6 +120,7 @@ class Sampler:
                 self.b,
                 self.system.memory_places,
                 nodes,
+                self.apart,
                 out,
                 done,
                 row,
@@ -142,7 +149,9 @@ class Sampler:
         """A state where the equations of motion cannot be solved: as interpolated."""
         t = float(out.t[n])
         self.unsettled.append(t)
-        q, v = out.q[n], out.v[n] = nodes.near(t) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        q, v = out.q[n], out.v[n] = (
+            nodes.near(t, self.apart) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        )
         out.a[n], out.lam[n], out.growth[n] = np.nan, np.nan, np.inf
         system, b = self.system, self.b
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
@@ -162,9 +171,13 @@ class Sampler:
     def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
         """A pivot order for the n-th state; false if its matrix is singular."""
         t = float(out.t[n])
-        q = nodes.near(t)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
+        q = nodes.near(t, self.apart)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
         self._choose(t, q)
         self.b[self.system.memory_places] = nodes.memory[row]
+        return self._factored(t, q)
+
+    def _factored(self, t: float, q: Array) -> bool:
+        """Whether the matrix there could be factored."""
         for name in ("M", "Phi_q"):
             self.matrix.numbers.evaluate((name,), self.b, {"t": t, "q": q})
         try:
@@ -201,7 +214,8 @@ class Sampler:
             for k in range(len(out.t)):
                 out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
 
-    def pushed(self, f: Array) -> Array:
-        """w of M w + Φ_qᵀσ = f, Φ_q w = 0 at the state made consistent last: what an impulse f does to v."""
+    def pushed(self, t: float, q: Array, f: Array) -> Array:
+        """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one."""
+        self._factored(t, q)
         right = np.concatenate([f, np.zeros(self.system.m)])
         return self.matrix.solve(right)[: self.system.nq]

@@ -102,6 +102,10 @@ class Stepper(Protocol):
     tally: Tally
 
     @property
+    def apart(self) -> bool:
+        """Whether q and v are interpolated apart between its steps, see `nodes.between`."""
+
+    @property
     def host(self) -> PlacedMatrix | None:
         """A matrix in whose pattern that of the equations of motion stands, if there is one."""
 

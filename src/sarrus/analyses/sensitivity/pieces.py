@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, RadauSteps, StepsTaken
+from ...results import Pieces, StepsTaken
 from .chain import Nodes
 from .sampling import HIGH, KINDS, Near, Places, Sampling, _placed, around, lagrange
 
-LOW = 3  # nodes of a polynomial in time for multipliers, of methods of order two
+LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
 
 class Where(NamedTuple):
@@ -82,25 +82,12 @@ class PieceSampling(Sampling):
         return found
 
     def _rate(self, kind: str, n: int) -> Array:
-        """The derivative of a coordinate within its step (nt,).
-
-        Of Radau it is that of the interpolating quintic, of the methods of order 2 that of the motion, without the
-        waves that quintics through their nodes have.
-        """
-        first, _, s = self._places
-        if kind != "lam" and self._precise:
-            weights = self._weights[1][:, KINDS.index(kind) + 1]
-            ends = [[self._array(k)[first + e, n] for k in KINDS] for e in (0, 1)]
-            return np.asarray(np.einsum("tel,elt->t", weights, ends))
-        if kind in ("q", "v"):
-            now = self._array("v" if kind == "q" else "a")[:, n]
-            return np.asarray((1 - s) * now[first] + s * now[first + 1])
-        return np.asarray(np.sum(self._slopes * self._array(kind)[:, n][self._near.nodes], axis=1))
-
-    @property
-    def _precise(self) -> bool:
-        """Whether the nodes are of a high order."""
-        return isinstance(self._steps, RadauSteps)
+        """The derivative of a coordinate within its step (nt,)."""
+        if kind in self._by_nodes:
+            return np.asarray(np.sum(self._slopes * self._array(kind)[:, n][self._near.nodes], axis=1))
+        first, weights = self._places.first, self._weights.slopes[:, KINDS.index(kind)]
+        ends = [[self._array(k)[first + e, n] for k in KINDS] for e in (0, 1)]
+        return np.asarray(np.einsum("tel,elt->t", weights, ends))
 
     @cached_property
     def _near(self) -> Near:
@@ -114,7 +101,7 @@ class PieceSampling(Sampling):
     @cached_property
     def _polynomials(self) -> tuple[Near, Array]:
         """The shares of some nodes of the stretch in polynomials through them, so that their slopes are good, too."""
-        count, (first, h, s) = HIGH if self._precise else LOW, self._places
+        count, (first, h, s) = LOW if self._apart else HIGH, self._places
         nodes = np.zeros((len(self.t), count), dtype=np.int64)
         shares, slopes = np.zeros(nodes.shape), np.zeros(nodes.shape)
         for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):

@@ -1,7 +1,8 @@
 """States at the nodes of a run or between them, and the way of gradients back to the nodes.
 
-Between two nodes q is the polynomial of degree five that has q, v and a there; λ is linear, and on the long steps of
-Radau of degree five, too, through the six nodes about a time. All are linear in the nodes.
+Between two nodes states are those of `dynamics.nodes`: of Radau q is the polynomial of degree five that has q, v and a
+there, and λ of degree five, too, through the six nodes about a time. Of methods of order two q is the cubic that has q
+and v, v that which has v and a; a and λ are linear. All are linear in the nodes.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ HERMITE = np.array([
     [0, 0, 0, -4, 7, -3],
     [0, 0, 0, 0.5, -1, 0.5],
 ])  # fmt: skip
+# the same of a cubic: x₀, h x₀', x₁, h x₁'
+CUBIC = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 KINDS = ("q", "v", "a")
 HIGH = 6  # nodes of a polynomial in time for multipliers, of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
@@ -63,16 +66,26 @@ class Sampling:
         t = self._steps.t
         return _placed(t, np.searchsorted(t, self.t, side="right") - 1, self.t)
 
+    @property
+    def _apart(self) -> bool:
+        """Whether q and v are interpolated apart, as nodes of order two are."""
+        return not isinstance(self._steps, RadauSteps)
+
+    @property
+    def _by_nodes(self) -> tuple[str, ...]:
+        """What is interpolated through some nodes, not by both ends of a step."""
+        return ("a", "lam") if self._apart else ("lam",)
+
     @cached_property
-    def _weights(self) -> tuple[Array, Array]:
-        """First node of each time's step, and the weights (nt, 4, 2, 3): of q, v, a, ȧ there in those of both nodes."""
-        return self._places.first, interpolation(self._places.s, self._places.h)
+    def _weights(self) -> Weights:
+        """Those of q, v, a there, and of their slopes, in q, v, a of both nodes."""
+        return interpolation(self._places.s, self._places.h, self._apart)
 
     @cached_property
     def _near(self) -> Near:
-        """The nodes that λ at the times is made of."""
+        """The nodes that λ (and a) at the times are made of."""
         first, h, s = self._places
-        if not isinstance(self._steps, RadauSteps):
+        if self._apart:
             return Near(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
         near = around(first, HIGH, len(self._steps.t))
         ahead = self._steps.t[near] - (self._steps.t[first] + s * h)[:, None]
@@ -87,13 +100,14 @@ class Sampling:
         """The states there."""
         if self._times is None:
             return States._make([self.t, *(self._array(name) for name in (*KINDS, "lam"))])
-        first, weights = self._weights
+        first = self._places.first
         ends = np.stack(
             [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
         )
-        found = np.einsum("tkel,teln->ktn", weights[:, :3], ends)
-        lam = np.einsum("tw,twm->tm", self._near.shares, self._array("lam")[self._near.nodes])
-        return States._make([self.t, *found, lam])
+        found = dict(zip(KINDS, np.einsum("tkel,teln->ktn", self._weights.values, ends), strict=True))
+        near = self._near
+        found |= {k: np.einsum("tw,twm->tm", near.shares, self._array(k)[near.nodes]) for k in self._by_nodes}
+        return States(t=self.t, **found)
 
     @property
     def memory(self) -> dict[int, Array]:
@@ -110,11 +124,11 @@ class Sampling:
         if self._times is None:
             getattr(nodes, kind)[:, n, column] += bar
             return
-        first, weights = self._weights
-        if kind == "lam":
-            np.add.at(nodes.lam[:, n, column], self._near.nodes, self._near.shares * bar[:, None])
+        if kind in self._by_nodes:
+            by = getattr(nodes, kind)[:, n, column]
+            np.add.at(by, self._near.nodes, self._near.shares * bar[:, None])
             return
-        row = KINDS.index(kind)
+        first, weights, row = self._places.first, self._weights.values, KINDS.index(kind)
         for end in (0, 1):
             for place, own in enumerate(KINDS):
                 np.add.at(getattr(nodes, own)[:, n, column], first + end, weights[:, row, end, place] * bar)
@@ -131,9 +145,10 @@ class Sampling:
         """The change of coordinate n of a kind at the times, of that of the nodes: the transpose of `spread`."""
         if self._times is None:
             return np.asarray(getattr(nodes, kind)[:, n, column])
-        first, weights = self._weights
-        if kind == "lam":
-            return np.asarray(np.sum(self._near.shares * nodes.lam[:, n, column][self._near.nodes], axis=1))
+        if kind in self._by_nodes:
+            there = getattr(nodes, kind)[:, n, column][self._near.nodes]
+            return np.asarray(np.sum(self._near.shares * there, axis=1))
+        first, weights = self._places.first, self._weights.values
         row, total = KINDS.index(kind), np.zeros(len(self.t))
         for end in (0, 1):
             for place, own in enumerate(KINDS):
@@ -146,6 +161,13 @@ class Near(NamedTuple):
 
     nodes: Array
     shares: Array
+
+
+class Weights(NamedTuple):
+    """Of q, v, a between two nodes, and of their slopes, those of q, v, a at both (nt, 3, 2, 3)."""
+
+    values: Array
+    slopes: Array
 
 
 class Places(NamedTuple):
@@ -184,14 +206,28 @@ def _placed(t: Array, before: Array, times: Array) -> Places:
     return Places(first, h, np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s)))
 
 
-def interpolation(s: Array, h: Array) -> Array:
-    """Weights (nt, 4, 2, 3) of q, v, a at both ends of a step in q, v, a and ȧ at parts s of steps of length h."""
-    powers = [np.array([_power(x, order) for x in s]).reshape(-1, 6) for order in range(4)]
-    found = np.stack([p @ HERMITE.T for p in powers], axis=1).reshape(-1, 4, 2, 3)
-    scale = h[:, None] ** np.arange(4)
-    return np.asarray(found * scale[:, None, None, :3] / scale[:, :, None, None])
+def interpolation(s: Array, h: Array, apart: bool) -> Weights:
+    """Weights of q, v, a, or of q and v `apart`, at parts s of steps of length h."""
+    if not apart:
+        orders = _polynomial(HERMITE, s, h, 4)
+        return Weights(orders[:, :3], orders[:, 1:])
+    values, slopes = np.zeros((2, len(s), 3, 2, 3))
+    for k in (0, 1):
+        values[:, k, :, k : k + 2], slopes[:, k, :, k : k + 2] = np.moveaxis(
+            _polynomial(CUBIC, s, h, 2), 1, 0
+        )
+    return Weights(values, slopes)
 
 
-def _power(s: float, order: int) -> Array:
-    """The derivative of s⁰ ... s⁵ of an order."""
-    return np.array([perm(k, order) * s ** max(k - order, 0) for k in range(6)])
+def _polynomial(basis: Array, s: Array, h: Array, orders: int) -> Array:
+    """Weights (nt, orders, 2, k) of derivatives 0, 1 ... of what has k given derivatives at both ends."""
+    size = len(basis)
+    powers = [np.array([_power(x, order, size) for x in s]).reshape(-1, size) for order in range(orders)]
+    found = np.stack([p @ basis.T for p in powers], axis=1).reshape(-1, orders, 2, size // 2)
+    scale = h[:, None] ** np.arange(max(orders, size // 2))
+    return np.asarray(found * scale[:, None, None, : size // 2] / scale[:, :orders, None, None])
+
+
+def _power(s: float, order: int, size: int) -> Array:
+    """The derivative of s⁰ ... of an order."""
+    return np.array([perm(k, order) * s ** max(k - order, 0) for k in range(size)])

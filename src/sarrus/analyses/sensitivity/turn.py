@@ -1,7 +1,7 @@
 """An event differentiated: when a function crosses zero within a step, and what then happens to the velocities.
 
-The state at an event is interpolated, q̃, ṽ, and made consistent: q by the least change (which is so small that its
-derivative is that of a linear projection), v = ṽ - s with
+The state at an event is interpolated, q̃, ṽ, and made consistent by the least changes: q = q̃ - s with M s + Φ_qᵀσ = 0,
+Φ(q) = 0 (which is so small that it does not matter at which of both M and Φ_q are), and v = ṽ - s with
 
     M s + Φ_qᵀσ = 0,    Φ_q s = Φ_q ṽ + Φ_t.                                                             (a)
 
@@ -88,16 +88,16 @@ class TurnDerivatives:
         steps, n, nq = self._steps, len(self._steps) - 1, self.system.nq
         h = float(steps.h[n])
         s = (self._turn.t - float(steps.t[n])) / h
-        weights = interpolation(np.array([s]), np.array([h]))[0]
+        apart = not isinstance(steps, RadauSteps)
+        values, slopes = (x[0] for x in interpolation(np.array([s]), np.array([h]), apart))
         ends = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
-        v, a = (np.einsum("el,eln->n", weights[order], ends) for order in (1, 2))
-        if not isinstance(steps, RadauSteps):  # second derivatives of quintics are of the first order only
-            a = (1 - s) * ends[0, 2] + s * ends[1, 2]
-        q_z, v_z = (self._placed(np.kron(weights[order].ravel(), np.eye(nq)), 0) for order in (0, 1))
+        q, v = (np.einsum("el,eln->n", values[k], ends) for k in (0, 1))
+        q_s, v_s = (np.einsum("el,eln->n", slopes[k], ends)[:, None] for k in (0, 1))
+        q_z, v_z = (self._placed(np.kron(values[k].ravel(), np.eye(nq)), 0) for k in (0, 1))
         began = np.zeros(self._ends[-1])
         began[-1] = 1.0
-        before = self._consistent(State(q_z, v_z, began), v)
-        return before, self._consistent(State(v[:, None], a[:, None], np.ones(1)), v)
+        before = self._consistent(State(q_z, v_z, began), q, v)
+        return before, self._consistent(State(q_s, v_s, np.ones(1)), q, v)
 
     def _placed(self, matrix: Array, part: int) -> Array:
         """Derivatives by one part of all that there is."""
@@ -116,12 +116,15 @@ class TurnDerivatives:
             found += self._placed(self._curves.matrix(name, b=b, t=t, q=q, **kinds).toarray(), 1)
         return found
 
-    def _consistent(self, found: State, given: Array) -> State:
-        """The derivatives of the consistent state with those of the interpolated one, whose velocity is given."""
+    def _consistent(self, found: State, q: Array, v: Array) -> State:
+        """The derivatives of the consistent state with those of the interpolated one, q̃, ṽ."""
         system, turn, b = self.system, self._turn, self._b
-        moved = system.Phi_q(turn.q, turn.t, b=b) @ found.q + self._by_b("Phi", found)
+        J = system.Phi_q(turn.q, turn.t, b=b)
+        s, sigma = self._saddle.solve(np.zeros(system.nq), J @ (q - turn.q))
+        moved = J @ found.q + self._by_b("Phi", found)
         moved = moved + np.outer(system.Phi_t(turn.q, turn.t, b=b), found.t)
-        return self._settled(found._replace(q=found.q - self._solved(0 * found.q, moved)[0]), given)
+        q_z = found.q - self._solved(-self._pulled(found, s, sigma), moved)[0]
+        return self._settled(found._replace(q=q_z), v)
 
     def _settled(self, found: State, given: Array) -> State:
         """The derivatives of velocities that are made consistent from given ones, with those of q and of these."""

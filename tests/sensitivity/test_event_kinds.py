@@ -206,7 +206,8 @@ def driven(changes: dict[str, float]) -> sr.System:
 ELBOW = sr.Event("elbow.angle + 0.6", direction=-1, reset=sr.Impact(0.7, along="elbow.angle"), name="stop")
 DRIVEN = ["motor.motion.1", "motor.motion.3", "load.factor.3.y", "tip.mass", "gravity.y", "elbow.point.x"]
 TOLD = [
-    sr.Final("tip.x"), sr.Final("elbow.angle.rate"), sr.At("tip.acceleration.y", time=0.7015), sr.Final("elbow.force.x"),
+    sr.Final("tip.x"), sr.Final("elbow.angle.rate"), sr.At("tip.acceleration.y", time=0.7015),
+    sr.Final("elbow.force.x"),
     sr.Integral("motor.multiplier.1"), sr.Integral(lambda o: o.t * o("tip.velocity.y") ** 2, name="weighted"),
 ]  # fmt: skip
 

@@ -30,8 +30,8 @@ class State(NamedTuple):
 class Solution:
     """The whole motion: ``sol(t)`` is the state at a time or at several.
 
-    Between the ends of steps q is a quintic in t through q, v and a, or, of HHT and generalized-α, a cubic through q and
-    v, and v one through v and a; the state is then put onto the constraints, and its accelerations and multipliers
+    Between the ends of steps q is a quintic in t through q, v and a, or, of HHT and generalized-α, a cubic through q
+    and v, and v one through v and a; the state is then put onto the constraints, and its accelerations and multipliers
     solve the equations of motion. Where velocities jump, those after it are given.
 
     Attributes

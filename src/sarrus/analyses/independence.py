@@ -15,7 +15,7 @@ from ..results import Assembly
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .factored import SingularSystem
-from .once import once
+from .once import once_alike
 from .rank import components, independent_rows, rank_of, row_lengths
 from .saddle import Saddle
 
@@ -127,7 +127,7 @@ class Independence:
             )
 
 
-@once
+@once_alike
 def _components(system: System) -> tuple[Array, int]:
     """Which equations share coordinates, directly or by others."""
     return components(system.pattern("Phi_q"))

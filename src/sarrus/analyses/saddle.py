@@ -11,7 +11,7 @@ from ..algebra import Array
 from ..system import System
 from .factored import DENSE_BELOW, Factored, SingularSystem
 from .linear import SingularMatrix, SparseLU
-from .once import once
+from .once import once_alike
 
 
 class Saddle:
@@ -83,7 +83,7 @@ def _places_in(system: System, weight: str, kept: Array) -> tuple[Array, Array, 
     return np.concatenate([both[0], columns, rows]), np.concatenate([both[1], rows, columns]), used
 
 
-@once
+@once_alike
 def _all_independent(system: System, weight: str) -> tuple[Array, Array, Array]:
     return _places_in(system, weight, np.arange(system.m))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -31,6 +32,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "orientation": ("e0", "e1", "e2", "e3"),
 }
 AXES = ("x", "y", "z")
+NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY, MOTION = "gravity", "motion"
 
 
@@ -64,6 +66,7 @@ def with_numbers(model: Model, numbers: Mapping[str, Any]) -> Model:
     return exchanged(model, lambda steps, value: numbers.get(named(steps), value))
 
 
+@lru_cache(NAMES)
 def named(steps: Steps) -> str:
     """Return the name of a number: ``pin.point.x`` of the steps (pin, point, 0)."""
     return ".".join(_step(steps, n) for n in range(len(steps)))

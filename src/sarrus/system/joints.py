@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +12,8 @@ from ..algebra import Array
 from ..model import Placed
 from ..model.coordinates import WIDTH
 from .constraints import ConstraintOperators
-from .pattern import Layout
 from .population import populate
+from .structure import structure_of
 
 TURN = 2 * np.pi
 
@@ -37,14 +36,8 @@ class JointCoordinates(ConstraintOperators):
         self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)
         self.populations, self.b = populate(placed, 0)
         self.nq, self.m = WIDTH * body_count, len(placed)
-        self._layout = Layout(
-            self.populations, body_count, self.m, max((p.end for p in self.populations), default=0)
-        )
-        self._groups, self._patterns = {}, {}
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the compiled groups, which are made again at first use."""
-        return {**self.__dict__, "_groups": {}}
+        numbers = max((p.end for p in self.populations), default=0)
+        self.structure = structure_of(self.populations, body_count, self.m, numbers)
 
     def index(self, name: str) -> int:
         """The row of a coordinate: ``pin.angle``.

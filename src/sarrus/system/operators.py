@@ -13,8 +13,9 @@ from ..elements import GROUPS, OPERATORS
 from ..elements.operators import Axis
 from ..model.show import show, suggest
 from .group import Group
-from .pattern import Layout, Pattern
+from .pattern import Pattern
 from .population import Population
+from .structure import Structure
 
 
 class Operators:
@@ -24,15 +25,14 @@ class Operators:
     nq: int
     m: int
     b: Array
-    _layout: Layout
-    _groups: dict[tuple[str, ...], Group]
-    _patterns: dict[str, Pattern]
+    structure: Structure
 
     def pattern(self, name: str) -> Pattern:
         """The fixed sparse pattern of an operator."""
-        if name not in self._patterns:
-            self._patterns[name] = self._layout.pattern(OPERATORS[name])
-        return self._patterns[name]
+        known = self.structure.patterns
+        if name not in known:
+            known[name] = self.structure.layout.pattern(OPERATORS[name])
+        return known[name]
 
     def group(self, *names: str) -> Group:
         """Operators that are computed in one compiled call.
@@ -52,10 +52,12 @@ class Operators:
             If there is no such operator, or they are of several families.
         """
         chosen = GROUPS.get(names[0], names) if len(names) == 1 else names
-        if chosen not in self._groups:
+        known = self.structure.groups
+        if chosen not in known:
             _refuse_mixed(chosen)
-            self._groups[chosen] = Group(chosen, self.populations, [self.pattern(name) for name in chosen])
-        return self._groups[chosen]
+            patterns = [self.pattern(name) for name in chosen]
+            known[chosen] = Group(chosen, self.structure.layout.populations, patterns)
+        return known[chosen]
 
     def compilable(self) -> list[tuple[str, ...]]:
         """Every operator alone, and the groups."""
@@ -137,7 +139,7 @@ class Operators:
 
     def atoms(self, axis: Axis) -> Array:
         """Where the blocks along an axis begin: equations of one element, r and p of a body, an element's fields."""
-        found = self._layout.atoms(axis)
+        found = self.structure.layout.atoms(axis)
         return found.start[found.width > 0]
 
     def axis_names(self, axis: Axis) -> list[str]:

@@ -17,12 +17,11 @@ from ..model.marker import Marker, marker
 from .check import Report, check_derivatives
 from .constraints import ConstraintOperators
 from .forces import ForceOperators
-from .group import Group
 from .inertia import InertiaOperators
 from .joints import JointCoordinates, SystemJoint
-from .pattern import Layout, Pattern
 from .population import populate
 from .reactions import Wrench, wrench
+from .structure import structure_of
 from .told import Told, memory_places
 
 
@@ -45,6 +44,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     memory_places : places in `b` of what elements remember between accepted states
     rows : joint or driver name -> its equations' rows in Φ
     joint_coordinates : angles and travels of all joints, see `JointCoordinates`
+    structure : what it shares with systems that differ in numbers alone
 
     Raises
     ------
@@ -62,10 +62,8 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         self.nq = WIDTH * len(plan.bodies)
         self.m = sum(p.count * p.kind.rows for p in self.populations)
         self.nb = max((p.end for p in self.populations), default=0)
-        self._layout = Layout(self.populations, len(plan.bodies), self.m, self.nb)
+        self.structure = structure_of(self.populations, len(plan.bodies), self.m, self.nb)
         self._markers: dict[str, Marker] = {}
-        self._groups: dict[tuple[str, ...], Group] = {}
-        self._patterns: dict[str, Pattern] = {}
         self.rows = self._rows_of_joints()
         self.memory_places = memory_places(self.populations)
         self.joint_coordinates = JointCoordinates(plan.coordinates, len(plan.bodies))

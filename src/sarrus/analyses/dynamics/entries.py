@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..._jit.pointer import Entry
 from ...system import System
-from ..once import once
+from ..once import once_alike
 
 
-@once
+@once_alike
 def entry_of(system: System, *names: str) -> Entry:
     """The entry of operators that are computed together, or of "remembered" or "potentials"."""
     told = {"remembered": system.remembered, "potentials": system.potentials}

@@ -19,7 +19,7 @@ from ...algebra import Array
 from ...system import System
 from ..linear import SparseLU
 from ..linear import compiled as factors
-from ..once import once
+from ..once import once_alike
 
 ASSEMBLE: Any = None  # `assemble` and solvers, put in place when this is compiled
 REFACTOR: Any = None
@@ -207,7 +207,7 @@ class Layout(NamedTuple):
     first: tuple[int, ...]
 
 
-@once
+@once_alike
 def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: tuple[Part, ...]) -> Layout:
     """The pattern of all matrices (n, n) of a system with these parts."""
     found = [_entries(system, part, dict(like)) for part in parts]
@@ -217,7 +217,7 @@ def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: 
     return Layout(indptr, indices, place, tuple(first.tolist()))
 
 
-@once
+@once_alike
 def numbering(
     system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...]
 ) -> tuple[list[int], Array]:

@@ -16,7 +16,7 @@ from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
 from ...system.population import Population
-from ..once import once
+from ..once import once_alike
 from .reverse import gradient
 from .shares import STATES, Share, block, concerned, entry
 
@@ -29,14 +29,14 @@ def calls() -> dict[str, Any]:
     return {"GRADIENT": pointer.run(0, 1 + len(ADJOINT) + 1), "CHANGE": pointer.run(0, 1 + len(CHANGES) + 2)}
 
 
-@once
+@once_alike
 def gradient_entry(system: System, kind: str) -> Any:
     """Operands t, `ADJOINT`; ∂ℓ/∂b is added to the output."""
     every = [p for p in concerned(system, kind) if p.kind.size()]
     return entry(every, [_gradient(p.variant, kind) for p in every], ("numbers",), "gradient")
 
 
-@once
+@once_alike
 def change_entry(system: System, kind: str, moved: tuple[bool, ...]) -> Any:
     """Operands t, `CHANGES`; R_b b' is added to the outputs, along coordinates and along equations (those of ν).
 

@@ -20,7 +20,7 @@ from ..._jit.vector import LANES
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
-from ..once import once
+from ..once import once_alike
 from . import block_loop, hessian_loop, lanes_loop
 from .hessian_loop import Room
 from .reverse import gradient
@@ -47,7 +47,7 @@ class Change(NamedTuple):
     b: Array
 
 
-@once
+@once_alike
 def lagrangian(system: System, kind: str) -> Any:
     """Operands t, `OPERANDS`; the change of the gradient by `RESULTS` is added to the outputs."""
     own, along = concerned(system, kind), (*("coordinates",) * len(STATES), "rows", "numbers")

@@ -61,16 +61,13 @@ class Parameters:
         restitutions: Mapping[str, float] | None = None,
     ) -> None:
         self.system, self.restitutions = system, dict(restitutions or {})
-        self._tape = Tape()
         self._design, self._formula = dict(design or {}), formula
-        self._known = written_numbers(system.model)
-        self._element_numbers = {name: n for n, name in enumerate(system.number_names)}
+        self._known = numbers_of(system)
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
-        self.variables = {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
         self._own_q, self._own_v = _own_start(system, start)
-        self._moving = self._places(self.variables)
-        self._refuse_other(self._moving)
+        if self._design or self._formula or not self._known.keys() >= set(self.names):
+            self._refuse_other(self._moving)
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
@@ -104,6 +101,26 @@ class Parameters:
         return float(self.system.b[self._element_numbers[name]])
 
     @cached_property
+    def _element_numbers(self) -> dict[str, int]:
+        """Places of the numbers of elements in b, by name."""
+        return {name: n for n, name in enumerate(self.system.number_names)}
+
+    @cached_property
+    def _tape(self) -> Tape:
+        """What the construction of the model is recorded on."""
+        return Tape()
+
+    @cached_property
+    def variables(self) -> dict[str, Traced]:
+        """The parameters as they are recorded."""
+        return {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
+
+    @cached_property
+    def _moving(self) -> dict[str, Any]:
+        """The numbers of the model that follow from the parameters, recorded."""
+        return self._places(self.variables)
+
+    @cached_property
     def _outputs(self) -> list[tuple[int, int]]:
         """Where recorded numbers arrive when the model is built of them: place in [b; q₀; v₀; c], place on the tape."""
         system, size = self.system, len(self.system.b)
@@ -130,7 +147,7 @@ class Parameters:
             elif name.startswith(GUESS):
                 at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
                 found.append((at, variable.at))
-            elif name in self._element_numbers and name not in self._design and name not in self._known:
+            elif name not in self._design and name not in self._known and name in self._element_numbers:
                 found.append((self._element_numbers[name], variable.at))
         return found
 
@@ -268,6 +285,12 @@ class Parameters:
         size, nq = len(self.system.b), self.system.nq
         b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
         return b, q, v, c
+
+
+@once
+def numbers_of(system: System) -> Mapping[str, float]:
+    """Every number that was written into a system's model, by name."""
+    return written_numbers(system.model)
 
 
 @once

@@ -1,0 +1,56 @@
+"""What do systems have in common that differ in numbers alone? Patterns, tables of kernels, and what is made of these.
+
+An optimization or a study makes a system for every design, nearly always with the same elements between the same
+bodies: the structure is then the same object for all of them, kept as long as one of them lives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from threading import RLock
+from typing import Any
+from weakref import WeakValueDictionary
+
+from .group import Group
+from .pattern import Layout, Pattern
+from .population import Population
+
+
+class Structure:
+    """Elements without their numbers: their kinds, bodies and equations, and the places of their numbers.
+
+    Attributes
+    ----------
+    layout : the axes, of populations without values
+    patterns, groups : by name and names; they are made at first use
+    """
+
+    def __init__(self, populations: Sequence[Population], bodies: int, rows: int, numbers: int) -> None:
+        bare = [replace(p, values=[], owners=[], labels=[]) for p in populations]
+        self.layout = Layout(bare, bodies, rows, numbers)
+        self.patterns: dict[str, Pattern] = {}
+        self.groups: dict[tuple[str, ...], Group] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the compiled groups, which are made again at first use."""
+        return {**self.__dict__, "groups": {}}
+
+
+_known: WeakValueDictionary[Hashable, Structure] = WeakValueDictionary()
+_asking = RLock()
+
+
+def structure_of(populations: Sequence[Population], bodies: int, rows: int, numbers: int) -> Structure:
+    """The structure of these elements: one object for all systems that have it."""
+    own = tuple(
+        (p.variant, p.at, p.bodies.tobytes(), p.rows.tobytes(), p.constraints.tobytes())
+        for p in populations
+        if p.count
+    )
+    key = (own, bodies, rows, numbers)
+    with _asking:
+        found = _known.get(key)
+        if found is None:
+            found = _known[key] = Structure(populations, bodies, rows, numbers)
+        return found

@@ -1,6 +1,7 @@
 """Second derivatives: symmetric, those of differenced gradients, Taylor's remainder of order three, references."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,13 +9,14 @@ from tests.sensitivity.designs import SUNDIALS, sundials, sundials_crank
 from tests.sensitivity.frozen import again
 from tests.sensitivity.test_all_elements import changes
 from tests.sensitivity.test_all_elements import swung as all_swung
-from tests.sensitivity.test_gradients import METHODS, RESPONSES, ROUGH, swung
+from tests.sensitivity.test_gradients import METHODS, RESPONSES, ROUGH
+from tests.sensitivity.test_gradients import swung as alpha_swung
 from tests.sensitivity.test_references import FOLDER
 from tests.sensitivity.zoo import zoo
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.chains import chain_of
 from sarrus.analyses.sensitivity.derivatives import _adjoint
 from sarrus.analyses.sensitivity.evaluation import Evaluation
 from sarrus.analyses.sensitivity.lagrangian import change_at
@@ -32,20 +34,29 @@ NAMES = [
     ),
     *("crank.orientation.angle", "crank.angular_velocity.x", "slider.velocity.x", "spring.point_i.y"),
 ]
+EVERY = METHODS | {"Radau": sr.Radau()}
 DIRECTION = np.random.default_rng(0).normal(size=len(NAMES))
+
+
+@cache
+def swung(method: str) -> sr.Trajectory:
+    if method in METHODS:
+        return alpha_swung(method)
+    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True}
+    return sr.simulate(slider_crank(), until=0.8, method=EVERY[method], **settings)
 
 
 def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
     """Responses and their gradients along the direction, with the same steps."""
     run = swung(method)
     at = Parameters(run.system, NAMES).values + size * DIRECTION
-    system, steps = again(run.system, run.steps, METHODS[method], dict(zip(NAMES, at, strict=True)))
+    system, steps = again(run.system, run.steps, EVERY[method], dict(zip(NAMES, at, strict=True)))
     parameters = Parameters(system, NAMES, start=steps.start)
     evaluation = Evaluation(system, steps, RESPONSES, parameters)
-    return evaluation.values, _adjoint(Chain(system, steps), evaluation, parameters)
+    return evaluation.values, _adjoint(chain_of(system, steps), evaluation, parameters)
 
 
-@pytest.mark.parametrize("method", ["HHT", "generalized"])
+@pytest.mark.parametrize("method", EVERY)
 def test_products_are_those_of_differenced_gradients(method: str) -> None:
     e = 1e-3
     slopes = [(moved(x, method)[1] - moved(-x, method)[1]) / (2 * x) for x in (e, e / 2)]
@@ -57,22 +68,24 @@ def test_products_are_those_of_differenced_gradients(method: str) -> None:
         assert error < (1e-5 if rough else 1e-7), response.title
 
 
+@pytest.mark.parametrize("method", ["HHT", "Radau"])
 @pytest.mark.parametrize("row", [0, 2, 3, 6, 9])
-def test_hessians_are_symmetric(row: int) -> None:
-    found = sr.hessian(swung("HHT"), RESPONSES[row], NAMES[:5])
+def test_hessians_are_symmetric(row: int, method: str) -> None:
+    found = sr.hessian(swung(method), RESPONSES[row], NAMES[:5])
     assert found.asymmetry < 1e-11
     assert found["spring.k", "rod.mass"] == pytest.approx(found["rod.mass", "spring.k"])
 
 
-def test_what_a_hessian_leaves_falls_with_the_cube() -> None:
-    run, rest = swung("HHT"), []
+@pytest.mark.parametrize("method", ["HHT", "Radau"])
+def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
+    run, rest = swung(method), []
     gradient = sr.sensitivity(run, RESPONSES[:4], NAMES)
     bend = [
         sr.hessian_product(run, r, dict(zip(NAMES, DIRECTION, strict=True))) @ DIRECTION
         for r in RESPONSES[:4]
     ]
     for size in (4e-2, 2e-2, 1e-2):
-        there = moved(size, "HHT")[0][:4]
+        there = moved(size, method)[0][:4]
         model = gradient.values + size * gradient.matrix @ DIRECTION + 0.5 * size**2 * np.array(bend)
         rest.append(abs(there - model))
     slopes = np.log2(np.array(rest[:-1]) / np.array(rest[1:]))
@@ -96,6 +109,18 @@ def test_the_hessian_of_the_spatial_slider_crank() -> None:
     squared = sr.Integral(lambda o: o("slider.velocity.x") ** 2)
     found = sr.hessian(run, squared, names)
     assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
+
+
+@pytest.mark.parametrize(("rtol", "limit"), [(1e-5, 1e-4), (1e-7, 2e-6), (1e-9, 5e-8)])
+def test_with_radau_it_comes_near_to_that_of_the_motion(rtol: float, limit: float) -> None:
+    told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
+    wanted = np.array(told["value"])
+    names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
+    settings = {"rtol": rtol, "atol": rtol, "keep_steps": True, "method": sr.Radau()}
+    run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], **settings)
+    found = sr.hessian(run, sr.Integral(lambda o: o("slider.velocity.x") ** 2), names)
+    assert found.asymmetry < 1e-12
+    assert abs(found.matrix - wanted).max() < limit * abs(wanted).max()
 
 
 def test_second_derivatives_of_every_element() -> None:

@@ -128,8 +128,3 @@ def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
         errors.append(abs(found.matrix - wanted).max() / abs(wanted).max())
     assert errors[0] > 5 * errors[1] > 25 * errors[2], errors
     assert errors[2] < 2e-9, errors
-
-
-def test_second_derivatives_are_refused_by_a_sentence() -> None:
-    with pytest.raises(ValueError, match=r"second derivatives need a run with HHT\(\)"):
-        sr.hessian(swung(), sr.Final("slider.x"), ["spring.k"])

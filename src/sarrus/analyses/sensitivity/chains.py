@@ -32,13 +32,13 @@ def _chain_of(system: System, steps: StepsTaken, moving: bool = False) -> Chain 
     return Chain(system, steps, moving)
 
 
-def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain:
+def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain | RadauChain:
     """The chain of a run, for second derivatives too.
 
     Raises
     ------
     ValueError
-        For steps of Radau, and for numbers of tables and functions, which have first derivatives only.
+        For runs with events, and for numbers of tables and functions, which have first derivatives only.
     """
     if parameters.in_curves:
         raise ValueError(
@@ -46,8 +46,4 @@ def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Paramet
         )
     if isinstance(steps, Pieces):
         raise ValueError("second derivatives need a run without events; leave the events out")
-    if not isinstance(steps, Steps):
-        raise ValueError(
-            "second derivatives need a run with HHT() or GeneralizedAlpha(); Radau() has first ones only"
-        )
-    return Chain(system, steps)
+    return _chain_of(system, steps)

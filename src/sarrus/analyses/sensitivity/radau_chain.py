@@ -37,7 +37,7 @@ class RadauChain:
         found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
         bars = Bars(*(np.array(x, dtype=float, order="C") for x in (q, v, db)))
         sources = self.curves.sources(db) if self.curves.moved_by(db) else None
-        RadauSweep(self.system, self.steps, k, db).forward(bars, _given(found), sources)
+        RadauSweep(self.system, self.steps, k, db).forward(bars, given_by(found), sources)
         return found
 
     def gradients(self, given: Nodes) -> Gradients:
@@ -52,9 +52,10 @@ class RadauChain:
         bars = Bars(np.zeros((nq, k)), np.zeros((nq, k)), np.zeros((self.curves.width, k)))
         sweep = RadauSweep(self.system, self.steps, k)
         kept = sweep.kept() if self.curves else None
-        sweep.backward(bars, _given(given), kept)
+        sweep.backward(bars, given_by(given), kept)
         return bars.q, bars.v, bars.b if kept is None else bars.b + self.curves.gradient(kept)
 
 
-def _given(nodes: Nodes) -> Given:
+def given_by(nodes: Nodes) -> Given:
+    """What the sweeps take or give, of all nodes."""
     return Given(nodes.q, nodes.v, nodes.a, nodes.lam)

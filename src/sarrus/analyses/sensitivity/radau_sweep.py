@@ -38,7 +38,9 @@ FUNCTIONS = ("times_numbers",
              "node_by_b", "forward_node", "backward_node", "forward",
              "backward")  # fmt: skip
 ENTRIES = ("forward", "backward")  # what Python calls
-NOTHING_BESIDE = loop.Beside(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)))
+NO_STAGES = np.zeros((0, 0, 0))
+NOTHING_BESIDE = loop.Beside(NO_STAGES, NO_STAGES)
+NOT_TURNED = loop.Turned._make(NO_STAGES for _ in loop.Turned._fields)
 
 
 @cache
@@ -68,7 +70,7 @@ class RadauSweep:
         self.b, self._columns = steps.b.copy(), columns
         self._groups = {name: system.group(*GROUPS[name][0]) for name in loop.Entries._fields}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
-        self._record = _record(steps)
+        self.record = _record(steps)
         nq, m = system.nq, system.m
         stages = [f"{name}@{i}" for i in range(3) for name in loop.Stage._fields]
         self._step_numbers = Numbers(system, (*stages, UNIT, LEFT_OUT), {n: _operator(n) for n in stages})
@@ -78,19 +80,34 @@ class RadauSweep:
         self._node = StepMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
         self._tables = self._make_tables(b_dot)
 
-    def forward(self, bars: loop.Bars, given: loop.Given, sources: loop.Beside | None = None) -> None:
+    def forward(
+        self,
+        bars: loop.Bars,
+        given: loop.Given,
+        sources: loop.Beside | None = None,
+        stages: Array | None = None,
+    ) -> None:
         """From the start to the end; the derivatives at all nodes are written.
 
-        `sources` are changes of the equations besides those by the numbers of elements.
+        `sources` are changes of the equations besides those by the numbers of elements; `stages` takes those of the
+        unknowns of all steps (n, 6 (nq + m), k).
         """
-        self._go("forward", 0, loop.NODE, bars, given, sources or NOTHING_BESIDE)
+        room = NO_STAGES if stages is None else stages
+        self._go("forward", 0, loop.NODE, bars, given, sources or NOTHING_BESIDE, room)
 
-    def backward(self, bars: loop.Bars, given: loop.Given, kept: loop.Beside | None = None) -> None:
+    def backward(
+        self,
+        bars: loop.Bars,
+        given: loop.Given,
+        kept: loop.Beside | None = None,
+        turned: loop.Turned | None = None,
+    ) -> None:
         """From the end, whose gradients and those of all other nodes are given, to the start.
 
-        `kept` takes what is solved for.
+        `kept` takes what is solved for; `turned` is what the change of an adjoint takes besides.
         """
-        self._go("backward", len(self.steps), loop.NODE, bars, given, kept or NOTHING_BESIDE)
+        last = len(self.steps)
+        self._go("backward", last, loop.NODE, bars, given, kept or NOTHING_BESIDE, turned or NOT_TURNED)
 
     def kept(self) -> loop.Beside:
         """Room for what is solved for in every step and at every node."""
@@ -109,14 +126,14 @@ class RadauSweep:
 
     def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
         scheme = self.steps.scheme
-        return _compiled()[name](scheme, self._entries, self.b, self._record, n, stage, self._tables, *arrays)
+        return _compiled()[name](scheme, self._entries, self.b, self.record, n, stage, self._tables, *arrays)
 
     def _choose_pivots(self, name: str, n: int, stage: int) -> None:
         """Pivot orders for the matrices that are factored next."""
         step = min(n if name == "forward" else max(n - 1, 0), len(self.steps) - 1)
         tables, scheme = self._tables, self.steps.scheme
-        loop.remember(self._record, step, tables, self.b)
-        h, record = float(self.steps.h[step]), self._record
+        loop.remember(self.record, step, tables, self.b)
+        h, record = float(self.steps.h[step]), self.record
         for i in range(3):
             t = float(self.steps.t[step] + scheme.c[i] * h)
             stages = {k: getattr(record, f"stage_{k}")[step, i] for k in ("q", "v", "a", "lam", "mu")}

@@ -183,6 +183,22 @@ class Beside(NamedTuple):
     node: Any
 
 
+class Turned(NamedTuple):
+    """Backwards, what the change of an adjoint takes from the gradients; or none. See `radau_hessian_loop`.
+
+    step : by the unknowns of each step (n, 6 (nq + m), 1)
+    v : by the velocities that it begins with (n, nq, 1)
+    node : by accelerations and multipliers of each node (n + 1, nq + m, 1)
+    node_q, node_v : by its state (n + 1, nq, 1)
+    """
+
+    step: Any
+    v: Any
+    node: Any
+    node_q: Any
+    node_v: Any
+
+
 class Given(NamedTuple):
     """Per node what the sweep takes or gives: gradients of responses (backward), or room for derivatives (forward)."""
 
@@ -311,9 +327,9 @@ def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transpose
 
 
 def forward_step(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, stages: Any
 ) -> Any:
-    """The change of q and v over step n; false if pivots must be renewed."""
+    """The change of q and v over step n, and perhaps of its stages; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables):
         return False
     h, nq, m, right, places = record.h[n], len(bars.q), len(tables.left_out), tables.right, tables.places
@@ -338,11 +354,14 @@ def forward_step(
         for c in range(right.shape[1]):
             bars.q[k, c] = tables.solution[last + k, c]
             bars.v[k, c] = tables.solution[last + nq + k, c] / h
+    if len(stages) > 0:
+        copy(tables.solution, stages[n])
+        scale(stages[n], nq, m, 1.0, 1.0 / h, 1.0 / (h * h), 1.0 / h)
     return True
 
 
 def backward_step(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, turned: Any
 ) -> Any:
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables):
@@ -354,6 +373,10 @@ def backward_step(
         for c in range(right.shape[1]):
             right[last + k, c] = bars.q[k, c]
             right[last + nq + k, c] = bars.v[k, c] / h
+    if len(turned.step) > 0:
+        copy(turned.step[n], w)
+        scale(w, nq, m, 1.0, 1.0 / h, 1.0 / (h * h), 1.0 / h)
+        subtract(w, right)
     if not solve_columns_transposed(tables.step, right, w, tables.arranged) <= tables.trusted[0]:
         return False
     bars.q[:] = 0.0
@@ -369,6 +392,8 @@ def backward_step(
         M, places = tables.stages[i].M, tables.places.M
         apply(M, places[1], places[0], share, w[at + nq :], bars.v)
         stage_by_b(scheme, entries, b, record, n, i, tables, w, bars.b, True)
+    if len(turned.v) > 0:
+        subtract(turned.v[n], bars.v)
     if len(beside.step) > 0:
         copy(w, beside.step[n])
     return True
@@ -450,12 +475,14 @@ def forward_node(
 
 
 def backward_node(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
+    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any, turned: Any
 ) -> Any:
     """Add what responses take from node n, by a and λ too; false if pivots must be renewed."""
     nq, right, y = len(bars.q), tables.node_right, tables.node_solution
     copy(given.a[n], right)
     copy(given.lam[n], right[nq:])
+    if len(turned.node) > 0:
+        subtract(turned.node[n], right)
     taken = False
     for k in range(len(right)):
         for c in range(right.shape[1]):
@@ -479,6 +506,9 @@ def backward_node(
         node_by_b(tables.numbers, nq, y, bars.b, True)
         if len(beside.node) > 0:
             copy(y, beside.node[n])
+    if len(turned.node) > 0:
+        subtract(turned.node_q[n], bars.q)
+        subtract(turned.node_v[n], bars.v)
     for k in range(nq):
         for c in range(right.shape[1]):
             bars.q[k, c] += given.q[n, k, c]
@@ -487,7 +517,8 @@ def backward_node(
 
 
 def forward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
+    stages: Any,
 ) -> Any:  # fmt: skip
     """From node n to the last one, derivatives written at all; returns (n, stage) of what needs new pivots."""
     last = len(record.h)
@@ -500,26 +531,27 @@ def forward(
         if n == last:
             return last + 1, NODE
         remember(record, n, tables, b)
-        if not forward_step(scheme, entries, b, record, n, tables, bars, beside):
+        if not forward_step(scheme, entries, b, record, n, tables, bars, beside, stages):
             return n, STEP
         n, stage = n + 1, NODE
     return n, stage
 
 
 def backward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
+    turned: Any,
 ) -> Any:  # fmt: skip
     """From node n, whose gradients are given, to the start; returns (n, stage) of what needs new pivots."""
     while n >= 0:
         if stage == NODE:
             remember(record, max(n - 1, 0), tables, b)
-            if not backward_node(entries, b, record, n, tables, bars, given, beside):
+            if not backward_node(entries, b, record, n, tables, bars, given, beside, turned):
                 return n, NODE
             stage = STEP
         if n == 0:
             return -1, NODE
         remember(record, n - 1, tables, b)
-        if not backward_step(scheme, entries, b, record, n - 1, tables, bars, beside):
+        if not backward_step(scheme, entries, b, record, n - 1, tables, bars, beside, turned):
             return n, STEP
         n, stage = n - 1, NODE
     return n, stage

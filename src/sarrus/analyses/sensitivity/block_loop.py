@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..._jit.pointer import Entry
 from ..._jit.vector import LANES
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
-from .panel_loop import solve_columns, solve_columns_transposed
+from .panel_loop import solve_columns, solve_columns_transposed, solve_plain_transposed
 from .step_matrix import Factors
 
 VELOCITY: Any = None  # drivers, put in place when this is compiled
@@ -23,6 +23,7 @@ GRADIENT: Any = None
 CHANGE: Any = None
 weights_of: Any = None  # of `dynamics.alpha_loop`
 weigh: Any = None  # of `dynamics.newton_matrix`
+LARGER = 1e2  # times the squares of L may be those of factors with which a solution needed no refinement
 
 
 class Record(NamedTuple):
@@ -70,6 +71,9 @@ class Block(NamedTuple):
     sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins,
         and the end
     work : (nq + m), in lanes
+    growth : of the factors, in lanes
+    refined : what the last refinement changed, the growth of its factors, and the change up to which the next solutions
+        are not refined
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
     dots, drivers, by_q, by_rows : forwards, changes of b (columns, len(b)), which drivers they concern, and the results
         in lanes
@@ -103,6 +107,8 @@ class Block(NamedTuple):
     turned: Any
     cuts: Any
     work: Any
+    growth: Any
+    refined: Any
     entry: Any
     xi: Any
     nu: Any
@@ -113,18 +119,32 @@ class Block(NamedTuple):
     by_rows: Any
 
 
-def solve_lane(
-    matrix: Any, block: Any, lane: Any, transposed: Any, right: Any, solution: Any, room: Any
-) -> Any:
-    """Solve with the factors of one lane, as `panel_loop.solve_columns` does, or transposed."""
+def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
+    """The matrix of one lane and its factors."""
     factors, data = block.turned[lane, : block.cuts[1]], block.turned[lane, block.cuts[1] : block.cuts[2]]
-    own = Factors(
+    return Factors(
         matrix.parts, matrix.weights, matrix.places, matrix.indptr, matrix.indices, data, matrix.pointers, matrix.rows,
         matrix.diagonal, factors, matrix.ends, matrix.work, matrix.row_place, matrix.column_order,
     )  # fmt: skip
-    if transposed:
-        return solve_columns_transposed(own, right, solution, room)
-    return solve_columns(own, right, solution, room)
+
+
+def solve_lane(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solve with the factors of one lane, as `panel_loop.solve_columns` does."""
+    return solve_columns(factors_of(matrix, block, lane), right, solution, room)
+
+
+def solve_lane_transposed(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solve with the transposed factors of one lane; the last relative change of the solution.
+
+    It is not refined where that changed next to nothing in the same block, with factors about as large.
+    """
+    own, growth = factors_of(matrix, block, lane), block.growth[lane]
+    if block.refined[0] <= block.refined[2] and growth <= LARGER * block.refined[1]:
+        solve_plain_transposed(own, right, solution, room)
+        return block.refined[0]
+    first, change = solve_columns_transposed(own, right, solution, room)
+    block.refined[0], block.refined[1] = first, growth
+    return change
 
 
 def alike(record: Any, n: Any, k: Any) -> Any:
@@ -213,8 +233,9 @@ def factor_block(matrix: Any, block: Any) -> None:
     assemble_lanes(matrix.parts, matrix.places, block.weights, block.values, data)
     factor_lanes(
         matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, data, factors,
-        block.work,
+        block.work, block.growth,
     )  # fmt: skip
+    block.refined[0] = 1.0
     turn_lanes(block.sheet, 0, last, block.turned)
 
 
@@ -307,7 +328,7 @@ def take_defect(record: Any, matrix: Any, block: Any, lane: Any, work: Any) -> A
     for k in range(m):
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
     solved_rows(record, block.index[lane], right)
-    if not solve_lane(matrix, block, lane, False, right, found, work.single[2:]) <= work.trusted[0]:
+    if not solve_lane(matrix, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
         return False
     for k in range(nq):
         place = k * LANES + lane

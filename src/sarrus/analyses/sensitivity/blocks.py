@@ -93,6 +93,7 @@ class Blocks:
             "values": values, "Phi_q_xi": room(m), "Phi_t": room(m), "row_of": numbers.row_of,
             "weights": weights, "product": product,
             "sheet": room(0), "turned": np.zeros((LANES, 0)), "cuts": np.zeros(3, np.int64), "work": room(nq + m),
+            "growth": room(1), "refined": np.ones(3),
             "entry": change_entry(system, kind, moved) if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
             "dots": self.dots, "drivers": drivers_of_columns(system, kind, self.dots),

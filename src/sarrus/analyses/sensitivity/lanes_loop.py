@@ -37,10 +37,15 @@ def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any
 
 
 def factor_lanes(
-    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any
+    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any,
+    growth: Any,
 ) -> None:  # fmt: skip
-    """Factor as `panel_loop.refactor_panels` does; all but places are in lanes."""
+    """Factor as `panel_loop.refactor_panels` does; all but places are in lanes.
+
+    growth : takes the sum of the squares of L, by which pivots that do not suit are noticed
+    """
     zero, one = fill(0.0), fill(1.0)
+    grown = fill(1.0)
     for j in range(np.uint64(len(diagonal))):
         start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
         for entry in range(start, end):
@@ -97,7 +102,10 @@ def factor_lanes(
         inverse = ratio(one, load(work, j))
         store(factors, middle, inverse)
         for entry in range(middle + ONE, end):
-            store(factors, entry, product(load(work, rows[entry]), inverse))
+            x = product(load(work, rows[entry]), inverse)
+            grown = plus_product(grown, x, x)
+            store(factors, entry, x)
+    store(growth, 0, grown)
 
 
 def turn_lanes(sheet: Any, first: Any, last: Any, turned: Any) -> None:

@@ -210,8 +210,20 @@ def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
     return change
 
 
+def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> None:
+    """Solution = matrix⁻ᵀ right (n, k), not refined."""
+    n, width, x = np.uint64(right.shape[0]), right.shape[1], room[0]
+    for k in range(n):
+        for c in range(width):
+            x[k, c] = right[matrix.column_order[k], c]
+    upper_lower(matrix, x)
+    for k in range(n):
+        for c in range(width):
+            solution[k, c] = x[matrix.row_place[k], c]
+
+
 def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
-    """Solution = matrix⁻ᵀ right (n, k), refined; the last relative change of it, which has been made."""
+    """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
     x, rest, whole = room[0], room[1], room[2]
     for k in range(n):
@@ -219,18 +231,19 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) 
             whole[k, c] = right[matrix.column_order[k], c]
     copy(whole, x)
     upper_lower(matrix, x)
-    change = 1.0
+    first, change = 0.0, 1.0
     for _ in range(REFINEMENTS):
         copy(whole, rest)
         times_arranged_transposed(matrix, x, rest)
         upper_lower(matrix, rest)
         change = add(rest, x)
+        first = max(first, change)
         if not change > REFINED:
             break
     for k in range(n):
         for c in range(width):
             solution[k, c] = x[matrix.row_place[k], c]
-    return change
+    return first, change
 
 
 def times_arranged(matrix: Any, x: Any, rest: Any) -> None:

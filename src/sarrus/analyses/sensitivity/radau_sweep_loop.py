@@ -377,7 +377,7 @@ def backward_step(
         copy(turned.step[n], w)
         scale(w, nq, m, 1.0, 1.0 / h, 1.0 / (h * h), 1.0 / h)
         subtract(w, right)
-    if not solve_columns_transposed(tables.step, right, w, tables.arranged) <= tables.trusted[0]:
+    if not solve_columns_transposed(tables.step, right, w, tables.arranged)[1] <= tables.trusted[0]:
         return False
     bars.q[:] = 0.0
     bars.v[:] = 0.0
@@ -490,7 +490,7 @@ def backward_node(
     if taken:
         if not factor_node(entries, b, record, n, tables):
             return False
-        if not solve_columns_transposed(tables.node, right, y, tables.node_arranged) <= tables.trusted[0]:
+        if not solve_columns_transposed(tables.node, right, y, tables.node_arranged)[1] <= tables.trusted[0]:
             return False
         quiet(y, nq, tables.node_left_out)
         at, p, z = tables.at_node, tables.places, y[nq:]

@@ -15,7 +15,7 @@ from . import panel_loop
 
 FUNCTIONS = ("refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "lower_upper",
              "upper_lower", "times_flat", "times_flat_transposed", "times_arranged", "times_arranged_transposed",
-             "add", "copy", "solve_columns", "solve_columns_transposed")  # fmt: skip
+             "add", "copy", "solve_columns", "solve_plain_transposed", "solve_columns_transposed")  # fmt: skip
 
 
 class Factors(NamedTuple):

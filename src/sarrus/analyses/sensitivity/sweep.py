@@ -23,9 +23,9 @@ from .step_matrix import Factors, solvers
 
 FUNCTIONS = {
     lanes_loop: ("clear_lanes", "assemble_lanes", "factor_lanes", "turn_lanes"),
-    block_loop: ("solve_lane", "alike", "collect", "put", "gather", "remember", "leave_out", "solved_rows", "evaluate",
-                 "factor_block", "make_product", "change", "finish", "linearize_steps", "take_defect",
-                 "linearize_rescales"),
+    block_loop: ("factors_of", "solve_lane", "solve_lane_transposed", "alike", "collect", "put", "gather", "remember",
+                 "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
+                 "linearize_steps", "take_defect", "linearize_rescales"),
     loop: ("add_columns", "add_rows", "apply", "apply_transposed", "subtract", "put_adjoint", "add_gradients",
            "forward_step", "backward_step", "forward_rescale", "backward_rescale"),
 }  # fmt: skip

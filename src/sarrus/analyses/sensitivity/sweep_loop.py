@@ -17,12 +17,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..._jit.vector import LANES
-from .block_loop import finish, linearize_rescales, linearize_steps, solve_lane, solved_rows
+from .block_loop import (
+    finish,
+    linearize_rescales,
+    linearize_steps,
+    solve_lane,
+    solve_lane_transposed,
+    solved_rows,
+)
 from .panel_loop import add, copy
 
 weights_of: Any = None  # of `dynamics.alpha_loop`, put in place when this is compiled
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 ONE: Any = np.uint64(1)
+# Relative change of a solution by its refinement up to which the others of a block are not refined; with schemes that damp
+# round-off in multipliers: γ - ½ beyond a limit, which is (1 - ρ) / (1 + ρ) where steps leave ρ of it
+PLAIN, DAMPS = 1e-12, 0.02
 
 
 class Work(NamedTuple):
@@ -150,7 +160,7 @@ def forward_step(
             right[nq + k, c] = -(right[nq + k, c] + block.by_rows[c, k * LANES + lane]) / beta
     subtract(sources.step, n, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, block, lane, False, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(matrix, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
     for k in range(nq):
         for c in range(width):
@@ -188,7 +198,7 @@ def backward_step(
     if len(sources.step) > 0:
         for k in range(nq + m):
             right[k, 0] -= sources.step[n, k]
-    if not solve_lane(matrix, block, lane, True, right, mu, work.room) <= work.trusted[0]:
+    if not solve_lane_transposed(matrix, block, lane, right, mu, work.room) <= work.trusted[0]:
         return False
     bars.lam[:] = 0.0
     if len(sources.step) > 0:
@@ -238,7 +248,7 @@ def forward_rescale(
             right[nq + k, c] -= block.by_rows[c, k * LANES + lane]
     subtract(sources.rescale, n, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, block, lane, False, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(matrix, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
     if len(kept.rescale) > 0:
         copy(work.solution, kept.rescale[n])
@@ -262,7 +272,7 @@ def backward_rescale(
     if len(sources.rescale) > 0:
         for k in range(nq + m):
             right[k, 0] -= sources.rescale[n, k]
-    if not solve_lane(matrix, block, lane, True, right, z, work.room) <= work.trusted[0]:
+    if not solve_lane_transposed(matrix, block, lane, right, z, work.room) <= work.trusted[0]:
         return False
     if len(sources.rescale) > 0:
         for k in range(nq):
@@ -298,6 +308,7 @@ def backward(
     `given` holds the gradients of responses by the ends of the steps, one row for each.
     """
     steps.used[:], rescales.used[:] = 0, 0
+    steps.refined[2] = rescales.refined[2] = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
     while n >= first:
         if stage == GRADIENTS:
             add_gradients(given, n - first, bars)

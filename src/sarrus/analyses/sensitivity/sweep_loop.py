@@ -30,8 +30,8 @@ from .panel_loop import add, copy
 weights_of: Any = None  # of `dynamics.alpha_loop`, put in place when this is compiled
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 ONE: Any = np.uint64(1)
-# Relative change of a solution by its refinement up to which the others of a block are not refined; with schemes that damp
-# round-off in multipliers: γ - ½ beyond a limit, which is (1 - ρ) / (1 + ρ) where steps leave ρ of it
+# Relative change of a solution by its refinement up to which the others of a block are not refined; with schemes that
+# damp round-off in multipliers: γ - ½ beyond a limit, which is (1 - ρ) / (1 + ρ) where steps leave ρ of it
 PLAIN, DAMPS = 1e-12, 0.02
 
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus._jit.driver import compiled_function
 from sarrus._jit.pointer import run
 from sarrus._jit.vector import LANES
-from sarrus.analyses.sensitivity import by_numbers
-from sarrus.analyses.sensitivity.block_loop import Entries
+from sarrus.analyses.sensitivity import by_numbers, sweep
+from sarrus.analyses.sensitivity.block_loop import Entries, solve_lane_transposed
 from sarrus.analyses.sensitivity.blocks import room
 from sarrus.analyses.sensitivity.kernels import GROUPS
+from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
+from sarrus.analyses.sensitivity.step_matrix import Factors, unsigned
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +79,54 @@ def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: s
         assert np.allclose(by_b.reshape(-1, LANES)[:, lane], wanted[: crank.nb], rtol=1e-11, atol=1e-11)
         assert np.allclose(along.reshape(-1, LANES)[:, lane], R_b @ db, rtol=1e-11, atol=1e-10)
         assert np.allclose(rows.reshape(-1, LANES)[:, lane], Phi_b @ db, rtol=1e-11, atol=1e-11)
+
+
+def test_a_solution_is_refined_where_factors_have_grown() -> None:
+    """Full matrices, one in each lane; the first pivot of the last one does not suit: it is solved for all the same."""
+    n, rng = 5, np.random.default_rng(5)
+    matrices = rng.normal(size=(LANES, n, n)) + 4 * np.eye(n)
+    matrices[-1, 0, 0] = 1e-7
+    pattern, full = np.arange(0, n * n + 1, n), np.tile(np.arange(n), n)
+    pointers, indices, diagonal, ends = unsigned((pattern, full, (n + 1) * np.arange(n), np.full(n, n)))
+    known = sweep._compiled()
+    factor, solve = (compiled_function(f, **known) for f in (factor_lanes, solved))
+    size = -(-n * n // LANES) * LANES
+    factors, data, growth = room(size), room(size), room(1)
+    data[: n * n * LANES] = side_by_side(matrices.transpose(0, 2, 1).reshape(LANES, -1))
+    factor(pointers, indices, diagonal, ends, pointers, indices, data, factors, room(n), growth)
+    squares = [(np.tril(without_pivoting(A), -1) ** 2).sum() for A in matrices]
+    assert np.allclose(growth, 1 + np.array(squares), rtol=1e-9)
+    turned = np.concatenate([x.reshape(-1, LANES).T for x in (factors, data)], axis=1)
+    order, (right,) = unsigned([np.arange(n)])[0], rng.normal(size=(1, n, 1))
+    matrix = Factors(
+        *[order] * 3, pointers, indices, data, pointers, indices, diagonal, *[order] * 3, order, order
+    )
+    refined, found = np.array([0.0, growth[0], 1e-12]), np.zeros((n, 1))
+    block = Turned(np.ascontiguousarray(turned), np.array([0, size, 2 * size]), growth, refined)
+    for lane, A in enumerate(matrices):
+        solve(matrix, block, lane, right, found, np.zeros((3, n, 1)))
+        assert np.allclose(A.T @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
+        assert (refined[0] > 0.0) == (lane == LANES - 1)  # the last relative change
+
+
+def solved(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> None:
+    """What is only called by compiled code, called."""
+    solve_lane_transposed(matrix, block, lane, right, solution, room)
+
+
+class Turned(NamedTuple):
+    """What of a `Block` is needed to solve."""
+
+    turned: np.ndarray
+    cuts: np.ndarray
+    growth: np.ndarray
+    refined: np.ndarray
+
+
+def without_pivoting(A: np.ndarray) -> np.ndarray:
+    """L below the diagonal, U above."""
+    A = A.copy()
+    for k in range(len(A)):
+        A[k + 1 :, k] /= A[k, k]
+        A[k + 1 :, k + 1 :] -= np.outer(A[k + 1 :, k], A[k, k + 1 :])
+    return A

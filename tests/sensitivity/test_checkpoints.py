@@ -61,7 +61,7 @@ def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest
     begun: list[int] = []
     take = long_run.LongRun.stretch
     monkeypatch.setattr(long_run.LongRun, "stretch", lambda self, n: begun.append(len(self)) or take(self, n))
-    compared(slider_crank(), RESPONSES[0], 0.8, memory=5e5, **SETTINGS)
+    compared(slider_crank(), RESPONSES[0], 0.8, memory=4e5, **SETTINGS)
     assert 1 < begun[0] < 20
 
 

@@ -282,30 +282,29 @@ def test_what_has_no_derivatives_after_events() -> None:
         sr.state_derivatives(run, ["gravity.z"])
 
 
+def falling(*names: str) -> tuple[sr.System, list[sr.Event]]:
+    """Balls that fall side by side, and the events that they meet the floor."""
+    balls = [sr.Body(name, mass=1, inertia=(1, 1, 1), position=(2 * n, 0, 1)) for n, name in enumerate(names)]
+    floor = [sr.Event(f"{name}.z", direction=-1, reset=sr.Impact(0.8), name=f"{name}_hits") for name in names]
+    return sr.System(sr.Model("balls", bodies=balls, gravity=(0, 0, -9.81))), floor
+
+
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_two_events_at_the_same_time(method: object) -> None:
     """Two balls that hit the floor together have the derivatives of one: between their events lies no time at all."""
-    places = {"one": 0.0, "other": 2.0}
-    balls = [sr.Body(name, mass=1, inertia=(1, 1, 1), position=(x, 0, 1)) for name, x in places.items()]
-    floor = [
-        sr.Event(f"{name}.z", direction=-1, reset=sr.Impact(0.8), name=f"{name}_hits") for name in places
-    ]
     settings = {"until": 1.0, "keep_steps": True, "method": method}
-    pair = sr.simulate(
-        sr.System(sr.Model("pair", bodies=balls, gravity=(0, 0, -9.81))), events=floor, **settings
-    )
-    alone = sr.simulate(
-        sr.System(sr.Model("one", bodies=balls[:1], gravity=(0, 0, -9.81))), events=floor[:1], **settings
-    )
+    (both, floor), (single, below) = (falling(*places) for places in (["one", "other"], ["one"]))
+    pair = sr.simulate(both, events=floor, **settings)
+    alone = sr.simulate(single, events=below, **settings)
     assert [event.t for event in pair.events] == pytest.approx([np.sqrt(2 / 9.81)] * 2)
     kinds = (
         [sr.Final, sr.Integral] if isinstance(method, sr.Radau) else [sr.Final]
     )  # trapezoids depend on nodes
-    told = [[kind(f"{name}.z") for kind in kinds] for name in places]
+    told = [[kind(f"{name}.z") for kind in kinds] for name in ("one", "other")]
     names = ["one.position.z", "one_hits.restitution", "gravity.z"]
     wanted = sr.sensitivity(alone, told[0], names).matrix
-    for n, name in enumerate(places):
-        own = [name.replace("one", list(places)[n]) for name in names]
+    for n, name in enumerate(("one", "other")):
+        own = [number.replace("one", name) for number in names]
         for way in ("adjoint", "direct"):
             assert sr.sensitivity(pair, told[n], own, method=way).matrix == pytest.approx(
                 wanted, abs=1e-12
@@ -349,5 +348,5 @@ def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
     run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], keep_steps=True)
     with pytest.raises(ValueError, match=told):
         sr.sensitivity(run, response, ["gravity.z"])
-    with pytest.raises(ValueError, match="run with events"):
+    with pytest.raises(ValueError, match="the run has 0 events"):
         sr.sensitivity_by_checkpoints(ball(), response, ["gravity.z"], until=0.1)

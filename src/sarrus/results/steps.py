@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -153,8 +153,7 @@ class Pieces:
     @property
     def restitutions(self) -> dict[str, float]:
         """Those of the impacts, by the names that derivatives take."""
-        struck = (turn for turn in self.turns if turn.restitution is not None)
-        return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
+        return restitutions_of(self.turns)
 
     @property
     def b(self) -> Array:
@@ -183,11 +182,48 @@ class Pieces:
         return np.concatenate([getattr(piece, name) for piece in self.pieces])
 
 
+Kind = TypeVar("Kind", bound=StepsTaken)
+
+
+def restitutions_of(turns: Sequence[Turn]) -> dict[str, float]:
+    """Those of the impacts among some events, by the names that derivatives take."""
+    struck = (turn for turn in turns if turn.restitution is not None)
+    return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
+
+
 def until(steps: StepsTaken, t: float) -> StepsTaken:
     """The steps up to the one within which, or at whose end, a time lies; one at least, for a time at the start."""
-    count = min(max(int(np.searchsorted(steps.t, t)), 1), len(steps))
+    return first_of(steps, min(max(int(np.searchsorted(steps.t, t)), 1), len(steps)))
+
+
+def first_of(steps: StepsTaken, count: int) -> StepsTaken:
+    """The first ones of some steps."""
     cut = {name: getattr(steps, name)[: count + at_nodes] for name, at_nodes in _lengths(steps)}
     return replace(steps, **cut)
+
+
+def last_of(steps: Kind, count: int) -> Kind:
+    """The last ones of some steps, or all of them."""
+    skipped = max(len(steps) - count, 0)
+    return replace(steps, **{name: getattr(steps, name)[skipped:].copy() for name, _ in _lengths(steps)})
+
+
+def led(lead: Kind | None, steps: Kind) -> Kind:
+    """Steps with those just before them, if there are any."""
+    if lead is None:
+        return steps
+    one, other = _telling(lead, steps), _telling(steps, lead)
+    both = ((name, getattr(one, name)[: len(one)], getattr(other, name)) for name, _ in _lengths(other))
+    told: dict[str, Any] = {name: np.concatenate([before, own]) for name, before, own in both}
+    return replace(other, **told)
+
+
+def _telling(steps: Kind, other: StepsTaken) -> Kind:
+    """Steps that tell which equations are left out, if others do."""
+    if len(steps.left_out) or not len(other.left_out):
+        return steps
+    told: dict[str, Any] = {"left_out": np.zeros(steps.lam.shape, dtype=bool)}
+    return replace(steps, **told)
 
 
 def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:

@@ -13,7 +13,7 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly, Happened, Solution, Trajectory, load_run
 from ...results.saved import Store
-from ...results.steps import Pieces, Turn
+from ...results.steps import Pieces, StepsTaken, Turn
 from ...results.steps import until as steps_until
 from ...system import System
 from .events import Event, Impact, Watch, Watches
@@ -78,6 +78,11 @@ class March:
         self._pieces: list[Any] = []
         self._turns: list[Turn] = []
         self._marked, self._pause = time.perf_counter(), PAUSE
+
+    @property
+    def portion(self) -> int:
+        """How many steps are taken by one call of the method."""
+        return WATCHED if self.watches else CHUNK
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
@@ -162,10 +167,8 @@ class March:
 
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and what happened during them."""
-        ahead = self.plan.stops[self.plan.stops > self.stepper.t]
-        stop = float(ahead[0]) if len(ahead) else self.plan.until
-        before = self.stepper.b.copy()
-        nodes = self.stepper.advance(stop, WATCHED if self.watches else CHUNK)
+        stop, before = self._stop(), self.stepper.b.copy()
+        nodes = self.stepper.advance(stop, self.portion)
         for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
             ended = self._happen(nodes, t, watch, before)
             if ended is not None:
@@ -175,6 +178,11 @@ class March:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
             self._begin(stop, state.q[0], state.v[0])
         return "finished", "reached the end"
+
+    def _stop(self) -> float:
+        """The next time that is hit exactly."""
+        ahead = self.plan.stops[self.plan.stops > self.stepper.t]
+        return float(ahead[0]) if len(ahead) else self.plan.until
 
     def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
         """One crossing; a status and a sentence where it ends the run, or the motion goes on from another state."""
@@ -198,18 +206,22 @@ class March:
         return self._crowd() or ("finished", "reached the end")
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
-        """Where steps are kept: those up to an event, and the event."""
+        """Where steps are kept: what is told of an event."""
         steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
-        self._pieces.append(steps_until(steps, t))
         told: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
         if isinstance(event.reset, Impact) and not watch.ends:
             told |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
         elif not watch.ends:
             told |= {"reset": event.reset}
         told |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
-        self._turns.append(Turn(name=watch.name, t=t, function=event.function, **told))
+        self._cut(steps, Turn(name=watch.name, t=t, function=event.function, **told))
+
+    def _cut(self, steps: StepsTaken, turn: Turn) -> None:
+        """Keep the steps up to an event, and the event."""
+        self._pieces.append(steps_until(steps, turn.t))
+        self._turns.append(turn)
 
     def _steps(self) -> Any:
         """All steps that were kept."""

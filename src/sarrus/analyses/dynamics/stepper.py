@@ -146,3 +146,10 @@ class Stepper(Protocol):
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state, in place of `restart`."""
+
+
+class KeepingStepper(Stepper, Protocol):
+    """A method that keeps its steps for derivatives."""
+
+    def forget(self) -> None:
+        """Of what was kept for derivatives nothing but the present state stays."""

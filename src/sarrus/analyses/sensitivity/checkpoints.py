@@ -12,30 +12,37 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Gradient, StepsTaken
+from ...results import Assembly, Gradient, Pieces, StepsTaken
+from ...results.steps import restitutions_of
 from ...system import System
 from ..assembly import assemble
 from ..assembly_derivatives import AssemblyDerivatives
-from ..dynamics import HHT, GeneralizedAlpha, Radau
+from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
-from .chain import Gradients, Nodes, through
+from .chain import FIELDS, Gradients, Nodes, through
 from .derivatives import Wanted, as_responses, own_parts
-from .evaluation import Evaluation, Explicit
+from .evaluation import Evaluation, Explicit, where_of
 from .fine import fine
-from .long_run import LongRun
+from .long_run import LongRun, Stretch
 from .parameters import Parameters
-from .pieces import sampling_of
+from .piece_chain import Backward
+from .pieces import PieceSampling, Where, sampling_of
 from .recording import Angles
-from .responses import At, Final, Integral, Response
-from .stretches import Stretches, stretches_of
-from .sweep_loop import Given as Ends
+from .responses import At, AtEvent, Final, Integral, Response
+from .sampling import Sampling
+from .stretches import stretches_of
+from .turn import TurnDerivatives
 from .undefined import undefined
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
 STEP, GRADIENT = 20, 6
-LINEAR = (Final, At, Integral)  # responses whose weights do not depend on the motion
+LINEAR = (
+    Final,
+    At,
+    AtEvent,
+)  # responses whose derivatives need no other samples
 
 
 def sensitivity_by_checkpoints(
@@ -49,25 +56,21 @@ def sensitivity_by_checkpoints(
     rtol: Given = 1e-6,
     atol: Given = 1e-8,
     max_step: float = np.inf,
+    events: Event | Sequence[Event] = (),
     memory: float = 100e6,
 ) -> Gradient:
     """Simulate and differentiate with the memory of some states: see `simulate` and `sensitivity`, whose result it is.
 
     Parameters
     ----------
-    system, until, start, method, rtol, atol, max_step : as for `simulate`
+    system, until, start, method, rtol, atol, max_step, events : as for `simulate`
     responses, wrt : as for `sensitivity`
-    memory : for kept states and the steps between two of them [bytes]
+    memory : for kept states, events, and the steps between two kept states [bytes]
 
     Raises
     ------
     ValueError
         For an end time that is none, where the memory is too small, and where the run does not reach its end.
-
-    Notes
-    -----
-    Multipliers between nodes of Radau are interpolated within a stretch; at its ends they differ a little from those
-    of a run that keeps all steps.
     """
     refuse_end(until)
     wanted, begin = as_responses(responses), assemble(system) if start is None else start
@@ -75,25 +78,24 @@ def sensitivity_by_checkpoints(
     per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(wanted))
     if not begin.success:
         raise ValueError(f"derivatives need a start that is assembled, but {system.name}: {begin.message}")
+    watched = [events] if isinstance(events, Event) else list(events)
     try:
-        run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step)
+        run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step, watched)
     except Trouble as trouble:
         told = f"derivatives need a run that reached its end, but {system.name}: {trouble.sentence}"
         raise ValueError(told) from None
     if isinstance(method, Radau):
         wanted = [fine(response) for response in wanted]
-    return LongGradient(run, wanted, Parameters(system, wrt, start=begin)).gradient()
+    parameters = Parameters(system, wrt, start=begin, restitutions=restitutions_of(run.course.turns))
+    return LongGradient(run, wanted, parameters).gradient()
 
 
 @dataclass(frozen=True, eq=False)
 class PartOf(Response):
-    """The part of a response that some samples have, with given weights."""
+    """The part of a response that some samples have, with given weights, and derivatives by their times."""
 
-    at: Array | None = None
     by: Array = field(default_factory=lambda: np.zeros(0))
-
-    def times(self, t: Array) -> Array | None:
-        return self.at
+    by_t: Array = field(default_factory=lambda: np.zeros(0))
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.by @ g)
@@ -101,44 +103,82 @@ class PartOf(Response):
     def weights(self, g: Array, t: Array) -> Array:
         return self.by
 
+    def by_times(self, g: Array, t: Array) -> Array:
+        return self.by_t
+
+
+class Samples:
+    """Where a response of a long run is sampled.
+
+    Parameters
+    ----------
+    run : LongRun
+    response : the whole
+
+    Attributes
+    ----------
+    where : all times
+    """
+
+    def __init__(self, run: LongRun, response: Response) -> None:
+        self._run, self.where = run, where_of(run.course, response)
+        self._at_nodes = not run.late and response.times(run.course.times) is None
+
+    @cached_property
+    def _rows(self) -> list[Array]:
+        """Which times lie in each stretch."""
+        t, piece, _ = self.where
+        stretch = np.full(len(t), -1)
+        for p, step in map(self._run.begin, range(len(self._run))):
+            first = max(step - self._run.late, 0)
+            since = self._run.course.t[p][first] if first else -np.inf
+            stretch += (piece > p) | ((piece == p) & (t >= since))
+        order = np.argsort(stretch, kind="stable")
+        return np.split(order, np.searchsorted(stretch[order], np.arange(1, len(self._run))))
+
+    def rows(self, n: int) -> Array:
+        """Which times lie in a stretch."""
+        return self._rows[n]
+
+    def sampling(self, n: int, stretch: Stretch) -> Sampling:
+        """The states there."""
+        t, piece, part = (x[self.rows(n)] for x in self.where)
+        if isinstance(stretch.sampled, Pieces):
+            return PieceSampling(stretch.sampled, Where(t, piece - stretch.first, part))
+        return Sampling(stretch.sampled, None if self._at_nodes else t)
+
+    def padded(self, n: int, values: Array) -> Array:
+        """The values at the samples of a stretch, and nothing where the next one begins."""
+        own = values[self.rows(n)]
+        more = len(self._run) - 1 > n and self._at_nodes
+        return np.append(own, 0.0) if more else own
+
 
 class LongGradient:
     """The gradient of responses of a long run."""
 
     def __init__(self, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> None:
         self._run, self._responses, self._parameters = run, responses, parameters
-        self._times, self._ends = [response.times(run.t) for response in responses], run.ends
-
-    def _samples(self, r: int) -> Array:
-        times = self._times[r]
-        return self._run.t if times is None else times
-
-    def _slice(self, r: int, n: int) -> Array:
-        """Which samples of a response lie in a stretch."""
-        first, last = self._run.t[self._ends[n]], self._run.t[self._ends[n + 1]]
-        t = self._samples(r)
-        after = t > first if n else np.full(len(t), True)
-        return np.flatnonzero(after & ((t <= last) | (n == len(self._run) - 1)))
+        self._samples = [Samples(run, response) for response in responses]
 
     def _evaluation(
-        self, n: int, steps: StepsTaken, weights: Sequence[Array]
+        self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
     ) -> tuple[list[int], Evaluation]:
         """The responses that have samples in a stretch, with their weights there."""
-        present, shares = [], list[Response]()
-        for r, response in enumerate(self._responses):
-            own, times = self._slice(r, n), self._times[r]
-            if len(own):
-                by = (
-                    weights[r][own]
-                    if times is not None or n == 0
-                    else np.concatenate([[0.0], weights[r][own]])
-                )
-                present.append(r)
-                shares.append(PartOf(response.of, response.name, None if times is None else times[own], by))
-        return present, Evaluation(self._run.system, steps, shares, self._parameters, self._angles(n, steps))
+        present = [r for r, samples in enumerate(self._samples) if len(samples.rows(n))]
+        shares = list[Response]()
+        for r in present:
+            response, samples = self._responses[r], self._samples[r]
+            by, by_t = (samples.padded(n, x[r]) for x in (weights, by_times))
+            shares.append(PartOf(response.of, response.name, by, by_t))
+        samplings = [self._samples[r].sampling(n, stretch) for r in present]
+        return present, Evaluation(
+            self._run.system, stretch.sampled, shares, self._parameters, angles, samplings
+        )
 
-    def _angles(self, n: int, steps: StepsTaken) -> Angles:
-        return Angles(self._run.system, sampling_of(steps).states, lambda: self._first_angles[n])
+    def _angles(self, n: int, stretch: Stretch) -> Angles:
+        states = sampling_of(stretch.sampled).states
+        return Angles(self._run.system, states, lambda: self._first_angles[n])
 
     @cached_property
     def _first_angles(self) -> list[Array]:
@@ -146,64 +186,84 @@ class LongGradient:
         found: list[Array] = []
         last: Callable[[], Array] | None = None
         for n in range(len(self._run)):
-            values = Angles(self._run.system, sampling_of(self._run.stretch(n)[0]).states, last).values
+            states = sampling_of(self._run.stretch(n).sampled).states
+            values = Angles(self._run.system, states, last).values
             found.append(values[0])
-            last = partial(np.array, values[-1])
+            last = partial(np.array, values[-1 - self._leading(n + 1)])
         return found
+
+    def _leading(self, n: int) -> int:
+        """How many nodes lead a stretch."""
+        lead = self._run.lead(n) if self._run.late and n < len(self._run) else None
+        return len(lead) if lead else 0
 
     @cached_property
     def _signals(self) -> list[Array]:
         """The outputs of responses at their samples, from one more pass over the run; zero where nobody asks."""
-        found = [np.zeros(len(self._samples(r))) for r in range(len(self._responses))]
-        if all(isinstance(response, LINEAR) for response in self._responses):
+        found = [np.zeros(len(samples.where.t)) for samples in self._samples]
+        known = LINEAR if self._run.course.turns else (*LINEAR, Integral)
+        if all(isinstance(response, known) for response in self._responses):
             return found
         for n in range(len(self._run)):
-            steps, _ = self._run.stretch(n)
-            present, evaluation = self._evaluation(n, steps, found)
+            stretch = self._run.stretch(n)
+            present, evaluation = self._evaluation(n, stretch, self._angles(n, stretch), found, found)
             for r, signal in zip(present, evaluation.signals, strict=True):
-                own = self._slice(r, n)
-                found[r][own] = signal[-len(own) :]
+                own = self._samples[r].rows(n)
+                found[r][own] = signal[: len(own)]
         return found
 
     def gradient(self) -> Gradient:
         """Values and derivatives of all responses."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
-        weights = [
-            np.asarray(response.weights(self._signals[r], self._samples(r)))
-            for r, response in enumerate(self._responses)
-        ]
+        whole = list(zip(self._responses, self._signals, self._samples, strict=True))
+        weights = [np.asarray(one.weights(g, samples.where.t)) for one, g, samples in whole]
+        by_times = [np.asarray(one.by_times(g, samples.where.t)) for one, g, samples in whole]
         values, total = np.zeros(k), Totals.zeros(run.system, parameters, k)
         missing = np.zeros(len(parameters.names), dtype=bool)
-        back: Stretches | None = None
+        back: Backward | None = None
         for n in reversed(range(len(run))):
-            steps, before = run.stretch(n)
-            present, evaluation = self._evaluation(n, steps, weights)
-            nodes = self._given(steps, present, evaluation, total)
+            stretch = run.stretch(n)
+            angles = self._angles(n, stretch)
+            present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
+            nodes = self._given(stretch.sampled, present, evaluation, total)
             values[present] += evaluation.values
-            missing |= undefined(run.system, steps, parameters)
-            back = back or stretches_of(run.system, steps, k)
-            back.over(steps, before, nodes)
+            missing |= undefined(run.system, stretch.steps, parameters)
+            back = back or self._backward(stretch)
+            turn = partial(self._turn, stretch, angles)
+            back.over(stretch.steps, nodes, turn, lead=stretch.lead, first=stretch.first)
         assert back is not None
-        for r, response in enumerate(self._responses):
-            if not isinstance(response, LINEAR):
-                values[r] = response.value(self._signals[r], self._samples(r))
-        by_q, by_v, by_b = back.by_start()
-        b, q, v = through(AssemblyDerivatives(run.system, steps.start), by_q, by_v)
-        by = Gradients(by_b + b, q, v)
-        matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
+        for r, (response, g, samples) in enumerate(whole):
+            if not isinstance(response, (*LINEAR, Integral)):
+                values[r] = response.value(g, samples.where.t)
+        b, q, v = through(AssemblyDerivatives(run.system, stretch.steps.start), back.q, back.v)
+        by = Gradients(back.b + b, q, v)
+        matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + back.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
         matrix[:, missing] = np.nan
         titles = tuple(response.title for response in self._responses)
         return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)
 
-    def _given(self, steps: StepsTaken, present: list[int], evaluation: Evaluation, total: Totals) -> Nodes:
+    def _backward(self, stretch: Stretch) -> Backward:
+        system, k = self._run.system, len(self._responses)
+        steps = stretch.steps.pieces[0] if isinstance(stretch.steps, Pieces) else stretch.steps
+        return Backward(system, stretches_of(system, steps, k), k, self._parameters.c_size)
+
+    def _turn(self, stretch: Stretch, angles: Angles, p: int) -> Array:
+        """The matrix of an event in a stretch."""
+        assert isinstance(stretch.steps, Pieces)
+        pieces, names = stretch.steps, list(self._parameters.restitutions)
+        return TurnDerivatives(self._run.system, pieces.pieces[p], pieces.turns[p], names, angles).matrix
+
+    def _given(
+        self, steps: StepsTaken | Pieces, present: list[int], evaluation: Evaluation, total: Totals
+    ) -> Nodes:
         """The gradients by the states of a stretch, a column for each response; what is explicit is added up."""
         nodes = Nodes.zeros(steps, len(self._responses))
         if not present:
             return nodes
         found, explicit = evaluation.gradients()
-        for kind in Ends._fields:
-            getattr(nodes, kind)[:, :, present] = getattr(found, kind)
+        for kind in FIELDS:
+            getattr(nodes, kind)[..., present] = getattr(found, kind)
         total.b[:, present] += explicit.b
         total.c[:, present] += explicit.c
         for r, own in zip(present, explicit.named, strict=True):

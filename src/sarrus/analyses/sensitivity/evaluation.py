@@ -15,7 +15,7 @@ from .chain import Nodes
 from .fine import PARTS, Fine, fine
 from .outputs import Outputs
 from .parameters import Parameters
-from .pieces import at_event, sampling_of
+from .pieces import Course, PieceSampling, Where, at_event, course_of, fixed, sampling_of, within
 from .recording import Angles
 from .responses import AtEvent, Response
 from .sampling import Sampling
@@ -32,11 +32,21 @@ class Explicit:
 
 def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
     """Where a response is sampled."""
+    if isinstance(steps, Pieces) or isinstance(response, AtEvent):
+        where = where_of(course_of(steps), response)
+        assert isinstance(steps, Pieces)
+        return PieceSampling(steps, where)
+    return Sampling(steps, response.times(steps.t))
+
+
+def where_of(course: Course, response: Response) -> Where:
+    """The times at which a response is sampled, and the stretches between events in which they lie."""
     if isinstance(response, AtEvent):
-        return at_event(steps, response.event, response.number, response.after)
-    if isinstance(steps, Pieces) and isinstance(response, Fine):
-        return sampling_of(steps, None, PARTS)
-    return sampling_of(steps, response.times(steps.t))
+        return at_event(course, response.event, response.number, response.after)
+    if isinstance(response, Fine):
+        return within(course, PARTS)
+    times = response.times(course.times)
+    return within(course) if times is None else fixed(course, times)
 
 
 class Evaluation:
@@ -48,6 +58,7 @@ class Evaluation:
     responses : evaluated in this order
     parameters : whose numbers responses may use
     angles : with their turns; by default counted along all nodes of the run
+    samplings : where each response is sampled; by default at its own times
     """
 
     def __init__(
@@ -57,12 +68,13 @@ class Evaluation:
         responses: Sequence[Response],
         parameters: Parameters,
         angles: Angles | None = None,
+        samplings: Sequence[Sampling] | None = None,
     ) -> None:
         if isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps):
             responses = [fine(response) for response in responses]
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
-        self._samplings = [sampling(steps, response) for response in responses]
+        self._samplings = samplings or [sampling(steps, response) for response in responses]
         angles = angles or Angles(system, sampling_of(steps).states)
         self._outputs = [
             Outputs(system, sampling.states, steps.b, parameters.number, angles, sampling.memory)

@@ -1,25 +1,40 @@
 """A long run of which some states are kept: its stretches are simulated again as they are asked for.
 
 A stepper goes on from a state that it gave with the same numbers, so that the steps taken again are those of the run,
-bit by bit.
+bit by bit. Events are not looked for again: where they were, and what the motion went on with, is kept.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import accumulate, zip_longest
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, StepsTaken
+from ...results import Assembly, Pieces, StepsTaken, Trajectory, Turn
+from ...results.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.breakpoints import stops_of
-from ..dynamics.stepper import Settings
+from ..dynamics.events import Event
+from ..dynamics.march import CROWD, March, Plan
+from ..dynamics.nodes import Nodes
+from ..dynamics.radau import Radau
+from ..dynamics.stepper import KeepingStepper, Settings, Trouble
+from .pieces import LOW, Course
+from .sampling import HIGH, LINEAR, late
 
 # Steps of a stretch at first
 FIRST = 400
+OBJECTS = 2000  # bytes of an event, besides its numbers
+
+
+class Place(NamedTuple):
+    """Where a checkpoint is: after so many events, and so many steps since the last of them."""
+
+    piece: int
+    step: int
 
 
 @dataclass(frozen=True)
@@ -29,45 +44,75 @@ class Checkpoint:
     Attributes
     ----------
     state : of the stepper
-    count : steps to the next checkpoint
-    before : length of the step before; 0 at the start
+    place : in the run
+    count : steps of the run before it
+    lead : the last steps before it; None at the start and after an event
     """
 
     state: dict[str, Array]
+    place: Place
     count: int
-    before: float
+    lead: StepsTaken | None
 
     @property
     def nbytes(self) -> int:
         """Memory that it takes."""
-        return sum(x.nbytes for x in self.state.values())
-
-    def with_next(self, other: Checkpoint | None) -> Checkpoint:
-        """One in place of two neighbours."""
-        return Checkpoint(self.state, self.count + (other.count if other else 0), self.before)
+        return sum(x.nbytes for x in self.state.values()) + (self.lead.nbytes if self.lead else 0)
 
 
-class LongRun:
-    """A run of which only checkpoints are kept.
+class Begin(NamedTuple):
+    """A state from which the motion goes on, and what elements remember there."""
 
-    Half of the memory is for checkpoints: where they need more, every second one is dropped, and stretches become twice
-    as long. The other half is for the steps of one stretch.
+    t: float
+    q: Array
+    v: Array
+    memory: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """The steps of a run between two checkpoints.
+
+    Attributes
+    ----------
+    steps : `Pieces` in a run with events, also where there is none between the checkpoints
+    lead : the last steps before, see `Checkpoint`
+    sampled : its steps, led by those between which states that depend on its nodes are interpolated, too
+    first : number of events before
+    """
+
+    steps: StepsTaken | Pieces
+    lead: StepsTaken | None
+    sampled: StepsTaken | Pieces
+    first: int
+
+
+class LongRun(March):
+    """A run of which only checkpoints are kept, and the events.
+
+    Half of the memory is for checkpoints and events: where they need more, every second checkpoint is dropped, and
+    stretches become twice as long. The other half is for the steps of one stretch.
 
     Parameters
     ----------
-    system, start, method, settings, until : of the simulation; steps are kept
+    system, start, method, settings, until, events : of the simulation; steps are kept
     room : [bytes]
     per_step : what each step of a stretch takes [bytes]
 
     Attributes
     ----------
-    t : (n + 1,) start, then the end of each step [s]
+    course : the nodes, and the events that change velocities or end the run
+    late : the last steps before a checkpoint within which states depend on nodes behind it
 
     Raises
     ------
     ValueError
         Where the memory is too small.
+    Trouble
+        Where the end is not reached.
     """
+
+    stepper: KeepingStepper
 
     def __init__(
         self,
@@ -78,64 +123,147 @@ class LongRun:
         until: float,
         room: float,
         per_step: float,
+        events: Sequence[Event] = (),
     ) -> None:
-        self.system, self._until, self._half, self._per_step = system, until, room / 2, per_step
-        self._stepper = method.stepper(system, start, settings)
-        self._stops = [*stops_of(system, np.zeros(0), until)[0], until]
+        none = np.zeros(0)
+        plan = Plan(none, until, stops_of(system, none, until)[0], none, events)
+        super().__init__(system, method.stepper(system, start, settings), plan)
+        self._half, self._per_step = room / 2, per_step
+        self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
+        self._precise = isinstance(method, Radau)
+        self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
-        self._stepper.restart(0.0, start.q, start.v, until)
-        self.t = self._run()
+        self._begins: list[Begin] = []
+        self._times: list[list[Array]] = []
+        self._place, self._count = Place(-1, 0), 0
+        self.go(start)
+        self._make_room()
+        times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
+        self.course = Course([np.concatenate(t) for t in times], self._turns)
+        self.late = late(HIGH if self._precise else LOW if self._turns else LINEAR)
 
     def __len__(self) -> int:
         """Number of stretches."""
         return len(self._points)
 
+    def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
+        """See `March`; what does not reach the end is no run.
+
+        Raises
+        ------
+        Trouble
+        """
+        run = super().go(start, state)
+        if run.status == "stopped":
+            raise KeyboardInterrupt
+        if not run.success:
+            raise Trouble(run.status, run.message)
+        return run
+
     @property
-    def ends(self) -> list[int]:
-        """The nodes at which stretches begin, and the last one."""
-        return list(accumulate((point.count for point in self._points), initial=0))
+    def portion(self) -> int:
+        """See `March`; checkpoints lie between two portions."""
+        return min(super().portion, self._first)
 
-    def stretch(self, n: int) -> tuple[StepsTaken, float]:
-        """The steps of a stretch, and the length of the one before them (0 at the start)."""
-        point = self._points[n]
-        self._stepper.resume(point.state)
+    def begin(self, n: int) -> Place:
+        """Where a stretch begins, or where the last one has ended; at an event: after it."""
+        if n == len(self):
+            return Place(len(self.course.t), 0)
+        place, course = self._points[n].place, self.course
+        over = place.piece < len(course.turns) and place.step == len(course.t[place.piece]) - 1
+        return Place(place.piece + 1, 0) if over else place
+
+    def stretch(self, n: int) -> Stretch:
+        """The steps between two checkpoints, taken again."""
+        point, (first, step), (last, end) = self._points[n], self.begin(n), self.begin(n + 1)
+        self.stepper.resume(point.state)
+        pieces = []
+        for p in range(first, last + (end > 0)):
+            if p > point.place.piece:
+                self._begin_again(self._begins[p])
+            to = end if p == last else len(self.course.t[p]) - 1
+            pieces.append(self._again(to - (step if p == first else 0)))
+        lead, turns = self.lead(n), tuple(self.course.turns[first:last])
+        known = lead if self.late else None
+        if not self.course.turns:
+            return Stretch(pieces[0], lead, led(known, pieces[0]), first)
+        steps = Pieces(pieces=tuple(pieces), turns=turns, until=float(pieces[-1].t[-1]))
+        sampled = replace(steps, pieces=(led(known, pieces[0]), *pieces[1:]))
+        return Stretch(steps, lead, sampled, first)
+
+    def lead(self, n: int) -> StepsTaken | None:
+        """The last steps before a stretch; None where it begins the run or follows an event."""
+        return self._points[n].lead if self.begin(n).step else None
+
+    def _begin_again(self, begin: Begin) -> None:
+        """As the motion went on after an event."""
+        self.stepper.b[self.system.memory_places] = begin.memory
+        self.stepper.restart(begin.t, begin.q, begin.v, self.plan.until)
+
+    def _again(self, count: int) -> StepsTaken:
+        """The next steps, taken in the same portions as the first time."""
         taken = 0
-        while taken < point.count:
-            taken += len(self._advance()) - 1
-        steps = self._stepper.steps()
-        assert isinstance(steps, StepsTaken)
-        return steps, point.before
+        while taken < count:
+            taken += len(self.stepper.advance(self._stop(), self.portion).t) - 1
+        return first_of(self.stepper.steps(), count)
 
-    def _run(self) -> Array:
-        times, before = [np.zeros(1)], 0.0
-        while self._stepper.t < self._until:
-            state = {name: np.array(x) for name, x in self._stepper.state().items()}
-            t = self._advance()
-            if len(t) > 1:
-                self._points.append(Checkpoint(state, len(t) - 1, before))
-                times.append(t[1:])
-                before = float(self._stepper.steps().h[-1])
-                self._make_room()
-            self._stepper.forget()
-        return np.concatenate(times)
+    def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
+        memory = self.stepper.b[self.system.memory_places]
+        self._begins.append(Begin(t, q.copy(), v.copy(), memory.copy()))
+        self._times.append([np.array([t])])
+        self._place, self._lead = Place(self._place.piece + 1, 0), None
+        super()._begin(t, q, v, event)
 
-    def _advance(self) -> Array:
-        """The next steps, in the same portions whenever they are taken."""
-        stop = next(stop for stop in self._stops if stop > self._stepper.t)
-        return np.asarray(self._stepper.advance(stop, FIRST).t)
+    def _stretch(self) -> tuple[str, str]:
+        if not self._points or self._count - self._points[-1].count + self.portion > self._every:
+            self._mark()
+        return super()._stretch()
+
+    def _take(self, nodes: Nodes) -> None:
+        super()._take(nodes)
+        self._note(nodes.t[1:])
+
+    def _note(self, t: Array) -> None:
+        """The ends of further steps."""
+        self._times[-1].append(t)
+        self._place = self._place._replace(step=self._place.step + len(t))
+        self._count += len(t)
+
+    def _cut(self, steps: StepsTaken, turn: Turn) -> None:
+        if not self._place.step:  # an event at once: there is one step at least
+            self._note(np.array([turn.t]))
+        self._turns.append(turn)
+
+    def _mark(self) -> None:
+        """A checkpoint; what is kept of the steps before it is forgotten."""
+        stepper, steps = self.stepper, self.stepper.steps()
+        if len(steps):
+            self._lead = last_of(led(self._lead, steps), (HIGH if self._precise else LOW) - 2)
+        stepper.forget()
+        stepper.tally.history.clear()
+        del self.watches.happened[:-CROWD]
+        state = {name: np.array(x) for name, x in stepper.state().items()}
+        self._points.append(Checkpoint(state, self._place, self._count, self._lead))
+        self._make_room()
 
     def _make_room(self) -> None:
-        steps = self._per_step * max(point.count for point in self._points)
+        counts = [*(point.count for point in self._points), self._count]
+        steps = self._per_step * max(np.diff(counts))
         if steps > self._half:
             raise self._too_little(2 * steps)
-        while sum(point.nbytes for point in self._points) > self._half:
-            if 2 * steps > self._half or len(self._points) == 1:
-                raise self._too_little(2 * sum(point.nbytes for point in self._points) + 2 * steps)
-            pairs = zip_longest(self._points[::2], self._points[1::2])
-            self._points, steps = [one.with_next(other) for one, other in pairs], 2 * steps
+        while self._kept > self._half:
+            if 2 * steps > self._half or len(self) == 1:
+                raise self._too_little(2 * self._kept + 2 * steps)
+            self._points, self._every, steps = self._points[::2], 2 * self._every, 2 * steps
+
+    @property
+    def _kept(self) -> int:
+        """Memory of checkpoints and events [bytes]."""
+        numbers = 5 * self.system.nq + len(self.system.memory_places)
+        return sum(point.nbytes for point in self._points) + len(self._turns) * (8 * numbers + OBJECTS)
 
     def _too_little(self, wanted: float) -> ValueError:
         return ValueError(
-            f"memory={2 * self._half:.3g} bytes are too few at t = {self._stepper.t:.6g} s of {self._until:.6g} s; "
+            f"memory={2 * self._half:.3g} bytes are too few at t = {self.stepper.t:.6g} s of {self.plan.until:.6g} s; "
             f"give more than memory={wanted:.2g}"
         )

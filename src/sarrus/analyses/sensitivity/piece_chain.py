@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces
+from ...results import Pieces, StepsTaken
 from ...system import System
+from ...system.time_derivatives import timed
 from .chain import Chain, Gradients, Nodes, through
 from .pieces import sampling_of
 from .radau_chain import RadauChain
 from .recording import Angles
+from .stretches import Stretches, stretches_of
 from .turn import TurnDerivatives
 
 KINDS = ("q", "v", "a")
@@ -66,23 +68,87 @@ class PieceChain:
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
-        nq, k, size = self.system.nq, given.q.shape[2], len(self.system.b)
-        q, v = np.zeros((nq, k)), np.zeros((nq, k))
-        b, c = np.zeros((size, k)), np.zeros((self._joints, k))
-        shift = given.shift.copy()
-        for p in range(len(self._chains) - 1, -1, -1):
-            own = given.part(self._parts[p])
-            if p < len(self._turns):
-                bars = self._turns[p].T @ np.concatenate([q, v, shift[p + 1 : p + 2]])
-                shift[p] += shift[p + 1] + bars[-1]
-                ends = bars[: 6 * nq].reshape(2, 3, nq, k)
-                for e in (0, 1):
-                    for place, kind in enumerate(KINDS):
-                        getattr(own, kind)[e - 2] += ends[e, place]
-                b += bars[6 * nq : 6 * nq + size]
-                c += bars[6 * nq + size : -1]
-            q, v, by_b = self._chains[p].by_start(own)
-            b += by_b[:size]
-            shift[p] += by_b[size:].sum(axis=0)
-        by_b, by_q, by_v = through(self._chains[0].assembly, q, v)
-        return Gradients(b + by_b, by_q, by_v, c)
+        stretches = stretches_of(self.system, self.steps.pieces[0], given.q.shape[2])
+        back = Backward(self.system, stretches, given.q.shape[2], self._joints)
+        back.over(self.steps, given, self._turns.__getitem__)
+        by_b, by_q, by_v = through(self._chains[0].assembly, back.q, back.v)
+        return Gradients(back.b + by_b, by_q, by_v, back.c)
+
+
+class Backward:
+    """Gradients of responses that go backwards over a run, through the events in it.
+
+    Parameters
+    ----------
+    system : System
+    stretches : what goes over steps
+    columns : responses
+    joints : how many numbers the joints' coordinates have, with the restitutions
+
+    Attributes
+    ----------
+    q, v : (nq, columns) by the state that follows an event, or by that of the start
+    b, c : by the numbers of the elements, and of the joints' coordinates with the restitutions
+    """
+
+    def __init__(self, system: System, stretches: Stretches, columns: int, joints: int) -> None:
+        self._system, self._stretches, self._timed = system, stretches, timed(system)
+        self.q, self.v = np.zeros((system.nq, columns)), np.zeros((system.nq, columns))
+        self.b, self.c = np.zeros((len(system.b), columns)), np.zeros((joints, columns))
+        self._shift = np.zeros(columns)  # by the time of the event
+        self._ahead: dict[str, Array] = {}  # by nodes before the steps gone over
+
+    def over(
+        self,
+        steps: StepsTaken | Pieces,
+        given: Nodes,
+        turn: Callable[[int], Array],
+        *,
+        lead: StepsTaken | None = None,
+        first: int = 0,
+    ) -> None:
+        """Go over some steps, the gradients by whose states, and by those of the nodes that lead them, are given.
+
+        `turn` gives the matrix of each event; `lead` are the last steps before, None at the start and after an event;
+        `first` is the number of events before.
+        """
+        pieces, turns = (steps.pieces, steps.turns) if isinstance(steps, Pieces) else ((steps,), ())
+        if len(turns) == len(pieces):
+            self._shift = self._shift + given.shift[-1]
+        end = len(given.q)
+        self._hand_over(given, end - sum(len(piece) + 1 for piece in pieces))
+        for p in range(len(pieces) - 1, -1, -1):
+            own = given.part(slice(end - len(pieces[p]) - 1, end))
+            end -= len(own.q)
+            if p < len(turns):
+                self._through(turn(p), own)
+            self._shift = self._shift + given.shift[p]
+            ahead = None if p else lead
+            self._stretches.over(pieces[p], ahead, own, self._timed and first + p > 0)
+            if ahead is None:
+                self._begin()
+
+    def _hand_over(self, given: Nodes, lead: int) -> None:
+        """Add the gradients by nodes that led the stretch gone over before; keep those by the nodes that lead this."""
+        for kind, bars in self._ahead.items():
+            getattr(given, kind)[-1 - len(bars) : -1] += bars
+        self._ahead = {kind: getattr(given, kind)[:lead] for kind in (*KINDS, "lam")}
+
+    def _through(self, turn: Array, own: Nodes) -> None:
+        """Through an event, to the two nodes between which it lies."""
+        nq, size = self._system.nq, len(self._system.b)
+        bars = turn.T @ np.concatenate([self.q, self.v, self._shift[None]])
+        ends = bars[: 6 * nq].reshape(2, 3, nq, -1)
+        for e in (0, 1):
+            for place, kind in enumerate(KINDS):
+                getattr(own, kind)[e - 2] += ends[e, place]
+        self.b += bars[6 * nq : 6 * nq + size]
+        self.c += bars[6 * nq + size : -1]
+        self._shift = self._shift + bars[-1]
+
+    def _begin(self) -> None:
+        """To the state with which a stretch begins."""
+        self.q, self.v, by_b = self._stretches.by_start()
+        size = len(self._system.b)
+        self.b += by_b[:size]
+        self._shift = self._shift + by_b[size:].sum(axis=0)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, StepsTaken
+from ...results import Pieces, StepsTaken, Turn
 from .chain import Nodes
 from .sampling import HIGH, KINDS, Near, Places, Sampling, _placed, around, lagrange
 
@@ -133,56 +133,77 @@ class PieceSampling(Sampling):
         return np.asarray(self._global @ nodes.shift[:, column])
 
 
-def _within(steps: Pieces, parts: Sequence[float]) -> Where:
+class Course(NamedTuple):
+    """The nodes of each stretch of a run, the last one at the event that ends it, and these events."""
+
+    t: Sequence[Array]
+    turns: Sequence[Turn]
+
+    @property
+    def ends(self) -> Array:
+        """The time at which each stretch ends [s]."""
+        return np.array([t[-1] for t in self.t])
+
+    @property
+    def times(self) -> Array:
+        """All nodes, stretch after stretch [s]."""
+        return np.concatenate(self.t)
+
+
+def course_of(steps: StepsTaken | Pieces) -> Course:
+    """That of kept steps."""
+    if not isinstance(steps, Pieces):
+        return Course([steps.t], ())
+    ends = zip(steps.pieces, steps.ends, strict=True)
+    return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.turns)
+
+
+def within(course: Course, parts: Sequence[float] = (0.0,)) -> Where:
     """All steps at these parts, and the ends of stretches.
 
     Such an end stands there as often as there are parts, as a step of no length; that of the run stands once.
     """
-    found: list[tuple[float, int, float]] = []
-    for p, (piece, end) in enumerate(zip(steps.pieces, steps.ends, strict=True)):
-        t = np.append(piece.t[:-1], end)
-        for k, (begin, h) in enumerate(zip(t[:-1], np.diff(t), strict=True)):
-            found += [(begin + x * h, p, x if k == len(piece) - 1 else 0.0) for x in parts]
-        found += [(end, p, 1.0)] * (len(parts) if p < len(steps.pieces) - 1 else 1)
-    return Where._make(np.array(x) for x in zip(*found, strict=True))
+    found, last, shares = list[Where](), len(course.t) - 1, np.array(parts)
+    for p, t in enumerate(course.t):
+        inner = t[:-1, None] + np.diff(t)[:, None] * shares
+        part = np.zeros(inner.shape)
+        part[-1] = shares
+        ends = len(parts) if p < last else 1
+        at = np.append(inner, np.full(ends, t[-1]))
+        found.append(Where(at, np.full(len(at), p), np.append(part, np.ones(ends))))
+    return Where._make(np.concatenate(x) for x in zip(*found, strict=True))
 
 
-def _fixed(steps: Pieces, times: Array) -> Where:
+def fixed(course: Course, times: Array) -> Where:
     """Fixed times; the end of the run is its last state, wherever an event puts it."""
-    t, last = np.asarray(times, dtype=float), float(steps.ends[-1])
+    t, ends = np.asarray(times, dtype=float), course.ends
+    last = float(ends[-1])
     if len(t) and (min(t) < 0 or max(t) > last * (1 + 1e-12)):
         raise ValueError(f"responses need times between 0 and {last:g} s")
-    piece = np.searchsorted(steps.ends[:-1], t, side="right")
+    piece = np.searchsorted(ends[:-1], t, side="right")
     return Where(t, piece, np.where(t >= last, 1.0, np.nan))
 
 
-def at_event(steps: StepsTaken | Pieces, name: str, number: int, after: bool) -> Sampling:
-    """The state just before or just after an event, the n-th of its name.
+def at_event(course: Course, name: str, number: int, after: bool) -> Where:
+    """Just before or just after an event, the n-th of its name.
 
     Raises
     ------
     ValueError
         If there is none.
     """
-    turns = steps.turns if isinstance(steps, Pieces) else ()
-    own = [p for p, turn in enumerate(turns) if turn.name == name]
-    if not isinstance(steps, Pieces) or not 1 <= number <= len(own):
-        known = ", ".join(dict.fromkeys(turn.name for turn in turns)) or "none"
+    own = [p for p, turn in enumerate(course.turns) if turn.name == name]
+    if not 1 <= number <= len(own):
+        known = ", ".join(dict.fromkeys(turn.name for turn in course.turns)) or "none"
         raise ValueError(
             f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
         )
     p = own[number - 1]
-    if after and p == len(steps.pieces) - 1:
+    if after and p == len(course.t) - 1:
         raise ValueError(f"the run ends with the event {name!r}: nothing is after it")
-    return PieceSampling(
-        steps, Where(steps.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
-    )
+    return Where(course.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
 
 
-def sampling_of(
-    steps: StepsTaken | Pieces, times: Array | None = None, parts: Sequence[float] = (0.0,)
-) -> Sampling:
-    """The sampling of a run with or without events; `parts` of the steps that are met if it has events."""
-    if not isinstance(steps, Pieces):
-        return Sampling(steps, times)
-    return PieceSampling(steps, _within(steps, parts) if times is None else _fixed(steps, times))
+def sampling_of(steps: StepsTaken | Pieces) -> Sampling:
+    """All nodes of a run with or without events."""
+    return PieceSampling(steps, within(course_of(steps))) if isinstance(steps, Pieces) else Sampling(steps)

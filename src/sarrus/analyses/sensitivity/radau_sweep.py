@@ -80,6 +80,12 @@ class RadauSweep:
         self._node = StepMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
         self._tables = self._make_tables(b_dot)
 
+    def over(self, steps: RadauSteps) -> None:
+        """Go on with other steps of the same run, those before."""
+        self.steps, self._record = steps, _record(steps)
+        for left_out in (self._tables.left_out, self._tables.node_left_out):
+            left_out[:] = 0.0  # a record may tell of none
+
     def forward(
         self,
         bars: loop.Bars,

@@ -121,11 +121,6 @@ class AtEvent(Response):
         told = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
         return self.name or f"{told.strip('<>')} {'after' if self.after else 'at'} {self.event} {self.number}"
 
-    def times(self, t: Array) -> Array | None:
-        raise ValueError(
-            f"{self.title}: the steps of a run with events are needed, simulate(..., keep_steps=True)"
-        )
-
     def value(self, g: Array, t: Array) -> float:
         return float(g[0])
 

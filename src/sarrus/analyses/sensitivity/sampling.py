@@ -30,7 +30,7 @@ HERMITE = np.array([
 # the same of a cubic: x₀, h x₀', x₁, h x₁'
 CUBIC = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 KINDS = ("q", "v", "a")
-HIGH = 6  # nodes of a polynomial in time for multipliers, of Radau
+LINEAR, HIGH = 2, 6  # nodes of a polynomial in time for multipliers; of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 
@@ -183,6 +183,11 @@ def around(before: Array, most: int, count: int) -> Array:
     width = min(most, count)
     begin = np.clip(before - (width - 2) // 2, 0, count - width)
     return np.asarray(begin[:, None] + np.arange(width))
+
+
+def late(most: int) -> int:
+    """The last steps before a node about which there are nodes behind it, too."""
+    return most - 2 - (most - 2) // 2
 
 
 def lagrange(t: Array) -> tuple[Array, Array]:

@@ -1,0 +1,200 @@
+"""Gradients of long runs with events by checkpoints: they are those of runs whose steps are all kept."""
+
+import numpy as np
+import pytest
+from tests.sensitivity.test_event_kinds import DRIVEN, ELBOW, EVENTS, TOLD, driven, names, passed, responses
+from tests.sensitivity.test_events import BALL, BOUNCE, ball, falling
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity import long_run
+from sarrus.analyses.sensitivity.responses import Response
+
+METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
+# of velocities, accelerations and forces of the α methods over short steps: so much forward and backward sweeps differ
+ROUND_OFF = 3e-9
+SMOOTH = ("final of slider.x", "integral", "peak of pin.angle", "final of tip.x")
+AT_BOUNCES = [
+    sr.AtEvent("t", event="bounce", number=2),
+    sr.AtEvent("ball.velocity.z", event="bounce", number=2, after=True),
+]
+OVER_ALL = [
+    sr.Final("ball.z"),
+    sr.Integral("energy.kinetic"),
+    sr.Maximum("ball.velocity.z"),
+    sr.Peak("ball.z"),
+    sr.Misfit("ball.z", at=(0.6, 0.2, 1.1), data=(0.9, 0.1, 0.4)),
+]
+
+
+@pytest.fixture
+def marked(monkeypatch: pytest.MonkeyPatch) -> list[long_run.LongRun]:
+    """The long runs of a test."""
+    found: list[long_run.LongRun] = []
+    stretch = long_run.LongRun.stretch
+
+    def noted(self: long_run.LongRun, n: int) -> long_run.Stretch:
+        found.append(self)
+        return stretch(self, n)
+
+    monkeypatch.setattr(long_run.LongRun, "stretch", noted)
+    return found
+
+
+def compared(
+    system: sr.System, told: list[Response], wrt: list[str], limit: float = 1e-12, **settings: object
+) -> sr.Gradient:
+    """By checkpoints and by all steps."""
+    memory = {name: settings.pop(name) for name in ("memory",) if name in settings}
+    run = sr.simulate(system, t_eval=[settings["until"]], keep_steps=True, **settings)
+    wanted = sr.sensitivity(run, told, wrt)
+    found = sr.sensitivity_by_checkpoints(system, told, wrt, **settings, **memory)
+    assert (found.responses, found.names) == (wanted.responses, wanted.names)
+    assert np.array_equal(found.at, wanted.at)
+    assert np.allclose(found.values, wanted.values, rtol=1e-12, atol=0)
+    scale = abs(wanted.matrix).max(axis=1, keepdims=True)
+    assert np.all(abs(found.matrix - wanted.matrix) <= limit * scale), (
+        abs(found.matrix - wanted.matrix) / scale
+    )
+    return found
+
+
+@pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
+@pytest.mark.parametrize("kind", EVENTS)
+def test_every_kind_of_event(
+    kind: str, method: object, first: int, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
+) -> None:
+    """Forces and accelerations among the responses, and stretches so short that they need the nodes before them."""
+    monkeypatch.setattr(long_run, "FIRST", first)
+    limit = 1e-12 if isinstance(method, sr.Radau) else ROUND_OFF
+    settings = {"until": 0.4, "method": method, "rtol": 1e-6, "atol": 1e-8}
+    compared(slider_crank(), responses(kind), names(kind), limit, events=EVENTS[kind], **settings)
+    places = [point.place for point in marked[0]._points]
+    assert any(place.step for place in places[1:])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "FIRST", 5)
+    limit = 1e-12 if isinstance(method, sr.Radau) else ROUND_OFF
+    compared(driven({}), TOLD, DRIVEN, limit, until=2.2, events=ELBOW, method=method)
+
+
+@pytest.mark.parametrize("first", [4, 400])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_bouncing_ball(method: object, first: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Integrals, extremes and outputs at events, whose times move."""
+    monkeypatch.setattr(long_run, "FIRST", first)
+    compared(ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], until=2.0, events=BOUNCE, method=method)
+
+
+def test_a_checkpoint_just_after_an_event(
+    monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
+) -> None:
+    monkeypatch.setattr(long_run, "FIRST", 12)
+    compared(
+        ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT(step=0.01)
+    )
+    assert any(point.place.piece and not point.place.step for point in marked[0]._points)
+
+
+def slower(t, q, v):
+    return 0.5 * v
+
+
+@pytest.mark.parametrize("method", [sr.HHT(step=0.125), sr.GeneralizedAlpha(step=0.125)])
+def test_an_event_at_the_very_node_of_a_checkpoint(
+    method: object, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
+) -> None:
+    """It is found among the steps after the checkpoint, at their beginning."""
+    monkeypatch.setattr(long_run, "FIRST", 5)
+    event = sr.Event("t - 0.625", reset=slower, name="brake")
+    told = [sr.Final("slider.x"), sr.Integral("energy.kinetic"), sr.AtEvent("slider.x", event="brake")]
+    compared(slider_crank(), told, ["spring.k", "gravity.z"], 1e-9, until=1.5, events=event, method=method)
+    assert any(point.place == (0, 5) for point in marked[0]._points)
+    assert len(marked[0].course.t[0]) == 6
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+def test_two_events_at_once_and_one_that_changes_nothing(method: object) -> None:
+    system, floor = falling("one", "other")
+    events = [*floor, sr.Event("one.z - 0.3", name="low")]
+    told = [sr.Final("one.z"), sr.Integral("other.velocity.z")]
+    wrt = ["one.position.z", "other_hits.restitution", "gravity.z"]
+    compared(system, told, wrt, until=1.0, events=events, method=method)
+
+
+@pytest.mark.parametrize("method", [sr.HHT(step=0.02), sr.Radau()])
+def test_an_event_that_ends_the_run(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "FIRST", 3)
+    events = [BOUNCE, sr.Event("ball.z - 0.3", direction=-1, terminal=3, name="low")]
+    told = [sr.Final("t"), sr.AtEvent("ball.z", event="low"), sr.Integral("ball.z")]
+    found = compared(
+        ball(), told, ["bounce.restitution", "gravity.z"], until=9.0, events=events, method=method
+    )
+    assert found.values[0] < 9.0
+
+
+def test_turns_of_angles_at_events(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An event that needs the turns made before it, and a response that needs them after it."""
+    monkeypatch.setattr(long_run, "FIRST", 6)
+    wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, reset=slower, name="wound")
+    told = [sr.Final("pin.angle"), sr.AtEvent("pin.angle", event="wound"), sr.Integral("pin.angle")]
+    settings = {"rtol": 1e-6, "atol": 1e-8, "method": sr.Radau()}
+    found = compared(slider_crank(), told, ["ball.point.z", "spring.k"], until=3.0, events=wound, **settings)
+    assert found.values[1] > np.pi
+
+
+def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
+    """Stretches then hold many events, and checkpoints are dropped."""
+    many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")
+    settings = {"until": 40.0, "events": many, "method": sr.HHT()}
+    compared(ball(), [sr.Final("ball.z")], ["gravity.z", "bounce.restitution"], 1e-10, memory=4e5, **settings)
+    run = marked[0]
+    assert len(run.course.turns) > 50
+    assert 1 < len(run) < 30
+
+
+def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
+    settings = {"until": 1.3, "events": BOUNCE, "method": sr.HHT(step=5e-4)}
+    compared(ball(), OVER_ALL, [*BALL.values()], 1e-12, memory=5e6, **settings)
+    assert len(marked[0].course.turns) == 2
+    assert len(marked[0]) > 4
+
+
+@pytest.mark.parametrize(
+    ("event", "response", "told"),
+    [
+        (sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5), name="bounce"), "ball.z", "come to rest"),
+        (BOUNCE, sr.At("ball.z", time=3.0), "responses need times between 0 and 2 s"),
+        (BOUNCE, sr.AtEvent("ball.z", event="hit"), r"the run has 0 events 'hit' .*; it has bounce"),
+        (
+            sr.Event(lambda t, q, v: float(q[2]), terminal=True, name="floor"),
+            "t",
+            "cannot be differentiated through",
+        ),
+    ],
+)
+def test_what_has_no_gradient(event: sr.Event, response: object, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        sr.sensitivity_by_checkpoints(ball(), response, ["gravity.z"], until=2.0, events=event)
+
+
+def test_too_little_memory_for_the_events() -> None:
+    many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")
+    with pytest.raises(ValueError, match=r"too few at t = .* give more than memory="):
+        sr.sensitivity_by_checkpoints(ball(), "ball.z", ["gravity.z"], until=40.0, events=many, memory=1.5e5)
+
+
+def test_functions_of_events_are_called_in_the_first_run_only() -> None:
+    called: list[float] = []
+
+    def near(t, q, v):
+        called.append(t)
+        return passed(t, q, v)
+
+    event = sr.Event(near, terminal=True, name="near")
+    sr.simulate(slider_crank(), until=0.4, events=event, t_eval=[0.4], keep_steps=True)
+    once = len(called)
+    sr.sensitivity_by_checkpoints(slider_crank(), "t", ["spring.k"], until=0.4, events=event)
+    assert len(called) == 2 * once + 1  # and once more as it is recorded

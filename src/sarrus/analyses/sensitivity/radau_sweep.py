@@ -82,7 +82,7 @@ class RadauSweep:
 
     def over(self, steps: RadauSteps) -> None:
         """Go on with other steps of the same run, those before."""
-        self.steps, self._record = steps, _record(steps)
+        self.steps, self.record = steps, _record(steps)
         for left_out in (self._tables.left_out, self._tables.node_left_out):
             left_out[:] = 0.0  # a record may tell of none
 

@@ -144,3 +144,16 @@ def test_read_only_operands_are_taken_without_compiling_anew() -> None:
     group.run(system.b, *(q if key == "q" else state[key] for key in group.operands), *outputs)
     assert np.array_equal(outputs[0], system.Phi_q(q).data)
     assert len(group.compiled.signatures) == before
+
+
+def test_a_matrix_shares_the_numbers_given_and_no_pattern() -> None:
+    system, size = slider_crank(), slider_crank().pattern("Phi_q").size
+    numbers = np.arange(size, dtype=float)
+    first, second = (system.matrix("Phi_q", numbers) for _ in range(2))
+    numbers[0] = 7.0
+    assert first.data[0] == 7.0
+    first.indices[:] = 0
+    assert not np.array_equal(first.indices, second.indices)
+    assert np.array_equal(second.indices, system.pattern("Phi_q").indices)
+    with pytest.raises(ValueError, match=f"{size} numbers are needed"):
+        system.matrix("Phi_q", numbers[:3])

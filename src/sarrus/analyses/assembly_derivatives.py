@@ -13,16 +13,24 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, vstack
+from scipy.sparse import csr_array, vstack
 
 from ..algebra import Array
 from ..results import Asked, Assembly
 from ..system import System
 from ..system.curve_derivatives import CurveDerivatives
 from .degrees_of_freedom import normalizations
-from .kkt import KKT
+from .dynamics.placed import LEFT_OUT, Numbers, Part
+from .joined import Curved, Joined
+from .kkt import KKT, diagonal
 from .velocity import Rates
 
+BENT, BENT_B = "Phi_qT_mu_q", "Phi_qT_mu_b"  # with the multipliers of the velocities
+EVALUATED = (
+    ("Phi_q", "Phi_qT_lam_q"),
+    *((n,) for n in ("gamma_v", "Phi_qT_lam_b", "Phi_b", "Phi_q_xi_b", "Phi_t_b")),
+)
+NAMES = (LEFT_OUT, *(name for group in EVALUATED for name in group), BENT, BENT_B)
 OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent equations contradict each other
 
 
@@ -67,36 +75,54 @@ class AssemblyDerivatives:
                 f"an assembly has derivatives if it succeeded with the least change, but: {found.message}"
             )
         self._system, self._found, self._asked = system, found, found.asked
-        self._free = np.flatnonzero(~self._asked.held)
         self._rates = Rates(system, self._asked.rates)
-        J = system.Phi_q(found.q, found.asked.t)
-        self._position = _Block(self._asked, self._free, self._curvature(found.lam), J)
-        both = csr_array(vstack([J, self._rates.rows(found.q)]))
-        self._velocity = _Block(self._asked, self._free, None, both)
-        self._make_blocks()
+        numbers = self._evaluated()
+        J, H = (system.matrix(name, numbers.views[name]) for name in ("Phi_q", "Phi_qT_lam_q"))
+        self._position = _Block(self._asked, H, J)
+        self._velocity = _Block(self._asked, None, self._with_rates(J))
+        self._join(numbers)
 
-    def _curvature(self, lam: Array) -> csr_array:
-        return self._system.Phi_qT_lam_q(self._found.q, lam, self._asked.t)
+    def _evaluated(self) -> Numbers:
+        """The numbers of all operators at the assembled state."""
+        system, found = self._system, self._found
+        numbers = Numbers(system, NAMES, {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
+        at = {"t": self._asked.t, "q": found.q, "v": found.v, "xi": found.v, "lam": found.lam}
+        for group in EVALUATED:
+            numbers.evaluate(group, system.b, at)
+        for name, own in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
+            numbers.evaluate((own,), system.b, at | {"lam": found.mu}, (name,))
+        return numbers
 
-    def _make_blocks(self) -> None:
-        system, found, q, t = self._system, self._found, self._found.q, self._asked.t
-        self._f1_b, self._g1_b = self._by_b("Phi_qT_lam_b", lam=found.lam), self._by_b("Phi_b")
-        self._f2_b = self._by_b("Phi_qT_lam_b", lam=found.mu)
-        self._f2_q = -(self._curvature(found.mu) + self._rates.curvature(q, found.nu))
-        # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
-        by_q = 0.5 * system.gamma_v(q, found.v, t)
-        self._g2_q = csr_array(vstack([by_q, -self._rates.rows_xi_q(q, found.v)]))
-        by_b = self._by_b("Phi_q_xi_b", xi=found.v) + self._by_b("Phi_t_b")
-        none = csr_array((len(self._rates.values), len(system.b)))
-        self._g2_b = csr_array(vstack([by_b, none]))
+    def _with_rates(self, J: csr_array) -> csr_array:
+        return csr_array(vstack([J, self._rates.rows(self._found.q)])) if self._asked.rates else J
 
-    def _by_b(self, name: str, **operands: Array) -> csr_array:
-        """An operator with its sign turned, as wide as `system.b`."""
-        system, q, t = self._system, self._found.q, self._asked.t
-        matrix = getattr(system, name)(q, t=t, **operands)
-        matrix.resize((matrix.shape[0], len(system.b)))
-        curves = CurveDerivatives(system).matrix(name.removesuffix("_b"), system.b, t, q=q, **operands)
-        return csr_array(-matrix - curves)
+    def _join(self, numbers: Numbers) -> None:
+        """The right sides: of q and λ by the numbers, of v and μ by q and the numbers."""
+        system, found, q = self._system, self._found, self._found.q
+        nq, size, width = system.nq, system.nq + system.m, len(system.b)
+        first = {Part("Phi_qT_lam_b", 0, 0): -1.0, Part("Phi_b", nq, 0): -1.0}
+        second = {Part(BENT, 0, 0): -1.0, Part("gamma_v", nq, 0): 0.5}  # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
+        second |= {Part(BENT_B, 0, nq): -1.0, Part("Phi_q_xi_b", nq, nq): -1.0, Part("Phi_t_b", nq, nq): -1.0}
+        curved = self._curved()
+        self._first = Joined(numbers, first, size, 0, width, curved[:2])
+        self._second = Joined(numbers, second, size, nq, nq + width, curved[2:])
+        if self._asked.rates:
+            self._turned = self._rates.curvature(q, found.nu), self._rates.rows_xi_q(q, found.v)
+
+    def _curved(self) -> list[Curved]:
+        """The same by numbers of curves."""
+        system, found, curves = self._system, self._found, CurveDerivatives(self._system)
+        nq, m, now = system.nq, system.m, {"t": np.array([self._asked.t]), "q": found.q[None]}
+        if not curves:
+            return []
+
+        def part(name: str, row: int, height: int, **operands: Array) -> Curved:
+            return Curved(-1.0, curves(name, system.b, {}, **now, **operands), row, height)
+
+        xi = found.v[None]
+        position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
+        velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
+        return [*position, *velocity, part("Phi_t", nq, m)]
 
     def along(self, db: Any = None, *, dq: Any = None, dv: Any = None) -> tuple[Array, Array]:
         """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
@@ -119,8 +145,8 @@ class AssemblyDerivatives:
     ) -> tuple[Array, Array, Array, Array]:
         """As `along`, with the multipliers of both: q', λ', v', and μ' with ν' behind it."""
         db, dq, dv = self._directions(db, dq, dv)
-        g1 = self._g1_b @ db
-        q_dot, lam_dot = self._position.solve(self._f1_b @ db, g1, dq)
+        f1, g1 = self._parts(self._first @ db)
+        q_dot, lam_dot = self._position.solve(f1, g1, dq)
         gap, size = abs(self._position.J @ q_dot - g1), abs(g1).max(initial=0.0)
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
             row = self._system.row_names[self._widest(gap)]
@@ -150,8 +176,15 @@ class AssemblyDerivatives:
         return found[0], found[1], found[2]
 
     def _velocity_along(self, db: Array, dv: Array, q_dot: Array) -> tuple[Array, Array]:
-        g2 = self._g2_q @ q_dot + self._g2_b @ db
-        return self._velocity.solve(self._f2_q @ q_dot + self._f2_b @ db, g2, dv)
+        f2, g2 = self._parts(self._second @ np.concatenate([q_dot, db]))
+        if self._asked.rates:
+            curvature, rows = self._turned
+            f2, g2 = f2 - curvature @ q_dot, np.concatenate([g2, -(rows @ q_dot)])
+        return self._velocity.solve(f2, g2, dv)
+
+    def _parts(self, both: Array) -> tuple[Array, Array]:
+        """Of coordinates and of equations."""
+        return both[: self._system.nq], both[self._system.nq :]
 
     def q_b(self, db: Any) -> Array:
         """q_b db: the change of q for a change of the numbers, (nq,) or (nq, k)."""
@@ -164,8 +197,8 @@ class AssemblyDerivatives:
     def columns(self) -> tuple[Array, Array]:
         """Dense q_b and v_b (nq, len(system.b)); columns are NaN where `along` would raise."""
         db = np.eye(len(self._system.b))
-        g1 = self._g1_b @ db
-        q_b, _ = self._position.solve(self._f1_b @ db, g1, np.zeros((self._system.nq, len(db))))
+        f1, g1 = self._parts(self._first @ db)
+        q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
         v_b, _ = self._velocity_along(db, np.zeros_like(q_b), q_b)
         gap, size = abs(self._position.J @ q_b - g1).max(axis=0), abs(g1).max(axis=0)
         opened = gap > OPEN * np.maximum(size, 1e-6)
@@ -191,23 +224,28 @@ class AssemblyDerivatives:
         self, q_bar: Any, v_bar: Any, change: tuple[Array, Array, Array, Array] | None = None
     ) -> Adjoint:
         """The gradients with the adjoint variables; `change` is taken from the right sides, of q, λ, v and μ."""
-        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(self._system.m), 0.0, np.zeros(self._g2_b.shape[0]))
+        m, nq = self._system.m, self._system.nq
+        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._asked.rates)))
         x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)
-        through = np.asarray(q_bar, dtype=float) + self._f2_q.T @ x2 + self._g2_q.T @ y2 - c_q
+        second = self._second.transposed(np.concatenate([x2, y2[:m]]))
+        through = np.asarray(q_bar, dtype=float) + second[:nq] - c_q
+        if self._asked.rates:
+            curvature, rows = self._turned
+            through = through - curvature @ x2 - rows.T @ y2[m:]
         x1, y1, by_q = self._position.transposed(through, -c_lam)
-        by_b = self._f1_b.T @ x1 + self._g1_b.T @ y1 + self._f2_b.T @ x2 + self._g2_b.T @ y2
+        by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:]
         return Adjoint(by_b, by_q, by_v, x1, y1, x2, y2)
 
 
 class _Block:
     """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
 
-    def __init__(self, asked: Asked, free: Array, H: csr_array | None, J: csr_array) -> None:
-        self.J, self._free, self._held = J, free, np.flatnonzero(asked.held)
-        self._weight = asked.weight
-        W = diags_array(asked.weight)
-        self._A = csr_array(W if H is None else W + H)
-        self._kkt = KKT(self._A[free][:, free], csr_array(J[:, free]))
+    def __init__(self, asked: Asked, H: csr_array | None, J: csr_array) -> None:
+        self.J, self._free, self._held = J, np.flatnonzero(~asked.held), np.flatnonzero(asked.held)
+        self._weight, free = asked.weight, self._free
+        self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
+        own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
+        self._kkt = KKT(*own)
 
     def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import block_array, csr_array, diags_array, eye_array
+from scipy.sparse import csc_array, csr_array
 
 from ..algebra import Array
 from .factored import DENSE_BELOW, Factored
+from .linear import compiled
 
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL times the scale of J A⁻¹ Jᵀ
 REFINEMENTS = 12
@@ -23,15 +24,13 @@ class KKT:
 
     Parameters
     ----------
-    A : (n, n), or its diagonal (n,)
+    A : (n, n) by rows, or its diagonal (n,)
     J : (m, n)
     """
 
     def __init__(self, A: Any, J: csr_array) -> None:
-        self._A: Any = (
-            csr_array(diags_array(A)) if isinstance(A, np.ndarray) and A.ndim == 1 else csr_array(A)
-        )
-        self._J = J
+        self._A: csr_array = diagonal(A) if isinstance(A, np.ndarray) else A
+        self._J, self._JT = J, J.T
         self.n = J.shape[1]
         self._delta = PROXIMAL * _scale(self._A, J)
         self._factors = Factored(self._matrix())
@@ -39,8 +38,18 @@ class KKT:
     def _matrix(self) -> Any:
         m, n = self._J.shape
         if m + n >= DENSE_BELOW:
-            corner = -self._delta * eye_array(m)
-            return block_array([[self._A, self._J.T], [self._J, corner]])
+            (i, j), (row, column), corner = _places(self._A), _places(self._J), np.arange(n, n + m)
+            numbers = np.concatenate([self._A.data, self._J.data, self._J.data, np.full(m, -self._delta)])
+            rows, columns = (
+                np.concatenate([i, n + row, column, corner]),
+                np.concatenate([j, column, n + row, corner]),
+            )
+            indptr, indices, place = compiled()["compressed"](
+                n + m, rows.astype(np.int32), columns.astype(np.int32)
+            )
+            data = np.zeros(len(indices))
+            data[place] = numbers
+            return csc_array((data, indices, indptr), shape=(n + m, n + m))
         matrix = np.zeros((n + m, n + m))
         matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
         matrix[:n, n:] = matrix[n:, :n].T
@@ -60,7 +69,7 @@ class KKT:
         x, y = self.step(f, g)
         size, before = abs(x).max(initial=0.0), np.inf
         for _ in range(REFINEMENTS):
-            dx, dy = self.step(f - self._A @ x - self._J.T @ y, g - self._J @ x)
+            dx, dy = self.step(f - self._A @ x - self._JT @ y, g - self._J @ x)
             change = abs(dx).max(initial=0.0)
             if change >= before:
                 break
@@ -77,4 +86,16 @@ class KKT:
 def _scale(A: csr_array, J: csr_array) -> float:
     weight = np.maximum(abs(A.diagonal()), 1e-300)
     weight = np.maximum(weight, 1e-6 * weight.max(initial=0.0))
-    return float((J.multiply(J) @ (1 / weight)).max(initial=0.0)) or 1.0
+    squares = csr_array((J.data**2, J.indices, J.indptr), shape=J.shape)
+    return float((squares @ (1 / weight)).max(initial=0.0)) or 1.0
+
+
+def diagonal(weight: Array) -> csr_array:
+    """The matrix (n, n) with this diagonal."""
+    n = len(weight)
+    return csr_array((weight, np.arange(n), np.arange(n + 1)), shape=(n, n))
+
+
+def _places(matrix: csr_array) -> tuple[Array, Array]:
+    """Rows and columns of the numbers."""
+    return np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr)), matrix.indices

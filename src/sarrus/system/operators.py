@@ -81,8 +81,7 @@ class Operators:
 
     def matrix(self, name: str, data: Array) -> csr_array:
         """The numbers of an operator as a sparse matrix that shares their memory."""
-        pattern = self.pattern(name)
-        return csr_array((data, pattern.indices.copy(), pattern.indptr.copy()), shape=pattern.shape)
+        return self.pattern(name).matrix(data)
 
     def _evaluate(self, name: str, out: Any, b: Any, /, **operands: Any) -> Any:
         group = self.group(name)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from .._jit.cache import kept
 from ..algebra import Array
@@ -39,6 +41,18 @@ class Pattern:
     def size(self) -> int:
         """Numbers to store."""
         return len(self.indices) if len(self.shape) == 2 else self.shape[0]
+
+    def matrix(self, data: Array) -> csr_array:
+        """A matrix with these numbers, which shares their memory alone; SciPy looked at the pattern once for all."""
+        if data.shape != (self.size,):
+            raise ValueError(f"{self.size} numbers are needed, but {data.shape} are given")
+        found = copy(self._empty)
+        found.data, found.indices, found.indptr = data, self.indices.copy(), self.indptr.copy()
+        return found
+
+    @cached_property
+    def _empty(self) -> csr_array:
+        return csr_array((np.zeros(self.size), self.indices, self.indptr), shape=self.shape)
 
 
 class Layout:

@@ -88,10 +88,15 @@ class Numbers:
         """The parts of some operators."""
         return [self.views[name] for name in names]
 
-    def evaluate(self, group: Sequence[str], b: Array, operands: Mapping[str, Any]) -> None:
-        """Write the numbers of operators that are computed together; equations left out have no gradient."""
+    def evaluate(
+        self, group: Sequence[str], b: Array, operands: Mapping[str, Any], to: Sequence[str] = ()
+    ) -> None:
+        """Write the numbers of operators that are computed together; equations left out have no gradient.
+
+        `to` are the names under which they are kept, where they are those at another state.
+        """
         found = self.system.group(*group)
-        found.run(b, *(operands[name] for name in found.operands), *self.of(group))
+        found.run(b, *(operands[name] for name in found.operands), *self.of(to or group))
         if "Phi_q" in group:
             compiled_solver()["leave_out"](self.views["Phi_q"], self.row_of, self.left_out)
 
@@ -136,6 +141,11 @@ class PlacedMatrix:
         assemble = compiled_solver()["ASSEMBLE"]
         assemble(self.parts, self._layout.place, self.weights, self.numbers.values, data)
         return data
+
+    def matrix(self) -> csc_array:
+        """The matrix of the numbers and weights that are there now (n, n)."""
+        found = (self.assembled(), self._layout.indices, self._layout.indptr)
+        return csc_array(found, shape=(self.n, self.n))
 
     def pattern(self) -> csc_array:
         """1 wherever a number may stand (n, n)."""

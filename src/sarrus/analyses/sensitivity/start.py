@@ -5,16 +5,22 @@ M a + Φ_qᵀλ = Q + S,    Φ_q a = γ
 
 from __future__ import annotations
 
-from functools import partial
+from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...results import StepsTaken
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
-from ..saddle import Saddle
+from ..dynamics.implicit import GROUPS
+from ..dynamics.newton_matrix import NUMBERS, motion_parts
+from ..dynamics.placed import Numbers, Part, PlacedMatrix
+from ..factored import Factored, SingularSystem
+from ..joined import Curved, Joined
+
+BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
+ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has
 
 
 class Start:
@@ -28,54 +34,62 @@ class Start:
     """
 
     def __init__(self, system: System, steps: StepsTaken, curves: CurveDerivatives) -> None:
-        self._nq, self._m = system.nq, system.m
-        q, v, a, lam, t = steps.q[0], steps.v[0], steps.a[0], steps.lam[0], float(steps.t[0])
+        self._nq, self._m = nq, m = system.nq, system.m
         b = steps.b.copy()
         if len(steps):
             b[steps.places] = steps.memory[0]
-        kept = np.flatnonzero(~steps.left_out[0]) if len(steps.left_out) else None
-        self._saddle = Saddle(system, "M", kept)
-        self._saddle.factor(system.M(q, b=b).data, system.Phi_q(q, t, b=b).data)
-        forces = system.Q_q(q, v, t, b=b) + system.S_q(q, v, b=b)
-        self._f_q = csr_array(system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b) - forces)
-        self._f_v = csr_array(-system.Q_v(q, v, t, b=b) - system.S_v(q, v, b=b))
-        self._g_q = csr_array(system.Phi_q_xi_q(q, a, t, b=b) - system.gamma_q(q, v, t, b=b))
-        self._g_v = csr_array(-system.gamma_v(q, v, t, b=b))
-        loads = (-system.Q_b(q, v, t, b=b), -system.S_b(q, v, b=b))
-        self._f_b = _sum((system.M_a_b(q, a, b=b), system.Phi_qT_lam_b(q, lam, t, b=b), *loads), curves.width)
-        self._g_b = _sum((system.Phi_q_xi_b(q, a, t, b=b), -system.gamma_b(q, v, t, b=b)), curves.width)
-        if curves:
-            now = partial(curves.matrix, b=b, t=t, q=q)
-            self._f_b = csr_array(self._f_b + now("Phi_qT_lam", lam=lam) - now("Q", v=v))
-            self._g_b = csr_array(self._g_b + now("Phi_q_xi", xi=a) - now("gamma", v=v))
+        at = {"t": float(steps.t[0])} | {name: getattr(steps, name)[0] for name in ("q", "v", "a", "lam")}
+        at["xi"] = at["a"]
+        numbers = Numbers(system, (*NUMBERS, *ALONE))
+        numbers.left_out[:] = steps.left_out[0] if len(steps.left_out) else 0.0
+        for group in (
+            *(GROUPS[kind] for kind in ("JACOBIAN", "INERTIA", "STIFFNESS")),
+            *((n,) for n in ALONE),
+        ):
+            numbers.evaluate(group, b, at)
+        self._kept = 1.0 - numbers.left_out[:, None]
+        self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
+        bent = _curved(curves, b, at, nq, m) if curves else []
+        self._equations = Joined(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
 
     def along(self, q_dot: Array, v_dot: Array, b_dot: Array) -> tuple[Array, Array]:
         """The changes of a (nq, k) and λ (m, k) with those of q, v and the numbers."""
-        f = -(self._f_q @ q_dot + self._f_v @ v_dot + self._f_b @ b_dot)
-        g = -(self._g_q @ q_dot + self._g_v @ v_dot + self._g_b @ b_dot)
-        return self._solve(f, g)
+        right = -(self._equations @ np.concatenate([q_dot, v_dot, b_dot]))
+        return self._solve(right[: self._nq], right[self._nq :])
 
     def transposed(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array, Array]:
         """Gradients by q (nq, k), v and the numbers of what has the gradients given by a and λ."""
-        y, z = self.adjoint(a_bar, lam_bar)
-        return (
-            -(self._f_q.T @ y + self._g_q.T @ z),
-            -(self._f_v.T @ y + self._g_v.T @ z),
-            -(self._f_b.T @ y + self._g_b.T @ z),
-        )
+        found = -self._equations.transposed(np.concatenate(self.adjoint(a_bar, lam_bar)))
+        q, v, b = np.split(found, [self._nq, 2 * self._nq])
+        return q, v, b
 
     def adjoint(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array]:
         """The adjoint variables of the equations of motion (nq, k) and of the constraints (m, k)."""
         return self._solve(a_bar, lam_bar)
 
     def _solve(self, f: Array, g: Array) -> tuple[Array, Array]:
-        found = [self._saddle.solve(*pair) for pair in zip(f.T, g.T, strict=True)]
-        x = np.array([pair[0] for pair in found]).reshape(-1, self._nq).T
-        return x, np.array([pair[1] for pair in found]).reshape(-1, self._m).T
+        found = self._motion.solve(np.concatenate([f, self._kept * g]))
+        if not np.all(np.isfinite(found)):
+            raise SingularSystem("the matrix of the equations of motion is singular at the start")
+        return found[: self._nq], found[self._nq :]
 
 
-def _sum(parts: tuple[csr_array, ...], width: int) -> csr_array:
-    """The sum of operators by b, as wide as all numbers with the curves."""
-    total = csr_array(sum(parts[1:], parts[0]))
-    total.resize((total.shape[0], width))
-    return csr_array(total)
+def _signs(nq: int) -> dict[Part, float]:
+    """The changes of both equations with q, v and the numbers."""
+    motion = {"M_a": 1.0, "Phi_qT_lam": 1.0, "Q": -1.0, "S": -1.0}
+    found = {Part(f"{name}_q", 0, 0): sign for name, sign in motion.items()}
+    found |= {Part(f"{name}_v", 0, nq): -1.0 for name in ("Q", "S")}
+    found |= {Part(f"{name}_b", 0, 2 * nq): sign for name, sign in motion.items()}
+    found |= {Part("Phi_q_xi_q", nq, 0): 1.0, Part("gamma_q", nq, 0): -1.0, Part("gamma_v", nq, nq): -1.0}
+    return found | {Part("Phi_q_xi_b", nq, 2 * nq): 1.0, Part("gamma_b", nq, 2 * nq): -1.0}
+
+
+def _curved(curves: CurveDerivatives, b: Array, at: dict[str, Any], nq: int, m: int) -> list[Curved]:
+    """The same with the numbers of curves."""
+
+    def part(sign: float, name: str, row: int, height: int, operand: str) -> Curved:
+        now = {"t": np.array([at["t"]]), "q": at["q"][None], operand: at[operand][None]}
+        return Curved(sign, curves(name, b, {}, **now), row, height)
+
+    motion = [part(1.0, "Phi_qT_lam", 0, nq, "lam"), part(-1.0, "Q", 0, nq, "v")]
+    return [*motion, part(1.0, "Phi_q_xi", nq, m, "xi"), part(-1.0, "gamma", nq, m, "v")]

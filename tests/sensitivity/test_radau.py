@@ -14,7 +14,10 @@ from tests.sensitivity.zoo import zoo
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus import mechanisms
+from sarrus.analyses.sensitivity import stages_matrix
 from sarrus.analyses.sensitivity.radau_chain import RadauChain
+from sarrus.analyses.sensitivity.radau_sweep import RadauSweep
 from sarrus.model.written import with_numbers
 
 FOLDER = Path(__file__).parent.parent / "reference"
@@ -128,3 +131,26 @@ def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
         errors.append(abs(found.matrix - wanted).max() / abs(wanted).max())
     assert errors[0] > 5 * errors[1] > 25 * errors[2], errors
     assert errors[2] < 2e-9, errors
+
+
+def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where they cannot be trusted there is an order of their own, with the same derivatives."""
+    wanted = sr.sensitivity(swung(), sr.Final("slider.x"))
+    monkeypatch.setattr(stages_matrix, "LEAST", 2.0)
+    found = sr.sensitivity(swung(), sr.Final("slider.x"))
+    assert not np.array_equal(found.matrix, wanted.matrix)
+    assert found.matrix == pytest.approx(wanted.matrix, abs=1e-12 * abs(wanted.matrix).max())
+
+
+def test_the_factors_of_the_vehicle_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = sr.System(sr.load(mechanisms.path("hmmwv")))
+    run = sr.simulate(system, until=0.01, method=sr.Radau(), keep_steps=True)
+    sweep = RadauSweep(system, run.steps, 1)
+
+    def factors() -> int:
+        sweep._choose_pivots("backward", len(run.steps), 0)
+        return len(sweep._tables.step.factors)
+
+    few = factors()
+    monkeypatch.setattr(stages_matrix, "LEAST", 2.0)
+    assert few < 0.5 * factors()

@@ -71,13 +71,18 @@ class SparseLU:
 
     @classmethod
     def ordered(
-        cls, indptr: Array, indices: Array, row_place: Array, column_order: Array, factors: Array
+        cls,
+        indptr: Array,
+        indices: Array,
+        row_place: Array,
+        column_order: Array,
+        factors: Array | None = None,
     ) -> SparseLU:
-        """With a pivot order and factors that were found before."""
+        """With a pivot order and factors that were found before; or with room for real ones."""
         made = cls.__new__(cls)
         made.n, made._indptr, made._indices = len(indptr) - 1, indptr, indices
         made._arrange(row_place, column_order)
-        made.factors = factors.copy()
+        made.factors = np.zeros(len(made.rows)) if factors is None else factors.copy()
         return made
 
     def _arrange(self, row_place: Array, column_order: Array) -> None:

@@ -24,6 +24,7 @@ from ..dynamics.placed import (
 from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
 from .kernels import GROUPS, calls, operators_by_b
+from .stages_matrix import StagesMatrix
 from .step_matrix import StepMatrix, solvers
 from .sweep import TRUSTED
 
@@ -76,7 +77,7 @@ class RadauSweep:
         self._step_numbers = Numbers(system, (*stages, UNIT, LEFT_OUT), {n: _operator(n) for n in stages})
         own = {name: _operator(name) for name in loop.Node._fields}
         self._node_numbers = Numbers(system, (*own, UNIT, LEFT_OUT), own)
-        self._step = StepMatrix(self._step_numbers, 6 * (nq + m), step_parts(nq, m))
+        self._step = StagesMatrix(self._step_numbers, nq, m)
         self._node = StepMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
         self._tables = self._make_tables(b_dot)
 
@@ -146,7 +147,7 @@ class RadauSweep:
             self._evaluate(tables.stages[i], {"t": t, **stages})
         at = {k: np.ascontiguousarray(getattr(self.steps, k)[n]) for k in ("q", "v", "a", "lam")}
         self._evaluate(tables.at_node, {"t": float(self.steps.t[n]), **at})
-        loop.step_weights(scheme, h, self._step.weights)
+        self._step.weigh(scheme, h)
         self._tables = tables._replace(step=self._step.in_panels(), node=self._node.in_panels())
 
     def _evaluate(self, views: Any, operands: dict[str, Any]) -> None:
@@ -184,34 +185,6 @@ class RadauSweep:
             *views,
             *room,
         )
-
-
-def step_parts(nq: int, m: int) -> list[Part]:
-    """The matrix of all stages, its parts in the order of `radau_sweep_loop.step_weights`."""
-    found, size = [], 2 * (nq + m)
-    for i in range(3):
-        at = i * size
-        v, lam, mu, second, third, fourth = (
-            at + nq,
-            at + 2 * nq,
-            at + 2 * nq + m,
-            at + nq,
-            at + 2 * nq,
-            at + 2 * nq + m,
-        )
-        for j in range(3):
-            found += [Part(UNIT, at, j * size), Part(f"M@{i}", second, j * size + nq)]
-        found += [
-            Part(UNIT, at, v),
-            Part(f"Phi_qT_mu_q@{i}", at, at),
-            Part(f"Phi_q@{i}", at, mu, transposed=True),
-        ]
-        found += [Part(f"{name}@{i}", second, at) for name in ("M_a_q", "Phi_qT_lam_q", "S_q", "Q_q")]
-        found += [Part(f"{name}@{i}", second, v) for name in ("S_v", "Q_v")]
-        found += [Part(f"Phi_q@{i}", second, lam, transposed=True), Part(f"Phi_q@{i}", third, at)]
-        found += [Part(f"gamma_v@{i}", fourth, at), Part(f"Phi_q@{i}", fourth, v)]
-        found += [Part(LEFT_OUT, third, lam), Part(LEFT_OUT, fourth, mu)]
-    return found
 
 
 def _operator(name: str) -> str:

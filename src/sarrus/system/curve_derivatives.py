@@ -8,8 +8,9 @@ place at which the curve is stored.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, lru_cache
+from math import perm
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,34 +38,53 @@ MANY: dict[str, Callable[..., Any]] = EVERY | {
     "positive": lambda x: np.where(x > 0, 1.0, 0.0),
     **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},
 }  # of arrays over time
+SIDE_BY_SIDE: dict[str, Callable[..., Any]] = MANY | {
+    name: lambda curves, x, order=n: _values(curves, x, order) for name, n in ORDERS.items()
+}  # of arrays over elements and time
+KNOWN = 256  # functions of one variable whose derivatives are kept
 
 
-class Entries(NamedTuple):
-    """Derivatives of an operator by numbers of curves: rows (n,), columns (n, nt) and values (n, nt) at nt times."""
+class Part(NamedTuple):
+    """Derivatives of some rows (n,) by numbers, columns (k, nt), at nt times: slopes (n, nt) times basis (k, nt)."""
 
     rows: Array
+    slopes: Array
     columns: Array
-    values: Array
+    basis: Array
+
+
+class Entries:
+    """Derivatives of an operator by numbers of curves at many times: a sum of parts."""
+
+    def __init__(self, parts: Sequence[Part], times: int) -> None:
+        self._parts, self._times = parts, times
 
     def along(self, db: Array, height: int) -> Array:
         """The change of the operator (nt, height, k) with changes of the numbers (len(b), k)."""
-        found = np.zeros((self.values.shape[1], height, db.shape[1]))
-        for row, columns, values in zip(self.rows, self.columns, self.values, strict=True):
-            found[:, row] += values[:, None] * db[columns]
+        found = np.zeros((self._times, height, db.shape[1]))
+        for rows, slopes, columns, basis in self._parts:
+            moved = np.einsum("nt,ntk->tk", basis, db[columns])
+            for row, slope in zip(rows, slopes, strict=True):
+                found[:, row] += slope[:, None] * moved
         return found
 
     def gradient(self, weights: Array, size: int) -> Array:
         """The gradient (size, k) of the operator's sum over rows and times with weights (nt, height, k)."""
-        columns, found = self.columns.reshape(-1), np.zeros((size, weights.shape[2]))
-        for k, by_row in enumerate(weights.T):
-            terms = self.values * by_row[self.rows]
-            found[:, k] = np.bincount(columns, terms.reshape(-1), minlength=size)
+        found = np.zeros((size, weights.shape[2]))
+        for rows, slopes, columns, basis in self._parts:
+            flat = columns.reshape(-1)
+            for k, by_curve in enumerate(np.einsum("nt,tnk->kt", slopes, weights[:, rows])):
+                found[:, k] += np.bincount(flat, (basis * by_curve).reshape(-1), minlength=size)
         return found
 
     def matrix(self, height: int, width: int) -> csr_array:
         """The derivatives at the only time."""
-        places = self.rows, self.columns[:, 0]
-        return csr_array((self.values[:, 0], places), shape=(height, width))
+        found = csr_array((height, width))
+        for rows, slopes, columns, basis in self._parts:
+            values, count = np.outer(slopes, basis).reshape(-1), len(columns)
+            places = np.repeat(rows, count), np.tile(columns[:, 0], len(rows))
+            found = csr_array(found + csr_array((values, places), shape=(height, width)))
+        return found
 
 
 class _Recipe(NamedTuple):
@@ -72,12 +92,19 @@ class _Recipe(NamedTuple):
 
     places : of the entries: block along the axis, entry of the block
     calls : order, number that holds the place, and argument
+    order : of what is evaluated
     """
 
     graph: Graph
     places: list[tuple[int, int]]
     calls: list[tuple[int, int, Expression]]
     partials: Array
+    order: list[int]
+
+    @property
+    def wanted(self) -> list[Expression]:
+        """The arguments of the calls, and all derivatives."""
+        return [*(x for _, _, x in self.calls), *self.partials.flat]
 
 
 class CurveDerivatives:
@@ -90,7 +117,7 @@ class CurveDerivatives:
 
     def __init__(self, system: System) -> None:
         self._system = system
-        self._members = [(p, k) for p in system.populations if self.concerns(p) for k in range(p.count)]
+        self._own = [p for p in system.populations if p.count and self.concerns(p)]
 
     def concerns(self, p: Population) -> bool:
         """Whether elements of a kind have such derivatives."""
@@ -102,7 +129,7 @@ class CurveDerivatives:
         return len(self._system.b)
 
     def __bool__(self) -> bool:
-        return bool(self._members)
+        return bool(self._own)
 
     def __call__(self, name: str, b: Array, memory: Mapping[int, Any], **operands: Any) -> Entries:
         """The derivatives of an operator.
@@ -114,16 +141,9 @@ class CurveDerivatives:
         memory : what elements remembered at each time (nt,), by place in b
         operands : the time ``t`` (nt,), and what the operator takes, as (nt, nq) or (nt, m)
         """
-        parts = [
-            part
-            for p, k in self._members
-            if OPERATORS[name] in p.kind.family
-            for part in self._of_element(p, k, name, b, memory, operands)
-        ]
-        if not parts:
-            none = np.zeros((0, len(operands["t"])))
-            return Entries(np.zeros(0, dtype=np.int64), none.astype(np.int64), none)
-        return Entries(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+        own = [p for p in self._own if OPERATORS[name] in p.kind.family]
+        parts = [part for p in own for part in self._parts(p, name, b, memory, operands)]
+        return Entries(parts, len(operands["t"]))
 
     def matrix(self, name: str, b: Array, t: float, **operands: Array) -> csr_array:
         """The derivatives of an operator at one time, as wide as all columns; operands are (nq,) or (m,)."""
@@ -147,46 +167,54 @@ class CurveDerivatives:
         by = [[np.sum(basis * (at == n), axis=0) for n in numbers] for at, basis in bases]
         return [_value(curve, x, order + n) for n in range(3)], numbers, by
 
-    def _of_element(
-        self, p: Population, k: int, name: str, b: Array, memory: Mapping[int, Any], operands: Any
-    ) -> list[Entries]:
+    def _parts(
+        self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
+    ) -> list[Part]:
+        """Those of all elements of a population, which are evaluated together."""
         recipe = _recipe(p.variant, name)
-        inputs = self._inputs(p, k, b, memory, operands)
-        shape = operands["t"].shape
-        flat = [*(x for _, _, x in recipe.calls), *(e for e in recipe.partials.flat)]
-        found = [np.broadcast_to(x, shape) for x in evaluated(recipe.graph, flat, inputs)]
+        found = self._evaluated(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
         count = len(recipe.calls)
-        slopes = np.array(found[count:]).reshape(*recipe.partials.shape, *shape)
-        rows = np.array([self._row(p, k, name, *place) for place in recipe.places], dtype=np.int64)
-        parts = []
-        for j, (order, place, _) in enumerate(recipe.calls):
-            columns, basis = self._basis(p, k, place, order, found[j])
-            values = slopes[:, j, None] * basis[None]  # (entries, numbers, nt)
-            parts.append(
-                Entries(
-                    np.repeat(rows, len(basis)),
-                    np.tile(columns, (len(rows), 1)),
-                    values.reshape(len(rows) * len(basis), *shape),
-                )
+        slopes = found[count:].reshape(*recipe.partials.shape, *found.shape[1:])
+        return [
+            Part(
+                np.array([self._row(p, k, name, *place) for place in recipe.places], dtype=np.int64),
+                slopes[:, j, k],
+                *self._basis(p, k, place, order, found[j, k]),
             )
-        return parts
+            for k in range(p.count)
+            for j, (order, place, _) in enumerate(recipe.calls)
+        ]
+
+    def _evaluated(
+        self, p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
+        memory: Mapping[int, Any], operands: Mapping[str, Any],
+    ) -> Array:  # fmt: skip
+        """Recorded expressions (wanted, elements, nt) of all elements of a population."""
+        inputs, shape = self._inputs(p, b, memory, operands), (p.count, *operands["t"].shape)
+        found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
+        return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(-1, *shape)
 
     def _inputs(
-        self, p: Population, k: int, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
+        self, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
     ) -> dict[tuple[Any, ...], Any]:
-        at = p.at + k * p.kind.size()
-        inputs: dict[tuple[Any, ...], Any] = {
-            ("numbers", n): memory.get(at + n, b[at + n]) for n in range(p.kind.size())
-        }
-        inputs |= {("numbers", n): p.values[k][m] for m, n in _curves_of(p.kind)}
+        """The inputs of all elements (elements, nt), or (elements, 1); a list of their curves."""
+        size, times = p.kind.size(), operands["t"].shape
+        own = b[p.at : p.end].reshape(p.count, size)
+        inputs: dict[tuple[Any, ...], Any] = {("numbers", n): own[:, n, None] for n in range(size)}
+        for place in memory.keys() & range(p.at, p.end):
+            k, n = divmod(place - p.at, size)
+            whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
+            whole[k] = memory[place]
+            inputs["numbers", n] = whole
+        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in _curves_of(p.kind)}
         for name, array in operands.items():
             if name == "t":
                 inputs["t",] = array
             elif name == "lam":
-                inputs |= {("lam", n): array[:, p.rows[k] + n] for n in range(p.kind.rows)}
+                inputs |= {("lam", n): array.T[p.rows + n] for n in range(p.kind.rows)}
             else:
-                bodies = enumerate(p.bodies[k])
-                inputs |= {(name, i, n): array[:, first + n] for i, first in bodies for n in range(WIDTH)}
+                bodies = enumerate(p.bodies.T)
+                inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
         return inputs
 
     def _row(self, p: Population, k: int, name: str, block: int, entry: int) -> int:
@@ -202,7 +230,7 @@ class CurveDerivatives:
         if isinstance(curve, Curve):
             piece, powers = _powers(curve, x, order)
             return at + 2 + len(curve.cubics) + 4 * piece + np.arange(4)[:, None], powers
-        slopes = curve.written.slopes() if curve.written else []
+        slopes = _by_numbers(curve.written) if curve.written else []
         columns = np.tile(at + np.arange(len(slopes))[:, None], (1, len(x)))
         return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
 
@@ -211,19 +239,34 @@ def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
     """The piece in which each x lies (nt,), and what the derivative there has of its four coefficients (4, nt)."""
     knots = np.array(curve.knots)
     piece = np.searchsorted(knots[1:-1], x, side="right")
-    u = x - knots[piece]
-    powers = [np.polyval(np.polyder(row, order), u) if order else np.polyval(row, u) for row in np.eye(4)]
-    return piece, np.array(powers)
+    u, powers = x - knots[piece], np.zeros((4, len(x)))
+    for n in range(order, 4):
+        powers[3 - n] = perm(n, order) * u ** (n - order)
+    return piece, powers
 
 
 def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     """A derivative of a recorded function of one variable (nt,)."""
+    graph, found, nodes = _recorded(function, order)
+    value = evaluated(graph, [found], {("x",): x}, MANY, nodes)[0]
+    return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
+
+
+@lru_cache(KNOWN)
+def _recorded(function: Callable[[Any], Any], order: int) -> tuple[Graph, Expression, list[int]]:
+    """A derivative of a function of one variable, and the order in which it is evaluated."""
     graph = Graph()
     variable = graph.input("x")
     found = constant(graph, function(variable))
     for _ in range(order):
         found = constant(graph, jacobian(graph, [found], [variable])[0, 0])
-    return np.broadcast_to(np.asarray(evaluated(graph, [found], {("x",): x})[0], dtype=float), x.shape)
+    return graph, found, needed(graph, [found])
+
+
+@lru_cache(KNOWN)
+def _by_numbers(written: Any) -> list[Any]:
+    """The derivatives of a written formula by its numbers, as functions."""
+    return list(written.slopes())
 
 
 def _value(curve: Any, x: Array, order: int) -> Array:
@@ -232,6 +275,12 @@ def _value(curve: Any, x: Array, order: int) -> Array:
         return _derivative(curve.function, x, order)
     piece, powers = _powers(curve, x, order)
     return np.asarray(np.sum(np.array(curve.cubics)[piece].T * powers, axis=0))
+
+
+def _values(curves: Sequence[Any], x: Array, order: int) -> Array:
+    """A derivative of several curves, each at its own x (curves, nt)."""
+    rows = np.broadcast_to(x, (len(curves), np.shape(x)[-1]))
+    return np.array([_value(curve, row, order) for curve, row in zip(curves, rows, strict=True)])
 
 
 def constant(graph: Graph, value: Any) -> Expression:
@@ -263,7 +312,8 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
     ]
     for place in np.ndindex(*partials.shape):
         partials[place] = constant(graph, partials[place])
-    return _Recipe(graph, places, told, partials)
+    wanted = [*(x for _, _, x in told), *partials.flat]
+    return _Recipe(graph, places, told, partials, needed(graph, wanted))
 
 
 def evaluated(
@@ -271,10 +321,11 @@ def evaluated(
     wanted: list[Expression],
     inputs: Mapping[tuple[Any, ...], Any],
     operations: Mapping[str, Callable[..., Any]] = MANY,
+    order: list[int] | None = None,
 ) -> list[Any]:
-    """Recorded expressions at many times."""
+    """Recorded expressions at many times; `order`: what they need, where it is known."""
     values: dict[int, Any] = {}
-    for identity in needed(graph, wanted):
+    for identity in order or needed(graph, wanted):
         node = graph.nodes[identity]
         if node.op == "constant":
             values[identity] = float(node.value)  # fractions are recorded, too

@@ -17,7 +17,7 @@ from .._jit.expression import Expression
 from .._jit.replay import needed
 from ..algebra import Array
 from ..elements.recorder import Variant
-from .curve_derivatives import CurveDerivatives, Entries, constant, entries_of, evaluated
+from .curve_derivatives import CurveDerivatives, Part, constant, entries_of
 from .population import Population
 from .system import System
 
@@ -36,21 +36,18 @@ class TimeDerivatives(CurveDerivatives):
         """How many columns there are: the last one is that of the time."""
         return super().width + 1
 
-    def _of_element(
-        self, p: Population, k: int, name: str, b: Array, memory: Mapping[int, Any], operands: Any
-    ) -> list[Entries]:
-        parts = super()._of_element(p, k, name, b, memory, operands) if super().concerns(p) else []
+    def _parts(
+        self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
+    ) -> list[Part]:
+        parts = super()._parts(p, name, b, memory, operands) if super().concerns(p) else []
         graph, places, by_t = _by_time(p.variant, name)
         if not places:
             return parts
-        shape = operands["t"].shape
-        found = evaluated(graph, by_t, self._inputs(p, k, b, memory, operands))
-        rows = np.array([self._row(p, k, name, *place) for place in places], dtype=np.int64)
-        columns = np.full((len(rows), *shape), self.width - 1)
-        return [
-            *parts,
-            Entries(rows, columns, np.array([np.broadcast_to(x, shape) for x in found], dtype=float)),
-        ]
+        slopes = self._evaluated(p, graph, by_t, needed(graph, by_t), b, memory, operands)
+        columns = np.full((1, *operands["t"].shape), self.width - 1)
+        rows = [[self._row(p, k, name, *place) for place in places] for k in range(p.count)]
+        own = [Part(np.array(rows[k]), slopes[:, k], columns, np.ones(columns.shape)) for k in range(p.count)]
+        return [*parts, *own]
 
 
 def depends_on_time(p: Population) -> bool:

@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.sensitivity.frozen import differenced
+from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.system.curve_derivatives import CurveDerivatives
+from sarrus.system.told import memory_places
 
 FORCE = [[0, 1], [0.3, 2], [0.5, 1.5], [0.8, 2], [1.2, 0.5]]
 LAW = [[-1, -12], [0.5, 5], [1.5, 20], [2.5, 45]]
@@ -126,6 +128,25 @@ def test_the_change_of_an_operator_at_one_time() -> None:
     wanted = moved.Q(system.q0, rest, t) - system.Q(system.q0, rest, t)
     matrix = CurveDerivatives(system).matrix("Q", system.b, t, q=system.q0, v=rest)
     assert matrix @ (moved.b - system.b) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+def test_the_change_of_an_operator_at_many_times_is_that_at_each() -> None:
+    """Also where elements remember something else at every time; forward and backward."""
+    system, draw = zoo(), np.random.default_rng(8).normal
+    assert len(memory_places(system.populations)) > 0
+    t, q, v = np.linspace(0, 1, 3), system.q0 + 0.1 * draw(size=(3, system.nq)), draw(size=(3, system.nq))
+    memory = {int(place): draw(size=3) for place in memory_places(system.populations)}
+    of, db = CurveDerivatives(system), np.zeros((len(system.b), 2))
+    db[system.nb :] = draw(size=(len(system.b) - system.nb, 2))
+    entries = of("Q", system.b, memory, q=q, v=v, t=t)
+    along, total, weights = entries.along(db, system.nq), 0.0, draw(size=(3, system.nq, 2))
+    for n in range(3):
+        b = system.b.copy()
+        b[[*memory]] = [values[n] for values in memory.values()]
+        matrix = of.matrix("Q", b, float(t[n]), q=q[n], v=v[n])
+        assert along[n] == pytest.approx(matrix @ db, rel=1e-10, abs=1e-10)
+        total = total + matrix.T @ weights[n]
+    assert entries.gradient(weights, of.width) == pytest.approx(total, rel=1e-10, abs=1e-10)
 
 
 def test_second_derivatives_are_refused() -> None:

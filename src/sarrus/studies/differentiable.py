@@ -30,7 +30,7 @@ def differentiable(response: Response, until: float) -> Combined:
     Raises
     ------
     SarrusError
-        For a Python function, and for a reduction in a reduction.
+        For a Python function, for a reduction in a reduction, and for a formula without any output.
     """
     if not isinstance(response.of, str):
         raise SarrusError(
@@ -49,6 +49,10 @@ def differentiable(response: Response, until: float) -> Combined:
         else:
             made[node] = node
     whole, names = made[tree], made[tree].names()
+    if not inner:
+        raise SarrusError(
+            f"response {response.name!r} names no output of the motion; name one, such as max(slider.x)"
+        )
     return Combined(
         lambda *values: whole.value(dict(zip(names, values, strict=True))),
         [inner[name] for name in names],

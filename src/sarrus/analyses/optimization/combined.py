@@ -47,7 +47,7 @@ class Combined:
 
     def _derivatives(self, values: Array, change: Array) -> tuple[float, Array, Array]:
         tape = Tape()
-        inputs = [tape.variable(float(value)) for value in values]
+        inputs = [tape.variable(value) for value in np.asarray(values, dtype=float)]
         found = self.function(*inputs)
         if not isinstance(found, Traced):
             return float(found), np.zeros(len(values)), np.zeros(len(values))
@@ -67,6 +67,8 @@ class Outer:
 
     def __init__(self, given: Part | Sequence[Part]) -> None:
         some = [given] if isinstance(given, str | Response | Combined) or callable(given) else list(given)
+        if not some:
+            raise ValueError("no response is asked for; give one or several, such as Final('slider.x')")
         groups = [
             as_responses(list(one.of)) if isinstance(one, Combined) else as_responses(one) for one in some
         ]

@@ -20,7 +20,7 @@ from ..assembly_derivatives import NoDerivative
 from ..dynamics import HHT, GeneralizedAlpha, Radau, simulate
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
-from ..sensitivity.derivatives import inner, own_parts, sensitivity
+from ..sensitivity.derivatives import UndefinedResponse, inner, own_parts, refuse_undefined, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
@@ -95,6 +95,8 @@ class Problem:
         self.time_limit = time_limit
         self._parameters = Parameters(system, wrt, design=design, formula=formula)
         self.names = tuple(self._parameters.names)
+        if not self.names:
+            raise ValueError("wrt names no number; name some, or leave it out for all")
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
@@ -247,12 +249,22 @@ class Point:
             steps, parts = self.run.steps, self.problem.outer.parts
             assert steps is not None
             self._evaluation = Evaluation(self.system, steps, parts, self._variables)
+            self._defined([part.title for part in parts], self._evaluation.values)
         return self._evaluation
 
     @property
     def values(self) -> Array:
         """The responses (r,)."""
-        return self.problem.outer.values(self.evaluation().values)
+        return self._defined(self.problem.titles, self.problem.outer.values(self.evaluation().values))
+
+    def _defined(self, titles: Sequence[str], values: Array) -> Array:
+        """The values, all of which must be numbers."""
+        try:
+            refuse_undefined(titles, values)
+        except UndefinedResponse as trouble:
+            self._trouble = str(trouble)
+            raise Infeasible(self._trouble) from trouble
+        return values
 
     @property
     def slopes(self) -> Array:
@@ -283,12 +295,16 @@ class Point:
         """Responses and their gradients, by one sweep backwards."""
         found, outer = self.of_parts(), self.problem.outer
         values, slopes = outer.linear(found.values)
+        self._defined(outer.titles, values)
         return replace(found, responses=outer.titles, values=values, matrix=slopes @ found.matrix)
 
     def of_parts(self) -> Gradient:
         """The gradients of all responses of which those asked for are made."""
         if self._gradient is None:
-            self._gradient = sensitivity(self.run, self.problem.outer.parts, **self._named())
+            try:
+                self._gradient = sensitivity(self.run, self.problem.outer.parts, **self._named())
+            except UndefinedResponse as trouble:
+                raise Infeasible(str(trouble)) from trouble
         return self._gradient
 
     def along(self, changes: Array) -> Array:

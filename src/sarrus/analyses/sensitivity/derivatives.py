@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
@@ -20,6 +20,11 @@ from .undefined import refuse, undefined
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]
+METHODS = ("adjoint", "direct")
+
+
+class UndefinedResponse(ValueError):
+    """A response of a run that is not a number."""
 
 
 def sensitivity(
@@ -53,17 +58,20 @@ def sensitivity(
     Raises
     ------
     ValueError
-        If the run kept no steps, or failed.
+        If the run kept no steps, or failed, and for a response that is not a number.
     SarrusError
         For names that the model does not have.
     """
     steps = kept(run)
+    if method not in METHODS:
+        raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
     struck = steps.restitutions if isinstance(steps, Pieces) else None
     parameters = Parameters(
         run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck
     )
     wanted = as_responses(responses)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
+    refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(run.system, steps)
     missing = undefined(run.system, steps, parameters)
     if method == "adjoint":
@@ -103,7 +111,7 @@ def state_derivatives(
 def hessian_product(
     run: Trajectory,
     response: Response | Output,
-    direction: Mapping[str, float],
+    direction: Mapping[str, float | Sequence[float]],
     wrt: Sequence[str] | None = None,
     *,
     design: Mapping[str, float] | None = None,
@@ -114,7 +122,7 @@ def hessian_product(
     Parameters
     ----------
     run, response, design, formula : as for `sensitivity`
-    direction : changes by name; those left out are zero
+    direction : changes by name, of a vector its three; those left out are zero
     wrt : names of the numbers; by default those of the direction
 
     Returns
@@ -123,10 +131,20 @@ def hessian_product(
         in the order of `wrt`, vectors being taken apart
     """
     curvature, parameters = _curvature(run, response, [*direction] if wrt is None else wrt, design, formula)
-    unknown = [name for name in direction if name not in parameters.names]
-    if unknown:
-        raise ValueError(f"the direction names {unknown[0]!r}, which is not among the numbers of wrt")
-    return curvature.times(np.array([float(direction.get(name, 0.0)) for name in parameters.names]))
+    return curvature.times(_direction(direction, parameters.names))
+
+
+def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
+    """Changes by name in the order of the numbers (p,)."""
+    found = np.zeros(len(names))
+    for name, value in given.items():
+        places = [k for k, own in enumerate(names) if own == name or own.startswith(f"{name}.")]
+        if not places:
+            raise ValueError(f"the direction names {name!r}, which is not among the numbers of wrt")
+        if np.size(value) != len(places) or not np.isfinite(value).all():
+            raise ValueError(f"the direction of {name} must be {len(places)} finite numbers, but is {value}")
+        found[places] = np.ravel(value)
+    return found
 
 
 def hessian(
@@ -141,6 +159,8 @@ def hessian(
 
     Parameters as for `hessian_product`.
     """
+    if not wrt:
+        raise ValueError("wrt names no number by which the response is differentiated twice; name some")
     curvature, parameters = _curvature(run, response, wrt, design, formula)
     matrix = np.array([curvature.times(direction) for direction in np.eye(len(parameters.names))])
     return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix)
@@ -152,7 +172,9 @@ def _curvature(
     steps = kept(run)
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     refuse(run.system, steps, parameters)
-    evaluation = Evaluation(run.system, steps, as_responses(response), parameters)
+    wanted = as_responses(response)
+    evaluation = Evaluation(run.system, steps, wanted, parameters)
+    refuse_undefined((one.title for one in wanted), evaluation.values)
     return Curvature(curved_chain(run.system, steps, parameters), evaluation, parameters), parameters
 
 
@@ -183,14 +205,35 @@ def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
 
 
+def refuse_undefined(titles: Iterable[str], values: Array) -> None:
+    """Raise for the first response that is not a number.
+
+    Raises
+    ------
+    UndefinedResponse
+        With its name.
+    """
+    for title, value in zip(titles, values, strict=True):
+        if not np.isfinite(value):
+            raise UndefinedResponse(
+                f"{title} is {value}: its output leaves where it is defined, as the root of a negative number does"
+            )
+
+
 def kept(run: Trajectory) -> StepsTaken | Pieces:
     """The steps of a run.
 
     Raises
     ------
+    TypeError
+        For something else than a run.
     ValueError
         If there are none, or if the run failed.
     """
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"derivatives are those of a run, as simulate() gives it, but not of a {type(run).__name__}"
+        )
     if not run.success:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.steps is None or not len(run.steps):
@@ -202,6 +245,14 @@ def kept(run: Trajectory) -> StepsTaken | Pieces:
 
 
 def as_responses(given: Wanted) -> list[Response]:
-    """Responses of what a user gives for some."""
+    """Responses of what a user gives for some.
+
+    Raises
+    ------
+    ValueError
+        For none.
+    """
     some = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+    if not some:
+        raise ValueError("no response is asked for; give one or several, such as Final('slider.x')")
     return [one if isinstance(one, Response) else Final(one) for one in some]

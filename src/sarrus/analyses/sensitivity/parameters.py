@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,7 @@ class Parameters:
     ) -> None:
         self.system, self.restitutions = system, dict(restitutions or {})
         self._design, self._formula = dict(design or {}), formula
+        _refuse_incomplete(self._design, formula)
         self._known = numbers_of(system)
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
@@ -195,9 +197,14 @@ class Parameters:
         if self._formula is None:
             return {}
         own = {name: given.get(name, value) for name, value in self._design.items()}
+        numbers: Any = self._formula(own)
+        if not isinstance(numbers, Mapping) or not numbers:
+            raise UnknownParameter(
+                f"a design's formula returns numbers of the model by name, {{'spring.k': ...}}, but not {numbers!r}"
+            )
         return {
             found: entry
-            for name, value in self._formula(own).items()
+            for name, value in numbers.items()
             for found, entry in _entries(name, value, self._known)
         }
 
@@ -304,6 +311,18 @@ def _recorded(
     found = Parameters(system, names, restitutions=dict(restitutions))
     found._own_q, found._own_v = own
     return found.recorded()
+
+
+def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> None:
+    """Design variables and the function of them belong together, and are finite."""
+    if bool(design) != (formula is not None):
+        given, missing = ("design", "formula") if design else ("formula", "design")
+        raise UnknownParameter(
+            f"{given} is given without {missing}; give both, variables and the function of them"
+        )
+    for name, value in design.items():
+        if isinstance(value, str) or not isfinite(value):
+            raise UnknownParameter(f"design variable {name!r} must be a finite number, but is {value!r}")
 
 
 def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:

@@ -31,11 +31,22 @@ class Response:
     of: Output
     name: str = ""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):
+            raise TypeError(
+                f"an output is a name, such as 'slider.x', or a function of Outputs, but is {self.of!r}"
+            )
+
     @property
     def title(self) -> str:
         """Its name in tables."""
-        told = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
-        return self.name or f"{type(self).__name__.lower()} of {told.strip('<>')}"
+        return self.name or f"{type(self).__name__.lower()} of {self.told}"
+
+    @property
+    def told(self) -> str:
+        """Its output in words."""
+        name = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
+        return name.strip("<>")
 
     def times(self, t: Array) -> Array | None:
         """The times at which the output is needed; None: at all nodes."""
@@ -66,9 +77,22 @@ class Response:
         return trapezoidal_by_times(g)
 
     def evaluate(self, outputs: Outputs) -> Traced:
-        """The output, recorded."""
+        """The output, recorded.
+
+        Raises
+        ------
+        TypeError
+            For a function that returns something else than one number for each time.
+        """
         found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
-        return found if isinstance(found, Traced) else outputs.constant(found)
+        if isinstance(found, Traced):
+            return found
+        if np.asarray(found).dtype.kind not in "biuf" or np.size(found) not in (1, np.size(outputs.t.value)):
+            told = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)
+            raise TypeError(
+                f"{self.title}: the function returns {told}, but a response is made of one number"
+            )
+        return outputs.constant(np.asarray(found, dtype=float))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +114,15 @@ class At(Response):
     """The output at a time [s]."""
 
     time: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if np.ndim(self.time) or not np.isfinite(self.time):
+            raise ValueError(f"{self.told}: time must be one number of seconds, but is {self.time}")
+
+    @property
+    def title(self) -> str:
+        return self.name or f"{self.told} at {self.time:g} s"
 
     def times(self, t: Array) -> Array | None:
         return np.array([float(self.time)])
@@ -118,8 +151,7 @@ class AtEvent(Response):
 
     @property
     def title(self) -> str:
-        told = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
-        return self.name or f"{told.strip('<>')} {'after' if self.after else 'at'} {self.event} {self.number}"
+        return self.name or f"{self.told} {'after' if self.after else 'at'} {self.event} {self.number}"
 
     def value(self, g: Array, t: Array) -> float:
         return float(g[0])
@@ -150,6 +182,11 @@ class Peak(Response):
     """
 
     sharpness: float = 50.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 < self.sharpness < np.inf:
+            raise ValueError(f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}")
 
     def value(self, g: Array, t: Array) -> float:
         top = float(g.max())
@@ -224,6 +261,17 @@ class Misfit(Response):
     at: Sequence[float] = ()
     data: Sequence[float] = ()
     sigma: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not len(self.at) == len(self.data) > 0:
+            told = f"{len(self.at)} times and {len(self.data)} data"
+            raise ValueError(f"{self.title}: there are {told}; give one measured number for each time")
+        for what, given in (("times", self.at), ("data", self.data)):
+            if not np.isfinite(np.asarray(given, dtype=float)).all():
+                raise ValueError(f"{self.title}: its {what} are not all finite numbers; leave gaps out")
+        if not (np.isfinite(self.sigma) and self.sigma > 0):
+            raise ValueError(f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}")
 
     def times(self, t: Array) -> Array | None:
         return np.asarray(self.at, dtype=float)

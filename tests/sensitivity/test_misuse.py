@@ -1,0 +1,124 @@
+"""What is wrong with a question about derivatives is told in one sentence; nothing wrong is answered."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.model import SarrusError
+
+
+@pytest.fixture(scope="module")
+def run() -> sr.Trajectory:
+    return sr.simulate(slider_crank(), until=0.05, keep_steps=True)
+
+
+RESPONSES: dict[str, tuple[Callable[[], object], str]] = {
+    "a number": (lambda: sr.Final(3.0), "an output is a name"),
+    "a class": (lambda: sr.Final(sr.Final), "an output is a name"),
+    "no number of seconds": (lambda: sr.At("slider.x", time=np.nan), "time must be one number of seconds"),
+    "two times": (lambda: sr.At("slider.x", time=[0.1, 0.2]), "time must be one number of seconds"),
+    "no sharpness": (lambda: sr.Peak("slider.x", sharpness=0.0), "sharpness must be greater than 0"),
+    "nothing measured": (lambda: sr.Misfit("slider.x"), "there are 0 times and 0 data"),
+    "fewer data": (lambda: sr.Misfit("slider.x", at=[0.1, 0.2], data=[1.0]), "there are 2 times and 1 data"),
+    "a gap": (lambda: sr.Misfit("slider.x", at=[0.1], data=[np.nan]), "its data are not all finite"),
+    "no sigma": (
+        lambda: sr.Misfit("slider.x", at=[0.1], data=[1.0], sigma=0.0),
+        "sigma must be greater than 0",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", RESPONSES)
+def test_a_response_that_cannot_be_is_refused_when_it_is_made(kind: str) -> None:
+    made, sentence = RESPONSES[kind]
+    with pytest.raises((ValueError, TypeError), match=sentence):
+        made()
+
+
+FUNCTIONS: dict[str, tuple[Callable[[sr.Outputs], object], str]] = {
+    "nothing": (lambda o: None, "the function returns None"),
+    "a vector": (lambda o: o.position("slider"), "the function returns 3 numbers"),
+    "a text": (lambda o: "slider.x", "the function returns 'slider.x'"),
+    "a root of less than nothing": (lambda o: np.sqrt(o("slider.x") - 100), "is nan: its output leaves"),
+}
+
+
+@pytest.mark.parametrize("kind", FUNCTIONS)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_an_output_that_is_no_number_is_refused(kind: str, run: sr.Trajectory) -> None:
+    function, sentence = FUNCTIONS[kind]
+    with pytest.raises((ValueError, TypeError), match=sentence):
+        sr.sensitivity(run, sr.Integral(function), ["spring.k"])
+
+
+def test_a_constant_is_a_response_without_derivatives(run: sr.Trajectory) -> None:
+    found = sr.sensitivity(run, sr.Integral(lambda o: 2), ["spring.k"])
+    assert (found.value, found["spring.k"]) == (pytest.approx(0.1), 0.0)
+
+
+def test_questions_that_are_none(run: sr.Trajectory) -> None:
+    with pytest.raises(ValueError, match="no response is asked for"):
+        sr.sensitivity(run, [], ["spring.k"])
+    with pytest.raises(ValueError, match="no response is asked for"):
+        sr.Problem(slider_crank(), [], ["spring.k"], until=0.05)
+    with pytest.raises(ValueError, match="method must be 'adjoint' or 'direct', but is 'forward'"):
+        sr.sensitivity(run, "slider.x", ["spring.k"], method="forward")
+    with pytest.raises(ValueError, match="wrt names no number"):
+        sr.hessian(run, "slider.x", [])
+    with pytest.raises(ValueError, match="wrt names no number"):
+        sr.Problem(slider_crank(), "slider.x", [], until=0.05)
+    with pytest.raises(TypeError, match="derivatives are those of a run, as simulate"):
+        sr.sensitivity(slider_crank(), "slider.x")
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_design_whose_objective_is_no_number_is_infeasible() -> None:
+    """The solver meets a wall there; a first design of this kind is an error with the sentence."""
+    root = sr.Integral(lambda o: np.sqrt(o("slider.x") - 100), name="root")
+    with pytest.raises(SarrusError, match="root is nan"):
+        sr.optimize(slider_crank(), root, ["spring.k"], until=0.05)
+    late = sr.Combined(lambda x: (x - 100) ** 0.5, ["slider.x"], name="late root")
+    with pytest.raises(SarrusError, match="late root is nan"):
+        sr.Problem(slider_crank(), late, ["spring.k"], until=0.05).values([10.0])
+
+
+DESIGNS: dict[str, tuple[dict[str, object], str]] = {
+    "no formula": ({"design": {"size": 1.0}}, "design is given without formula"),
+    "no design": ({"formula": lambda d: {"spring.k": 10.0}}, "formula is given without design"),
+    "no number": (
+        {"design": {"k": np.nan}, "formula": lambda d: {"spring.k": d["k"]}},
+        "'k' must be a finite number",
+    ),
+    "a text": (
+        {"design": {"k": "10"}, "formula": lambda d: {"spring.k": d["k"]}},
+        "'k' must be a finite number",
+    ),
+    "nothing follows": ({"design": {"k": 1.0}, "formula": lambda d: None}, "numbers of the model by name"),
+    "nothing is named": ({"design": {"k": 1.0}, "formula": lambda d: {}}, "numbers of the model by name"),
+}
+
+
+@pytest.mark.parametrize("kind", DESIGNS)
+def test_designs_that_say_too_little_are_refused(kind: str, run: sr.Trajectory) -> None:
+    given, sentence = DESIGNS[kind]
+    with pytest.raises(SarrusError, match=sentence):
+        sr.sensitivity(run, "slider.x", **given)
+
+
+def test_a_direction_may_name_a_vector(run: sr.Trajectory) -> None:
+    whole = sr.hessian_product(run, "slider.x", {"pin.point": (0.0, 1.0, 2.0)}, ["spring.k", "pin.point"])
+    apart = sr.hessian_product(
+        run, "slider.x", {"pin.point.y": 1.0, "pin.point.z": 2.0}, ["spring.k", "pin.point"]
+    )
+    assert np.array_equal(whole, apart)
+    for wrong in (1.0, (1.0, np.nan, 0.0)):
+        with pytest.raises(ValueError, match=r"the direction of pin\.point must be 3 finite numbers"):
+            sr.hessian_product(run, "slider.x", {"pin.point": wrong})
+
+
+def test_outputs_at_several_times_are_told_apart(run: sr.Trajectory) -> None:
+    found = sr.sensitivity(run, [sr.At("slider.x", time=t) for t in (0.01, 0.02)], ["spring.k"])
+    assert found.responses == ("slider.x at 0.01 s", "slider.x at 0.02 s")

@@ -101,7 +101,8 @@ def ratios(
     }
     for columns in (1, FEW, min(MANY, count)):
         b, q, v, _ = parameters.along(np.eye(count)[:, :columns])
-        functions[f"direct_{columns}"] = lambda b=b, q=q, v=v: chain.along(b, q, v)
+        functions[f"direct_{columns}"] = lambda b=b, q=q, v=v: chain.weighed(nodes, b, q, v)
+        functions[f"state_derivatives_{columns}"] = lambda b=b, q=q, v=v: chain.along(b, q, v)
     found = shortest(functions, repeats)
     told = {f"{name}_ratio": value / found["forward"] for name, value in found.items() if name != "forward"}
     slope = (told[f"direct_{min(MANY, count)}_ratio"] - told[f"direct_{FEW}_ratio"]) / (

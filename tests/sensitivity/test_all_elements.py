@@ -9,7 +9,6 @@ from tests.sensitivity.zoo import zoo
 import sarrus as sr
 from sarrus.analyses.sensitivity.chain import Chain, Nodes
 from sarrus.analyses.sensitivity.chains import chain_of
-from sarrus.analyses.sensitivity.derivatives import inner
 from sarrus.elements import BUILT_IN
 from sarrus.model.written import with_numbers
 
@@ -58,7 +57,7 @@ def disagreement(run: sr.Trajectory, kinds: tuple[str, ...]) -> float:
     for kind in kinds:
         getattr(bars, kind)[:] = random.normal(size=getattr(bars, kind).shape)
     db, dq, dv = changes(run, 4)
-    forward, back = inner(bars, chain.along(db, dq, dv)), chain.gradients(bars)
+    forward, back = chain.weighed(bars, db, dq, dv), chain.gradients(bars)
     backward = back.b.T @ db + back.q.T @ dq + back.v.T @ dv
     return float(abs(forward - backward).max() / abs(forward).max())
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from scipy.sparse import vstack
 
 import sarrus as sr
 from sarrus import mechanisms
@@ -14,8 +15,8 @@ from sarrus._jit.pointer import run
 from sarrus._jit.vector import LANES
 from sarrus.analyses.sensitivity import by_numbers, sweep
 from sarrus.analyses.sensitivity.block_loop import Entries, solve_lane_transposed
-from sarrus.analyses.sensitivity.blocks import room
 from sarrus.analyses.sensitivity.kernels import GROUPS
+from sarrus.analyses.sensitivity.lane_room import room
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
 from sarrus.analyses.sensitivity.step_matrix import Factors, unsigned
 
@@ -56,29 +57,23 @@ def test_operators_of_all_lanes_are_those_of_single_states(crank: sr.System, kin
             assert np.allclose(out.reshape(-1, LANES)[:, lane], one, rtol=1e-12, atol=1e-12), name
 
 
+def by_numbers_of_step(system: sr.System, one: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """R_b of the equations of motion and of the constraints at one state, from the operators by the numbers."""
+    t, q, v = float(one["t"][0]), one["q"], one["v"]
+    loads = system.S_b(q, v) + system.Q_b(q, v, t)
+    return system.Phi_qT_lam_b(q, one["lam"], t) + system.M_a_b(q, one["a"]) - loads, system.Phi_b(q, t)
+
+
 def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: sr.System) -> None:
-    """μᵀR_b of a step, and R_b b', from the operators by b."""
-    at, db = states(crank), np.random.default_rng(4).normal(size=len(crank.b))
+    """μᵀR_b of a step."""
+    at, by_b = states(crank), room(crank.nb)
     order = [side_by_side(at[name]) for name in ("t", *by_numbers.ADJOINT)]
-    by_b, along, rows = room(crank.nb), room(crank.nq), room(crank.m)
-    calls, moved = by_numbers.calls(), (True,) * crank.nb
-    calls["GRADIENT"](by_numbers.gradient_entry(crank, "step"), crank.b, *order, by_b)
-    changes = [side_by_side(at[name]) for name in ("t", *by_numbers.CHANGES[:-1])]
-    calls["CHANGE"](by_numbers.change_entry(crank, "step", moved), crank.b, *changes, db, along, rows)
+    by_numbers.calls()["GRADIENT"](by_numbers.gradient_entry(crank, "step"), crank.b, *order, by_b)
     for lane in range(LANES):
         one = {name: x[lane] for name, x in at.items()}
-        t, q, v = float(one["t"][0]), one["q"], one["v"]
-        R_b = (
-            crank.Phi_qT_lam_b(q, one["lam"], t)
-            + crank.M_a_b(q, one["a"])
-            - crank.S_b(q, v)
-            - crank.Q_b(q, v, t)
-        )
-        Phi_b = crank.Phi_b(q, t)
+        R_b, Phi_b = by_numbers_of_step(crank, one)
         wanted = R_b.T @ one["xi"] + Phi_b.T @ one["nu"]
         assert np.allclose(by_b.reshape(-1, LANES)[:, lane], wanted[: crank.nb], rtol=1e-11, atol=1e-11)
-        assert np.allclose(along.reshape(-1, LANES)[:, lane], R_b @ db, rtol=1e-11, atol=1e-10)
-        assert np.allclose(rows.reshape(-1, LANES)[:, lane], Phi_b @ db, rtol=1e-11, atol=1e-11)
 
 
 def test_a_solution_is_refined_where_factors_have_grown() -> None:
@@ -130,3 +125,27 @@ def without_pivoting(A: np.ndarray) -> np.ndarray:
         A[k + 1 :, k] /= A[k, k]
         A[k + 1 :, k + 1 :] -= np.outer(A[k + 1 :, k], A[k, k + 1 :])
     return A
+
+
+def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System) -> None:
+    """R_b b' of a step, of columns that change nothing, one number, some and all, in panels of two columns."""
+    at, random, width = states(crank), np.random.default_rng(4), 2
+    dots = random.normal(size=(5, len(crank.b)))
+    dots[0], dots[1, np.arange(len(crank.b)) != 30], dots[2, random.random(len(crank.b)) < 0.9] = 0, 0, 0
+    moved = by_numbers.moved(crank, "step", dots, width)
+    order = [side_by_side(at[name]) for name in ("t", *by_numbers.CHANGES[:-1])]
+    for n, (column, element) in enumerate(zip(moved.columns, moved.elements, strict=True)):
+        every, out = moved.entry, moved.results[moved.first[n] * LANES : moved.first[n + 1] * LANES]
+        own = every._replace(
+            addresses=every.addresses[element : element + 1], starts=every.starts[element : element + 2]
+        )
+        by_numbers.calls()["CHANGE"](own, crank.b, *order, dots[column], out, out)
+    assert 0 < len(moved.columns) < len(dots) * sum(p.count for p in crank.populations)
+    for lane in range(LANES):
+        R_b, Phi_b = by_numbers_of_step(crank, {name: x[lane] for name, x in at.items()})
+        wanted = vstack([R_b, Phi_b]) @ dots.T
+        for p in range(3):
+            part, panel = slice(moved.ends[p], moved.ends[p + 1]), np.zeros((crank.nq + crank.m, width))
+            np.add.at(panel.reshape(-1), moved.places[part], moved.results.reshape(-1, LANES)[part, lane])
+            own = wanted[:, width * p : width * (p + 1)]
+            assert np.allclose(panel[:, : own.shape[1]], own, rtol=1e-11, atol=1e-10)

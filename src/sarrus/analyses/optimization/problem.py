@@ -20,7 +20,7 @@ from ..assembly_derivatives import NoDerivative
 from ..dynamics import HHT, GeneralizedAlpha, Radau, simulate
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
-from ..sensitivity.derivatives import UndefinedResponse, inner, own_parts, refuse_undefined, sensitivity
+from ..sensitivity.derivatives import UndefinedResponse, own_parts, refuse_undefined, sensitivity
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
@@ -313,7 +313,7 @@ class Point:
         b, q, v, c = parameters.along(changes)
         nodes, explicit = evaluation.gradients()
         named = own_parts(explicit, parameters)
-        total = inner(nodes, self._chain().along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
+        total = self._chain().weighed(nodes, b, q, v, c) + explicit.b.T @ b + explicit.c.T @ c
         return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
 
     def gradient_of_sum(self, weights: Array) -> Array:

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 from ..._jit.pointer import Entry
 from ..._jit.vector import LANES
+from .columns_loop import solve_panel
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
-from .panel_loop import solve_columns, solve_columns_transposed, solve_plain_transposed
+from .panel_loop import solve_columns_transposed, solve_flat, solve_plain_transposed
 from .step_matrix import Factors
 
 VELOCITY: Any = None  # drivers, put in place when this is compiled
@@ -52,13 +53,17 @@ class Entries(NamedTuple):
 
 
 class Product(NamedTuple):
-    """A matrix P (nq + m, 2 nq) by columns, made of the numbers of operators as `dynamics.placed` tells."""
+    """A matrix P (nq + m, 2 nq) by columns, made of the numbers of operators as `dynamics.placed` tells.
+
+    rows : the same by rows, for panels of columns
+    """
 
     parts: Any
     places: Any
     weights: Any
     indptr: Any
     indices: Any
+    rows: Any
 
 
 class Block(NamedTuple):
@@ -75,8 +80,7 @@ class Block(NamedTuple):
     refined : what the last refinement changed, the growth of its factors, and the change up to which the next solutions
         are not refined
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
-    dots, drivers, by_q, by_rows : forwards, changes of b (columns, len(b)), which drivers they concern, and the results
-        in lanes
+    moved : forwards, what changes of b do, see `by_numbers`
     """
 
     index: Any
@@ -113,10 +117,7 @@ class Block(NamedTuple):
     xi: Any
     nu: Any
     by_b: Any
-    dots: Any
-    drivers: Any
-    by_q: Any
-    by_rows: Any
+    moved: Any
 
 
 def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
@@ -128,9 +129,14 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     )  # fmt: skip
 
 
-def solve_lane(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
-    """Solve with the factors of one lane, as `panel_loop.solve_columns` does."""
-    return solve_columns(factors_of(matrix, block, lane), right, solution, room)
+def solve_lane(matrix: Any, by_rows: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solve with the factors of one lane, for one column or a panel of them."""
+    own, size = factors_of(matrix, block, lane), right.shape[0] * right.shape[1]
+    given, found = right.reshape(size), solution.reshape(size)
+    x, rest, whole = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
+    if right.shape[1] == 1:
+        return solve_flat(own, given, found, x, rest, whole)
+    return solve_panel(own, by_rows, given, found, x, rest)
 
 
 def solve_lane_transposed(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
@@ -248,18 +254,15 @@ def make_product(block: Any) -> None:
 
 
 def change(b: Any, block: Any) -> None:
-    """Forwards, what changes of the numbers do."""
-    for c in range(len(block.by_q)):
-        clear_lanes(block.by_q[c])
-        clear_lanes(block.by_rows[c])
-        first, last = block.drivers[c, 0], block.drivers[c, 1]
-        own = Entry(
-            block.entry.addresses[first:last], block.entry.starts[first : last + 1], block.entry.tables
-        )
-        CHANGE(
-            own, b, block.t, block.q, block.v, block.a, block.eta, block.lam, block.dots[c], block.by_q[c],
-            block.by_rows[c],
-        )  # fmt: skip
+    """Forwards, what changes of the numbers do, element by element."""
+    moved = block.moved
+    clear_lanes(moved.results)
+    for n in range(len(moved.columns)):
+        element, dots = moved.elements[n], moved.dots[moved.columns[n]]
+        out = moved.results[moved.first[n] * LANES : moved.first[n + 1] * LANES]
+        every = moved.entry
+        own = Entry(every.addresses[element : element + 1], every.starts[element : element + 2], every.tables)
+        CHANGE(own, b, block.t, block.q, block.v, block.a, block.eta, block.lam, dots, out, out)
 
 
 def finish(b: Any, record: Any, block: Any) -> None:
@@ -292,8 +295,8 @@ def linearize_steps(
 
 
 def linearize_rescales(
-    entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, block: Any, work: Any
-) -> Any:
+    entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, by_rows: Any, block: Any, work: Any
+) -> Any:  # fmt: skip
     """The same for changes of the step size from step n on; false if pivots must be renewed for it.
 
     M s + Φ_qᵀσ = 0, Φ_q s = d = Φ_q v + Φ_t. Derivatives: of the first line (M s)_q + (Φ_qᵀσ)_q, of the second line
@@ -308,7 +311,7 @@ def linearize_rescales(
     clear_lanes(block.Phi_t)
     VELOCITY(entries.velocity, b, block.t, block.q, block.v, block.Phi_q_xi, block.Phi_t)
     for lane in range(block.used[0]):
-        if not take_defect(record, matrix, block, lane, work):
+        if not take_defect(record, matrix, by_rows, block, lane, work):
             block.used[0] = lane
             break
     if block.used[0] == 0:
@@ -320,7 +323,7 @@ def linearize_rescales(
     return True
 
 
-def take_defect(record: Any, matrix: Any, block: Any, lane: Any, work: Any) -> Any:
+def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, work: Any) -> Any:
     """s and σ of one lane in place of a and λ; false if pivots must be renewed."""
     nq, m = record.q.shape[1], record.lam.shape[1]
     right, found = work.single[0], work.single[1]
@@ -328,7 +331,7 @@ def take_defect(record: Any, matrix: Any, block: Any, lane: Any, work: Any) -> A
     for k in range(m):
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
     solved_rows(record, block.index[lane], right)
-    if not solve_lane(matrix, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
+    if not solve_lane(matrix, by_rows, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
         return False
     for k in range(nq):
         place = k * LANES + lane

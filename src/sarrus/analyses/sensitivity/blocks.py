@@ -6,26 +6,22 @@ from typing import Any
 
 import numpy as np
 
+from ..._jit.pointer import NONE
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...system import System
 from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, Part, layout_of
 from .block_loop import Block, Entries, Product
-from .by_numbers import change_entry, drivers_of_columns, gradient_entry
+from .by_numbers import gradient_entry, moved
+from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
+from .lane_room import room
+from .row_order import by_rows, no_rows, rows_of
 from .step_matrix import Factors, StepMatrix, unsigned
 
-LINE = 64  # bytes that are read at once
 STEP = {"M_a_q": -1.0, "S_q": 1.0, "Q_q": 1.0, "Phi_qT_lam_q": -1.0, "S_v": 1.0, "Q_v": 1.0, "Phi_q": 1.0}
 RESCALE = {"M_a_q": -1.0, "Phi_qT_lam_q": -1.0, "gamma_v": -0.5, "Phi_q": 1.0}
-
-
-def room(entries: int, *rows: int) -> Array:
-    """Zeros in lanes, where the memory is read fastest."""
-    found = np.zeros(int(np.prod(rows)) * entries * LANES + LINE // 8)
-    first = -found.ctypes.data % LINE // 8
-    return found[first : first + int(np.prod(rows)) * entries * LANES].reshape(*rows, entries * LANES)
 
 
 def _whole(count: int) -> int:
@@ -44,7 +40,9 @@ class Blocks:
 
     Attributes
     ----------
+    width : how many columns are handled side by side: forward those of a panel, or a single one; backward all
     matrix : of a single step; the order of its pivots serves all lanes
+    by_rows : that matrix by rows, for panels
     steps, rescales : the blocks; they share room for what is turned, and not needed then
     """
 
@@ -56,7 +54,10 @@ class Blocks:
         groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
         self.entries = Entries._make(group.entry_in_lanes for group in groups)
         self._values = room(len(self._numbers.values))
-        self.dots = np.zeros((0, len(system.b))) if b_dot is None else np.ascontiguousarray(b_dot.T)
+        self._dots = np.zeros((0, len(system.b))) if b_dot is None else np.ascontiguousarray(b_dot.T)
+        self._panels = len(self._dots) > 1
+        self.width = COLUMNS if self._panels else columns
+        self.by_rows = ByRows(no_rows(), no_rows())
         self.steps = self._block("step", self._product(STEP, {}))
         self.rescales = self._block("rate", self._product(RESCALE, {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}))
 
@@ -72,18 +73,19 @@ class Blocks:
         filled = room(len(weights))
         filled[:] = np.repeat(list(weights.values()), LANES)
         place, indptr, indices = unsigned((layout.place, layout.indptr, layout.indices))
-        return Product(parts, place, filled, indptr, indices)
+        pattern = layout.indptr, layout.indices, np.arange(len(layout.indices))
+        by_rows = rows_of(*pattern, nq + m) if self._panels else no_rows()
+        return Product(parts, place, filled, indptr, indices, by_rows)
 
     def _block(self, kind: str, product: Product) -> Block:
         system, numbers, k = self._system, self._numbers, self._columns
-        nq, m, forward = system.nq, system.m, len(self.dots) > 0
+        nq, m, forward = system.nq, system.m, len(self._dots) > 0
         values, backward = self._values, 0 if forward else k
         starts = {name: numbers.start[name] for name in numbers.names}
         views = {
             name: values[start * LANES : (start + len(numbers.views[name])) * LANES]
             for name, start in starts.items()
         }
-        moved = tuple(np.any(self.dots != 0.0, axis=0)[: system.nb].tolist()) if forward else ()
         weights = room(1, len(self.matrix.weights))
         weights[:] = 1.0
         weigh(weights, 0.0, 0.0)
@@ -94,10 +96,9 @@ class Blocks:
             "weights": weights, "product": product,
             "sheet": room(0), "turned": np.zeros((LANES, 0)), "cuts": np.zeros(3, np.int64), "work": room(nq + m),
             "growth": room(1), "refined": np.ones(3),
-            "entry": change_entry(system, kind, moved) if forward else gradient_entry(system, kind),
+            "entry": NONE if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
-            "dots": self.dots, "drivers": drivers_of_columns(system, kind, self.dots),
-            "by_q": room(nq, k - backward), "by_rows": room(m, k - backward),
+            "moved": moved(system, kind, self._dots, self.width),
         }  # fmt: skip
         return Block(**given)
 
@@ -114,6 +115,8 @@ class Blocks:
             block._replace(sheet=sheet, turned=room(int(cuts[-1])).reshape(LANES, -1), cuts=cuts)
             for block, cuts in zip((self.steps, self.rescales), both, strict=True)
         )
+        if self._panels:
+            self.by_rows = by_rows(matrix)
         return matrix
 
     def gradient(self) -> Array:

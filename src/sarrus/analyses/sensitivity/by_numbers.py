@@ -5,7 +5,8 @@ With ℓ = μᵀR of an operation (`shares`), backward sweeps take ∂ℓ/∂b, 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,13 +16,14 @@ from ..._jit.emit import NUMBERS_DOT, Recording
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
-from ...system.population import Population
 from ..once import once_alike
+from .lane_room import room
 from .reverse import gradient
-from .shares import STATES, Share, block, concerned, entry
+from .shares import STATES, Share, block, concerned, entry, entry_with, own_rows, own_tables
 
 ADJOINT = (*STATES, "xi", "lam", "nu")
 CHANGES = (*STATES, "lam", NUMBERS_DOT)
+NO_ROWS = np.zeros(0, np.int64)
 
 
 def calls() -> dict[str, Any]:
@@ -36,29 +38,80 @@ def gradient_entry(system: System, kind: str) -> Any:
     return entry(every, [_gradient(p.variant, kind) for p in every], ("numbers",), "gradient")
 
 
-@once_alike
-def change_entry(system: System, kind: str, moved: tuple[bool, ...]) -> Any:
-    """Operands t, `CHANGES`; R_b b' is added to the outputs, along coordinates and along equations (those of ν).
+class Moved(NamedTuple):
+    """What changes of the numbers do to the equations of an operation: a call for every element that a column touches.
 
-    `moved` tells which numbers change.
+    entry : the driver and the table of each element by itself
+    dots : (columns, len(b)) the changes
+    columns, elements : of each call
+    first : where the results of each call begin, and the end
+    ends : where those of each panel of columns begin, and the end
+    places : where in a panel each result belongs: its equation times the panel's width, and the column
+    results : in lanes
     """
-    own = _moved(system, kind, np.array(moved))
-    return entry(own, [_change(p.variant, kind) for p in own], ("coordinates", "rows"), "change")
+
+    entry: pointer.Entry
+    dots: Any
+    columns: Any
+    elements: Any
+    first: Any
+    ends: Any
+    places: Any
+    results: Any
 
 
-def drivers_of_columns(system: System, kind: str, dots: Array) -> Array:
-    """Which drivers of `change_entry` concern each row of changes of the numbers (k, len(b)): (k, 2) from, to."""
-    own = _moved(system, kind, np.any(dots != 0.0, axis=0))
-    found = np.zeros((len(dots), 2), np.int64)
-    for row, of_row in zip(found, dots, strict=True):
-        touched = np.flatnonzero([np.any(of_row[p.at : p.end]) for p in own])
-        row[:] = (touched[0], touched[-1] + 1) if len(touched) else (0, 0)
-    return found
+class Elements(NamedTuple):
+    """The elements of some kinds one after another: drivers, equations of results, and whose each number is, or -1."""
+
+    entry: pointer.Entry
+    rows: Array
+    first: Array
+    owners: Array
 
 
-def _moved(system: System, kind: str, moved: Array) -> list[Population]:
-    """The elements that have numbers which change."""
-    return [p for p in concerned(system, kind) if np.any(moved[p.at : p.end])]
+def moved(system: System, kind: str, dots: Array, width: int) -> Moved:
+    """For changes of the numbers (columns, len(b)), in panels of some width."""
+    touched = np.any(dots != 0.0, axis=0)
+    own = tuple(n for n, p in enumerate(concerned(system, kind)) if touched[p.at : p.end].any())
+    found = elements(system, kind, own)
+    columns, numbers = np.nonzero(dots[:, : system.nb])
+    count = len(found.first) - 1
+    calls = np.unique((columns * count + found.owners[numbers])[found.owners[numbers] >= 0])
+    columns, chosen = np.divmod(calls, max(count, 1))
+    sizes = np.diff(found.first)[chosen]
+    first = np.concatenate([[0], np.cumsum(sizes)])
+    rows = found.rows[np.repeat(found.first[chosen] - first[:-1], sizes) + np.arange(first[-1])]
+    places = width * rows + np.repeat(columns % width, sizes)
+    panels = np.arange(-(-len(dots) // width) + 1)
+    ends = first[np.searchsorted(columns, width * panels)]
+    return Moved(found.entry, dots, columns, chosen, first, ends, places, room(int(first[-1])))
+
+
+@once_alike
+def elements(system: System, kind: str, chosen: tuple[int, ...]) -> Elements:
+    """The drivers of R_b b' for the kinds of elements that are chosen of those concerned.
+
+    Operands t, `CHANGES`; results along coordinates and along equations are added to two outputs, which may be one.
+    """
+    every = concerned(system, kind)
+    own = [every[n] for n in chosen]
+    tables, rows = [own_tables(p) for p in own], [own_rows(p, system.nq) for p in own]
+    recordings = [_change(p.variant, kind) for p in own]
+    entry = entry_with([table.ravel() for table in tables], recordings, ("coordinates", "rows"), "change")
+    owners, count = np.full(system.nb, -1), 0
+    for p in own:
+        owners[p.at : p.end] = count + np.repeat(np.arange(p.count), p.kind.size())
+        count += p.count
+    counts = [p.count for p in own]
+    by_element = entry._replace(addresses=np.repeat(entry.addresses, counts), starts=_starts(tables))
+    return Elements(by_element, np.concatenate([NO_ROWS, *(x.ravel() for x in rows)]), _starts(rows), owners)
+
+
+def _starts(arrays: Sequence[Array]) -> Array:
+    """Where each row of some arrays begins when all are put one after another, and the end."""
+    return np.concatenate([[0], np.cumsum([size for x in arrays for size in [x.shape[1]] * len(x)])]).astype(
+        np.int64
+    )
 
 
 def _gradient(variant: Variant, kind: str) -> Recording:

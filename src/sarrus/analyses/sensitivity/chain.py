@@ -14,7 +14,7 @@ from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
 from .start import Start
 from .sweep import Sweep
-from .sweep_loop import Bars, Given
+from .sweep_loop import Bars, Given, Sources
 
 FIELDS = ("q", "v", "a", "lam", "shift")
 
@@ -45,6 +45,12 @@ class Nodes:
         """Some of the nodes, as arrays of their own."""
         q, v, a, lam = (np.ascontiguousarray(x[rows]) for x in (self.q, self.v, self.a, self.lam))
         return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
+
+    def inner(self, dots: Nodes) -> Array:
+        """The change of each response (r, k), whose gradients these are, for changes of the states."""
+        pairs = ((getattr(self, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
+        states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
+        return np.asarray(states + self.shift.T @ dots.shift)
 
     def after_start(self) -> Given:
         """The ends of the steps."""
@@ -97,16 +103,44 @@ class Chain:
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
-        k = db.shape[1]
-        sweep, found = Sweep(self.system, self.steps, k, db), Nodes.zeros(self.steps, k)
+        found, (sweep, bars, sources) = Nodes.zeros(self.steps, db.shape[1]), self._begun(q, v, db)
+        found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
+        sweep.forward(bars, found.after_start(), 0, len(self.steps), sources=sources)
+        return found
+
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states are given; those of states are not kept."""
+        found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv), db, [len(self.steps)])
+        return found[0]
+
+    def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
+        """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""
+        last = len(self.steps)
+        found, ends = self._weighed(given, q, v, db, [last - 1, last])
+        return found, np.concatenate(ends)
+
+    def _weighed(
+        self, given: Nodes, q: Array, v: Array, db: Array, stops: list[int]
+    ) -> tuple[Array, list[Array]]:
+        """By a sweep with some stops, at which q', v', a' are told."""
+        sweep, bars, sources = self._begun(q, v, db)
+        pairs = ((given.q, bars.q), (given.v, bars.v), (given.a, bars.a), (given.lam, bars.lam))
+        told: list[Array] = []
+        total, at = np.asarray(sum(by[0].T @ bar for by, bar in pairs)), 0
+        for stop in stops:
+            by = Given(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
+            total = total + sweep.weighed(bars, by, at, stop, sources)
+            at, told = stop, [*told, bars.q.copy(), bars.v.copy(), bars.a.copy()]
+        return total, told
+
+    def _begun(self, q: Array, v: Array, db: Array) -> tuple[Sweep, Bars, Sources | None]:
+        """A sweep, the derivatives of the first state, and what curves do besides."""
+        sweep = Sweep(self.system, self.steps, db.shape[1], db)
         bars = sweep.bars(db)
         bars.q[:], bars.v[:] = q, v
         bars.a[:], bars.lam[:] = self.start.along(bars.q, bars.v, db)
         bars.x[:] = bars.a
-        found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
-        sources = self.curves.sources(db) if self.curves.moved_by(db) else None
-        sweep.forward(bars, found.after_start(), 0, len(self.steps), sources=sources)
-        return found
+        return sweep, bars, self.curves.sources(db) if self.curves.moved_by(db) else None
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
-from .chain import Nodes
 from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
@@ -189,15 +188,8 @@ def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, cho
     nodes, explicit = evaluation.gradients()
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
     total = own_parts(explicit, parameters)
-    total[:, chosen] += inner(nodes, chain.along(b, q, v, c)) + explicit.b.T @ b + explicit.c.T @ c
+    total[:, chosen] += chain.weighed(nodes, b, q, v, c) + explicit.b.T @ b + explicit.c.T @ c
     return total
-
-
-def inner(bars: Nodes, dots: Nodes) -> Array:
-    """The change of each response (r, k) for changes of the states."""
-    pairs = ((getattr(bars, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
-    states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
-    return np.asarray(states + bars.shift.T @ dots.shift)
 
 
 def own_parts(explicit: Explicit, parameters: Parameters) -> Array:

@@ -131,30 +131,6 @@ def upper_lower_flat(matrix: Any, x: Any) -> None:
         x[j] = total
 
 
-def lower_upper(matrix: Any, x: Any) -> None:
-    """Solve L U x = x in place, all columns at once (n, k)."""
-    n: Any = np.uint64(x.shape[0])
-    width = x.shape[1]
-    if width == 1:
-        lower_upper_flat(matrix, x.reshape(n))
-        return
-    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
-    for j in range(n):
-        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
-            value, row = factors[entry], rows[entry]
-            for c in range(width):
-                x[row, c] -= value * x[j, c]
-    for back in range(n):
-        j = n - ONE - back
-        pivot = factors[diagonal[j]]
-        for c in range(width):
-            x[j, c] *= pivot
-        for entry in range(pointers[j], diagonal[j]):
-            value, row = factors[entry], rows[entry]
-            for c in range(width):
-                x[row, c] -= value * x[j, c]
-
-
 def upper_lower(matrix: Any, x: Any) -> None:
     """Solve (L U)ᵀ x = x in place, all columns at once (n, k)."""
     n: Any = np.uint64(x.shape[0])
@@ -187,26 +163,28 @@ def copy(x: Any, out: Any) -> None:
         target[k] = source[k]
 
 
-def solve_columns(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
-    """Solution = matrix⁻¹ right (n, k), refined; the last relative change of it, which has been made."""
-    n, width = np.uint64(right.shape[0]), right.shape[1]
-    x, rest, whole = room[0], room[1], room[2]
+def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole: Any) -> Any:
+    """Solution = matrix⁻¹ right (n,), refined; the last relative change of it, which has been made.
+
+    x, rest, whole : room
+    """
+    n: Any = np.uint64(len(right))
     for k in range(n):
-        for c in range(width):
-            whole[matrix.row_place[k], c] = right[k, c]
-    copy(whole, x)
-    lower_upper(matrix, x)
+        whole[matrix.row_place[k]] = right[k]
+    for k in range(n):
+        x[k] = whole[k]
+    lower_upper_flat(matrix, x)
     change = 1.0
     for _ in range(REFINEMENTS):
-        copy(whole, rest)
-        times_arranged(matrix, x, rest)
-        lower_upper(matrix, rest)
-        change = add(rest, x)
+        for k in range(n):
+            rest[k] = whole[k]
+        times_flat(matrix, x, rest)
+        lower_upper_flat(matrix, rest)
+        change = add_flat(rest, x)
         if not change > REFINED:
             break
     for k in range(n):
-        for c in range(width):
-            solution[matrix.column_order[k], c] = x[k, c]
+        solution[matrix.column_order[k]] = x[k]
     return change
 
 
@@ -246,20 +224,6 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) 
     return first, change
 
 
-def times_arranged(matrix: Any, x: Any, rest: Any) -> None:
-    """rest -= matrix x, all as they are arranged (n, k)."""
-    n: Any = np.uint64(x.shape[0])
-    width = x.shape[1]
-    if width == 1:
-        times_flat(matrix, x.reshape(n), rest.reshape(n))
-        return
-    for j in range(n):
-        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
-            value, row = matrix.data[entry], matrix.indices[entry]
-            for c in range(width):
-                rest[row, c] -= value * x[j, c]
-
-
 def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n, k)."""
     n: Any = np.uint64(x.shape[0])
@@ -292,10 +256,15 @@ def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
 
 
 def add(change: Any, x: Any) -> Any:
-    """x += change; the largest change over the largest entry, not a number if one of the changes is none."""
-    size, most, largest, total = x.shape[0] * x.shape[1], 0.0, 1e-300, 0.0
-    changes, values = change.reshape(size), x.reshape(size)
-    for k in range(size):
+    """x += change (n, k); see `add_flat`."""
+    size = x.shape[0] * x.shape[1]
+    return add_flat(change.reshape(size), x.reshape(size))
+
+
+def add_flat(changes: Any, values: Any) -> Any:
+    """Add; the largest change over the largest entry, not a number if one of the changes is none."""
+    most, largest, total = 0.0, 1e-300, 0.0
+    for k in range(len(values)):
         most, largest = max(most, abs(changes[k])), max(largest, abs(values[k]))
         values[k] += changes[k]
         total += changes[k]

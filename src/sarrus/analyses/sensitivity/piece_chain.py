@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from .stretches import Stretches, stretches_of
 from .turn import TurnDerivatives
 
 KINDS = ("q", "v", "a")
+Over: TypeAlias = Callable[
+    [int, Array, Array, Array], Array
+]  # goes over a stretch: its number, q', v', b'; its ends
 
 
 class PieceChain:
@@ -51,20 +55,42 @@ class PieceChain:
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""
-        found, nq = Nodes.zeros(self.steps, db.shape[1]), self.system.nq
+        found = Nodes.zeros(self.steps, db.shape[1])
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Array:
+            own = self._chains[p].along_from(q, v, b)
+            for name in (*KINDS, "lam"):
+                getattr(found, name)[self._parts[p]] = getattr(own, name)
+            return np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
+
+        found.shift[:] = self._over_all(over, db, dq, dv, dc)
+        return found
+
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states and by the times of events are given."""
+        found = np.zeros((given.q.shape[2], db.shape[1]))
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Array:
+            change, ends = self._chains[p].weighed_from(given.part(self._parts[p]), q, v, b)
+            found[:] += change
+            return ends
+
+        shift = self._over_all(over, db, dq, dv, dc)
+        return np.asarray(found + given.shift.T @ shift)
+
+    def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
+        """Over one stretch after another; the changes of the times at which they begin, and of the end."""
+        nq, shift = self.system.nq, np.zeros((len(self._chains) + 1, db.shape[1]))
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
         q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv)
-        for p, (chain, part) in enumerate(zip(self._chains, self._parts, strict=True)):
+        for p, chain in enumerate(self._chains):
             moving = chain.curves.width > len(db)
-            own = chain.along_from(q, v, np.concatenate([db, found.shift[p : p + 1]]) if moving else db)
-            for name in (*KINDS, "lam"):
-                getattr(found, name)[part] = getattr(own, name)
+            ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
             if p < len(self._turns):
-                ends = np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
-                moved = self._turns[p] @ np.concatenate([ends, db, held, found.shift[p : p + 1]])
+                moved = self._turns[p] @ np.concatenate([ends, db, held, shift[p : p + 1]])
                 q, v = moved[:nq], moved[nq:-1]
-                found.shift[p + 1] = found.shift[p] + moved[-1]
-        return found
+                shift[p + 1] = shift[p] + moved[-1]
+        return shift
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states and by the times of events are given."""

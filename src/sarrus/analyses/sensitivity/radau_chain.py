@@ -40,6 +40,17 @@ class RadauChain:
         RadauSweep(self.system, self.steps, k, db).forward(bars, given_by(found), sources)
         return found
 
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states are given."""
+        return self.weighed_from(given, *self.assembly.along(db, dq=dq, dv=dv), db)[0]
+
+    def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
+        """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""
+        found = self.along_from(q, v, db)
+        return given.inner(found), np.concatenate(
+            [x[e] for e in (-2, -1) for x in (found.q, found.v, found.a)]
+        )
+
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
         by_q, by_v, by_b = self.by_start(given)

@@ -23,7 +23,10 @@ from ..dynamics.placed import (
 )
 from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
+from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS, calls, operators_by_b
+from .lane_room import aligned
+from .row_order import by_rows, no_rows
 from .stages_matrix import StagesMatrix
 from .step_matrix import StepMatrix, solvers
 from .sweep import TRUSTED
@@ -79,6 +82,7 @@ class RadauSweep:
         self._node_numbers = Numbers(system, (*own, UNIT, LEFT_OUT), own)
         self._step = StagesMatrix(self._step_numbers, nq, m)
         self._node = StepMatrix(self._node_numbers, nq + m, [Part("M", 0, 0), *constraint_parts(nq)])
+        self._panels = b_dot is not None and columns > 1
         self._tables = self._make_tables(b_dot)
 
     def over(self, steps: RadauSteps) -> None:
@@ -148,7 +152,10 @@ class RadauSweep:
         at = {k: np.ascontiguousarray(getattr(self.steps, k)[n]) for k in ("q", "v", "a", "lam")}
         self._evaluate(tables.at_node, {"t": float(self.steps.t[n]), **at})
         self._step.weigh(scheme, h)
-        self._tables = tables._replace(step=self._step.in_panels(), node=self._node.in_panels())
+        whole, small = self._step.in_panels(), self._node.in_panels()
+        self._tables = tables._replace(step=whole, node=small)
+        if self._panels:
+            self._tables = self._tables._replace(step_by_rows=by_rows(whole), node_by_rows=by_rows(small))
 
     def _evaluate(self, views: Any, operands: dict[str, Any]) -> None:
         for kind in ("jacobian", "inertia", "stiffness", "gamma_v"):
@@ -169,7 +176,11 @@ class RadauSweep:
         )
         places = loop.Node._make(np.array(entries_of(system, _operator(name))) for name in loop.Node._fields)
         numbers, by_b = _numbers(system, b_dot)
-        room = [np.zeros(shape) for n in (6 * (nq + m), nq + m) for shape in ((n, k), (n, k), (3, n, k))]
+        width = COLUMNS if self._panels else k
+        room = []
+        for n in (6 * (nq + m), nq + m):
+            solving = (3, n, k) if b_dot is None else (4, n * width)
+            room += [aligned(n, k), aligned(n, k), aligned(*solving)]
         views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), np.zeros(1)]
         at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
         return loop.Tables(
@@ -184,6 +195,7 @@ class RadauSweep:
             by_b,
             *views,
             *room,
+            *[ByRows(no_rows(), no_rows())] * 2,
         )
 
 

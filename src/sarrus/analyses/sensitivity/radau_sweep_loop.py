@@ -141,6 +141,7 @@ class Tables(NamedTuple):
     trusted : last relative change of a refined solution, up to which pivots are kept (1,)
     places : rows and columns (2, entries) of the numbers of each operator
     left_out, node_left_out : 1 for equations that others imply, parts of both values
+    step_by_rows, node_by_rows : the matrices by rows, for panels of columns forward
     """
 
     step: Any
@@ -162,6 +163,8 @@ class Tables(NamedTuple):
     node_right: Any
     node_solution: Any
     node_arranged: Any
+    step_by_rows: Any
+    node_by_rows: Any
 
 
 class Bars(NamedTuple):
@@ -347,7 +350,8 @@ def forward_step(
         subtract(beside.step[n], right)
     silence(right, nq, m, tables.left_out)
     scale(right, nq, m, h, h * h, 1.0, h)
-    if not solve_columns(tables.step, right, tables.solution, tables.arranged) <= tables.trusted[0]:
+    change = solve_columns(tables.step, tables.step_by_rows, right, tables.solution, tables.arranged)
+    if not change <= tables.trusted[0]:
         return False
     last = 4 * (nq + m)
     for k in range(nq):
@@ -465,12 +469,14 @@ def forward_node(
     if len(beside.node) > 0:
         subtract(beside.node[n], right)
     quiet(right, nq, tables.node_left_out)
-    if not solve_columns(tables.node, right, tables.node_solution, tables.node_arranged) <= tables.trusted[0]:
+    solution = tables.node_solution
+    change = solve_columns(tables.node, tables.node_by_rows, right, solution, tables.node_arranged)
+    if not change <= tables.trusted[0]:
         return False
     copy(bars.q, given.q[n])
     copy(bars.v, given.v[n])
-    copy(tables.node_solution[:nq], given.a[n])
-    copy(tables.node_solution[nq:], given.lam[n])
+    copy(solution[:nq], given.a[n])
+    copy(solution[nq:], given.lam[n])
     return True
 
 

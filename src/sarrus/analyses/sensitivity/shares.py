@@ -140,8 +140,17 @@ def entry(
     """
     places = [p.at for p in populations] if firsts is None else firsts
     tables = [_table(p, outputs, first) for p, first in zip(populations, places, strict=True)]
+    return entry_with(tables, recordings, outputs, title)
+
+
+def entry_with(
+    tables: Sequence[Array], recordings: Sequence[Recording], outputs: Sequence[str], title: str
+) -> pointer.Entry:
+    """The same with tables of one's own."""
     found = [_driver(recording, outputs, title) for recording in recordings]
-    return pointer.entry(found, tables, _signature(recordings[0], outputs, title)) if found else pointer.NONE
+    return (
+        pointer.entry(found, [*tables], _signature(recordings[0], outputs, title)) if found else pointer.NONE
+    )
 
 
 def _signature(recording: Recording, outputs: Sequence[str], title: str) -> Signature:
@@ -175,6 +184,27 @@ def _table(p: Population, outputs: Sequence[str], first: int) -> Array:
     starts = HEADER + len(outputs) + np.cumsum([0, *(len(part) for part in parts)])
     header = [p.count, starts[0], starts[1], p.at, *starts[2:-1]]
     return np.concatenate([header, *parts]).astype(np.int64)
+
+
+def own_tables(p: Population) -> Array:
+    """For every element of a population a table by itself (count, entries).
+
+    What it computes along the coordinates of its bodies, and then along its equations, is put one after another.
+    """
+    bodies, numbers = p.bodies.reshape(p.count, -1), p.at + p.kind.size() * np.arange(p.count)
+    along = [(WIDTH * slot, 1) for slot in range(p.variant.moving + bool(p.kind.rows))]
+    first = HEADER + 2
+    header = [1, first, first + bodies.shape[1], first + bodies.shape[1] + 1, 0]
+    header[4] = header[3] + 2 * p.variant.moving
+    table = [np.tile(header[:3], (p.count, 1)), numbers[:, None], np.tile(header[3:], (p.count, 1))]
+    table += [bodies, p.rows.reshape(-1, 1), np.tile(np.ravel(along), (p.count, 1))]
+    return np.concatenate(table, axis=1).astype(np.int64)
+
+
+def own_rows(p: Population, nq: int) -> Array:
+    """Which equations the results of `own_tables` belong to (count, results), those of constraints after all others."""
+    coordinates = (p.bodies.reshape(p.count, -1, 1) + np.arange(WIDTH)).reshape(p.count, -1)
+    return np.concatenate([coordinates, nq + p.rows.reshape(-1, 1) + np.arange(p.kind.rows)], axis=1)
 
 
 def _place(first: Array) -> Array:

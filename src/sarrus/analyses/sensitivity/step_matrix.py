@@ -11,11 +11,15 @@ import numpy as np
 from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ..dynamics.placed import PlacedMatrix, compiled_solver
-from . import panel_loop
+from . import columns_loop, panel_loop
 
-FUNCTIONS = ("refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "lower_upper",
-             "upper_lower", "times_flat", "times_flat_transposed", "times_arranged", "times_arranged_transposed",
-             "add", "copy", "solve_columns", "solve_plain_transposed", "solve_columns_transposed")  # fmt: skip
+FUNCTIONS = {
+    panel_loop: ("refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "upper_lower", "times_flat",
+                 "times_flat_transposed", "times_arranged_transposed", "add_flat", "add", "copy", "solve_flat",
+                 "solve_plain_transposed", "solve_columns_transposed"),
+    columns_loop: ("minus_rows", "lower_panel", "upper_panel", "solve_rest", "add_panel", "solve_panel",
+                   "solve_columns"),
+}  # fmt: skip
 
 
 class Factors(NamedTuple):
@@ -78,11 +82,12 @@ def unsigned(arrays: Iterable[Array]) -> list[Array]:
 
 @cache
 def solvers() -> dict[str, Any]:
-    """The functions of `panel_loop`, compiled."""
+    """The functions of `panel_loop` and `columns_loop`, compiled."""
     known = {
         "ASSEMBLE": compiled_solver()["ASSEMBLE"],
         "panel_ends": compiled_function(panel_loop.panel_ends),
     }
-    for name in FUNCTIONS:
-        known[name] = compiled_part(getattr(panel_loop, name), **known)
+    for source, names in FUNCTIONS.items():
+        for name in names:
+            known[name] = compiled_part(getattr(source, name), **known)
     return known

@@ -19,6 +19,7 @@ from . import block_loop, by_numbers, lanes_loop
 from . import sweep_loop as loop
 from .blocks import Blocks
 from .kernels import GROUPS
+from .lane_room import aligned
 from .step_matrix import Factors, solvers
 
 FUNCTIONS = {
@@ -26,13 +27,19 @@ FUNCTIONS = {
     block_loop: ("factors_of", "solve_lane", "solve_lane_transposed", "alike", "collect", "put", "gather", "remember",
                  "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
                  "linearize_steps", "take_defect", "linearize_rescales"),
-    loop: ("add_columns", "add_rows", "apply", "apply_transposed", "subtract", "put_adjoint", "add_gradients",
-           "forward_step", "backward_step", "forward_rescale", "backward_rescale"),
+    loop: ("add_rows", "apply", "apply_transposed", "subtract_moved", "subtract", "put_adjoint", "add_gradients",
+           "predict", "correct", "forward_step", "backward_step", "put_panel", "forward_rescale", "forward_panels",
+           "backward_rescale", "choose", "choose_gradients", "weigh_panel", "put_state", "put_node",
+           "lengthen"),
 }  # fmt: skip
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)
 NOWHERE = -1, 0, 0  # where pivots were chosen last
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
+NOTHING_GIVEN = loop.Given._make(np.zeros((0, 0, 0)) for _ in loop.Given._fields)
+NOTHING_WEIGHED = loop.Weighed(
+    NOTHING_GIVEN, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
+)
 NOTHING_MOVED = loop.Sources._make(np.zeros((0, 0, 0)) for _ in loop.Sources._fields)
 NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
 
@@ -77,10 +84,9 @@ class Sweep:
             block.left_out[:] = 0.0  # a record may tell of none
 
     def _make_work(self) -> loop.Work:
-        nq, size, k = self.system.nq, self.system.nq + self.system.m, self.columns
-        wide = [np.zeros((size, k)), np.zeros((size, k)), np.zeros((3, size, k))]
-        wide += [np.zeros((nq, k)) for _ in range(3)]
-        return loop.Work._make([*wide, np.zeros((5, size, 1)), np.zeros(1)])
+        nq, size, k = self.system.nq, self.system.nq + self.system.m, self._blocks.width
+        wide = [aligned(size, k), aligned(size, k), aligned(3, size, k), aligned(2 * nq * k), aligned(nq * k)]
+        return loop.Work._make([*wide, np.zeros((5, size, 1)), np.zeros(1), np.zeros(1, np.int64)])
 
     def bars(self, b: Array | None = None) -> loop.Bars:
         """Room for derivatives of a state and of the numbers, all zero (or by the numbers, as given)."""
@@ -129,25 +135,61 @@ class Sweep:
         kept: loop.Kept | None = None,
         sources: loop.Sources | None = None,
     ) -> None:
-        """From the start of step `first` through the steps first:last; derivatives at their ends are written.
+        """From the start of step `first` through the steps first:last, in place; derivatives at their ends are written.
 
-        `sources` are changes of the residuals (n, nq + m, k) besides those by the numbers of elements.
+        `sources` are changes of the residuals (n, nq + m, k) besides those by
+        the numbers of elements.
         """
+        besides = kept or NOTHING_KEPT, sources or NOTHING_MOVED
+        self._forward(bars, first, last, given, NOTHING_WEIGHED, *besides)
+
+    def weighed(
+        self, bars: loop.Bars, by: loop.Given, first: int, last: int, sources: loop.Sources | None = None
+    ) -> Array:
+        """The same, but given their gradients by the states at the ends of the steps, the changes of responses (r, k).
+
+        No derivatives of states are kept but those at the last end, in `bars`.
+        """
+        count, size = by.q.shape[2], 3 * self.system.nq + self.system.m
+        width, panels = self._blocks.width, -(-self.columns // self._blocks.width)
+        ends, rows = (np.zeros(n, np.uint64) for n in (count + 1, count * size))
+        weighed = loop.Weighed(by, ends, rows, np.zeros(count * size), aligned(panels, count * width))
+        self._forward(bars, first, last, NOTHING_GIVEN, weighed, NOTHING_KEPT, sources or NOTHING_MOVED)
+        return self._from_panels(weighed.total)
+
+    def _forward(self, bars: loop.Bars, first: int, last: int, *arrays: Any) -> None:
         n, stage, tried = first, loop.RESCALE, NOWHERE
         if n < last and self._shown is None:
             self._choose_pivots_at(n, n, 0.0)
+        state = self._in_panels(bars)
         while n < last:
-            n, stage = self._run(
-                "forward", n, last, stage, bars, given, kept or NOTHING_KEPT, sources or NOTHING_MOVED
-            )
+            n, stage = self._run("forward", n, last, stage, state, *arrays)
             if n < last:
                 tried = self._choose_pivots(n, stage, tried)
+        ends = np.cumsum([len(x) for x in _state(bars)])[:-1]
+        for x, own in zip(_state(bars), np.split(self._from_panels(state), ends), strict=True):
+            x[:] = own
+
+    def _in_panels(self, bars: loop.Bars) -> Array:
+        """The derivatives of q, v, a, λ and x of a panel one after another; those missing in the last are zero."""
+        rows, width = np.concatenate(_state(bars)), self._blocks.width
+        found = aligned(-(-self.columns // width), len(rows) * width)
+        for p, panel in enumerate(found.reshape(-1, len(rows), width)):
+            own = rows[:, p * width : (p + 1) * width]
+            panel[:, : own.shape[1]] = own
+        return found
+
+    def _from_panels(self, found: Array) -> Array:
+        """Rows with all columns."""
+        panels, width = len(found), self._blocks.width
+        rows = found.reshape(panels, -1, width).swapaxes(0, 1).reshape(-1, panels * width)
+        return rows[:, : self.columns]
 
     def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         blocks = self._blocks
         found = _compiled()[name](
-            self.steps.scheme, blocks.entries, self.b, self.record, n, to, stage, self._shown, blocks.steps,
-            blocks.rescales, self._work, *arrays,
+            self.steps.scheme, blocks.entries, self.b, self.record, n, to, stage, self._shown, blocks.by_rows,
+            blocks.steps, blocks.rescales, self._work, *arrays,
         )  # fmt: skip
         return int(found[0]), int(found[1])
 
@@ -174,6 +216,11 @@ class Sweep:
         weigh(matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
         self._shown = self._blocks.arrange()
         self._work.trusted[0] = TRUSTED[0]
+
+
+def _state(bars: loop.Bars) -> tuple[Array, ...]:
+    """In the order of a panel."""
+    return bars.q, bars.v, bars.a, bars.lam, bars.x
 
 
 def _record(steps: Steps) -> block_loop.Record:

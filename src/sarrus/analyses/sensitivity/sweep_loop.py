@@ -6,7 +6,8 @@ J = [M + β'K + γ'C, Φ_qᵀ; Φ_q, 0], K = (M a)_q + (Φ_qᵀλ)_q - Q_q - S_q
     J [a₁'; λ₁'] = -[R_b b' + K q* + C v*; (Φ_b b' + Φ_q q*) / β']
 
 where q*, v* are the changes of q₁, v₁ with a₁ held; the adjoint solves with Jᵀ. Columns (of the numbers, or of
-responses) are handled together: vectors here are arrays (n, columns). Step lengths are data. All but these solutions
+responses) are handled together: vectors are arrays (n, columns) backwards; forwards, where there may be many, panel
+after panel (`columns_loop`), each all of its rows, or a single column. Step lengths are data. All but these solutions
 and products is done for a block of steps at once: `block_loop`.
 """
 
@@ -16,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit.lanes import fill, load, plus_product, store
 from ..._jit.vector import LANES
 from .block_loop import (
     finish,
@@ -25,35 +27,40 @@ from .block_loop import (
     solve_lane_transposed,
     solved_rows,
 )
+from .columns_loop import minus_rows
 from .panel_loop import add, copy
 
 weights_of: Any = None  # of `dynamics.alpha_loop`, put in place when this is compiled
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 ONE: Any = np.uint64(1)
+TWO: Any = np.uint64(2)
 # Relative change of a solution by its refinement up to which the others of a block are not refined; with schemes that
 # damp round-off in multipliers: γ - ½ beyond a limit, which is (1 - ρ) / (1 + ρ) where steps leave ρ of it
 PLAIN, DAMPS = 1e-12, 0.02
 
 
 class Work(NamedTuple):
-    """Vectors with columns: of the unknowns (nq + m), and of coordinates; of the unknowns with a single one.
+    """Vectors of the unknowns (nq + m, width); of the unknowns with a single column.
 
-    room : of three vectors with columns, for `solve_columns`
+    width : of all columns backwards, of a panel forwards
+    room : of three vectors of the unknowns, to solve with
+    moved, x : forwards, what q and v (2 nq * width), and x, would be without the change of a₁
     trusted : the last relative change of a solution, up to which the order of the pivots is kept
+    done : forwards, how many panels have made the step, or the change of its size, that is next
     """
 
     right: Any
     solution: Any
     room: Any
-    q: Any
-    v: Any
+    moved: Any
     x: Any
     single: Any
     trusted: Any
+    done: Any
 
 
 class Bars(NamedTuple):
-    """Derivatives with respect to the state (backward), or of it (forward), and to the numbers b; all with columns."""
+    """Derivatives with respect to the state (backward), or of the first one (forward), and to the numbers b."""
 
     q: Any
     v: Any
@@ -90,7 +97,7 @@ class Sources(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Per node what the sweep takes or gives: gradients of responses (backward), or room for derivatives (forward)."""
+    """Per node gradients of responses, which a sweep takes, or room for derivatives, which one forward gives."""
 
     q: Any
     v: Any
@@ -98,22 +105,34 @@ class Given(NamedTuple):
     lam: Any
 
 
-def apply(block: Any, lane: Any, q: Any, v: Any, out: Any) -> None:
-    """Out = P [q; v], the product of a lane with columns."""
-    numbers, none = block.turned[lane, block.cuts[2] :], np.uint64(0)
+class Weighed(NamedTuple):
+    """Forwards, the change of responses, so that no derivatives of states need be kept; or none.
+
+    by : their gradients by the states
+    ends, rows, values : those of one node that are not zero: where each response's begin and end; room
+    total : (panels, responses * width)
+    """
+
+    by: Any
+    ends: Any
+    rows: Any
+    values: Any
+    total: Any
+
+
+def apply(block: Any, lane: Any, x: Any, right: Any) -> None:
+    """Right = P x, the product of a lane with changes of q and v, one after another."""
+    product, numbers = block.product, block.turned[lane, block.cuts[2] :]
+    out = right.reshape(right.shape[0] * right.shape[1])
     out[:] = 0.0
-    add_columns(block.product, numbers, none, q, out)
-    add_columns(block.product, numbers, np.uint64(q.shape[0]), v, out)
-
-
-def add_columns(product: Any, numbers: Any, first: Any, x: Any, out: Any) -> None:
-    """Out += A x for columns of P from `first` on (n, k)."""
-    indptr, indices, width = product.indptr, product.indices, x.shape[1]
-    for j in range(np.uint64(x.shape[0])):
-        for entry in range(indptr[first + j], indptr[first + j + ONE]):
-            value, row = numbers[entry], indices[entry]
-            for c in range(width):
-                out[row, c] += value * x[j, c]
+    if right.shape[1] == 1:
+        for j in range(np.uint64(len(x))):
+            for entry in range(product.indptr[j], product.indptr[j + ONE]):
+                out[product.indices[entry]] -= numbers[entry] * x[j]
+    else:
+        minus_rows(product.rows, numbers, x, out)
+    for k in range(len(out)):
+        out[k] = -out[k]
 
 
 def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
@@ -134,52 +153,71 @@ def add_rows(product: Any, numbers: Any, first: Any, y: Any, out: Any) -> None:
             out[j, c] = total
 
 
+def predict(scheme: Any, h: Any, own: Any, work: Any) -> None:
+    """The changes of q, v and x at the end of a step, if that of a₁ were zero."""
+    size = len(work.x)
+    q, v, a, x = own[:size], own[size : 2 * size], own[2 * size : 3 * size], own[len(own) - size :]
+    share_m, share_f = scheme.alpha_m / (1.0 - scheme.alpha_m), scheme.alpha_f / (1.0 - scheme.alpha_m)
+    new_q, new_v, new_x = work.moved[:size], work.moved[size:], work.x
+    for k in range(size):
+        new_x[k] = share_f * a[k] - share_m * x[k]
+    for k in range(size):
+        new_v[k] = v[k] + h * ((1.0 - scheme.gamma) * x[k] + scheme.gamma * new_x[k])
+    for k in range(size):
+        new_q[k] = q[k] + h * v[k] + h * h * ((0.5 - scheme.beta) * x[k] + scheme.beta * new_x[k])
+
+
+def correct(change: Any, beta: Any, gamma: Any, kappa: Any, own: Any, work: Any) -> None:
+    """Put the change of the state at the end of the step in place of that at its start."""
+    size = len(work.x)
+    q, v, x = own[:size], own[size : 2 * size], own[len(own) - size :]
+    new_q, new_v, new_x = work.moved[:size], work.moved[size:], work.x
+    for k in range(size):
+        q[k] = beta * change[k] + new_q[k]
+    for k in range(size):
+        v[k] = gamma * change[k] + new_v[k]
+    for k in range(size):
+        x[k] = kappa * change[k] + new_x[k]
+    rest = own[2 * size : len(own) - size]
+    for k in range(len(rest)):
+        rest[k] = change[k]
+
+
 def forward_step(
-    scheme: Any, record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, sources: Any
-) -> Any:
-    """The change of the state over step n; false if pivots must be renewed."""
+    scheme: Any, record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, sources: Any
+) -> Any:  # fmt: skip
+    """The change of the state of a panel p over step n; false if pivots must be renewed."""
     lane, h, kappa = block.used[1], record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
-    nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
-    share_m, share_f = scheme.alpha_m / (1.0 - scheme.alpha_m), scheme.alpha_f / (1.0 - scheme.alpha_m)
-    for k in range(nq):
-        for c in range(width):
-            x0 = bars.x[k, c]
-            x = share_f * bars.a[k, c] - share_m * x0
-            work.x[k, c] = x
-            work.q[k, c] = (
-                bars.q[k, c] + h * bars.v[k, c] + h * h * ((0.5 - scheme.beta) * x0 + scheme.beta * x)
-            )
-            work.v[k, c] = bars.v[k, c] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x)
-    right = work.right
-    apply(block, lane, work.q, work.v, right)
-    for c in range(width):
-        for k in range(nq):
-            right[k, c] -= block.by_q[c, k * LANES + lane]
-        for k in range(m):
-            right[nq + k, c] = -(right[nq + k, c] + block.by_rows[c, k * LANES + lane]) / beta
-    subtract(sources.step, n, right)
+    right, size = work.right, len(work.x)
+    predict(scheme, h, own, work)
+    apply(block, lane, work.moved, right)
+    flat = right.reshape(right.shape[0] * right.shape[1])
+    for k in range(size, len(flat)):
+        flat[k] *= -1.0 / beta
+    subtract_moved(block.moved, lane, p, size, 1.0 / beta, flat)
+    subtract(sources.step, n, p, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(matrix, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
-    for k in range(nq):
-        for c in range(width):
-            change = work.solution[k, c]
-            bars.a[k, c] = change
-            bars.x[k, c] = kappa * change + work.x[k, c]
-            bars.v[k, c] = gamma * change + work.v[k, c]
-            bars.q[k, c] = beta * change + work.q[k, c]
-    copy(work.solution[nq:], bars.lam)
-    block.used[1] += 1
+    correct(work.solution.reshape(len(flat)), beta, gamma, kappa, own, work)
     return True
 
 
-def subtract(sources: Any, n: Any, right: Any) -> None:
-    """Right -= sources of step n (n, nq + m, columns), if there are any."""
+def subtract_moved(moved: Any, lane: Any, p: Any, below: Any, weight: Any, right: Any) -> None:
+    """Right -= what the changes of the numbers do in a lane, with a weight of places from `below` on."""
+    for k in range(moved.ends[p], moved.ends[p + 1]):
+        at = moved.places[k]
+        right[at] -= moved.results[k * LANES + lane] * (1.0 if at < below else weight)
+
+
+def subtract(sources: Any, n: Any, p: Any, right: Any) -> None:
+    """Right -= sources of step n (n, nq + m, columns) for panel p, if there are any."""
     if len(sources) > 0:
+        first = p * right.shape[1]
         for k in range(right.shape[0]):
-            for c in range(right.shape[1]):
-                right[k, c] -= sources[n, k, c]
+            for c in range(min(right.shape[1], sources.shape[2] - first)):
+                right[k, c] -= sources[n, k, first + c]
 
 
 def backward_step(
@@ -235,28 +273,49 @@ def put_adjoint(block: Any, lane: Any, mu: Any, sign: Any) -> None:
 
 
 def forward_rescale(
-    record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
-) -> Any:
-    """The change of the velocities by the new step size of step n; false if pivots must be renewed."""
-    lane, right = block.used[1], work.right
-    nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
-    apply(block, lane, bars.q, bars.v, right)
-    for c in range(width):
-        for k in range(nq):
-            right[k, c] -= block.by_q[c, k * LANES + lane]
-        for k in range(m):
-            right[nq + k, c] -= block.by_rows[c, k * LANES + lane]
-    subtract(sources.rescale, n, right)
+    record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, kept: Any, sources: Any
+) -> Any:  # fmt: skip
+    """The change of the velocities of a panel p by the new step size of step n; false if pivots must be renewed."""
+    lane, right, size = block.used[1], work.right, len(work.x)
+    apply(block, lane, own[: 2 * size], right)
+    subtract_moved(block.moved, lane, p, size, 1.0, right.reshape(right.shape[0] * right.shape[1]))
+    subtract(sources.rescale, n, p, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(matrix, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
     if len(kept.rescale) > 0:
-        copy(work.solution, kept.rescale[n])
-    for k in range(nq):
-        for c in range(width):
-            bars.v[k, c] -= record.removed[n] * work.solution[k, c]
+        put_panel(work.solution, p, kept.rescale[n])
+    v, change = own[size : 2 * size], work.solution.reshape(right.shape[0] * right.shape[1])
+    for k in range(size):
+        v[k] -= record.removed[n] * change[k]
+    return True
+
+
+def forward_panels(
+    stage: Any, scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any,
+    kept: Any, sources: Any,
+) -> Any:  # fmt: skip
+    """Step n, or the change of its size, of all panels that have not made it; false if pivots must be renewed."""
+    while work.done[0] < len(state):
+        p, fine = work.done[0], False
+        if stage == STEP:
+            fine = forward_step(scheme, record, n, p, matrix, by_rows, block, work, state[p], sources)
+        else:
+            fine = forward_rescale(record, n, p, matrix, by_rows, block, work, state[p], kept, sources)
+        if not fine:
+            return False
+        work.done[0] += 1
+    work.done[0] = 0
     block.used[1] += 1
     return True
+
+
+def put_panel(panel: Any, p: Any, out: Any) -> None:
+    """The columns of panel p in their place (n, columns)."""
+    first = p * panel.shape[1]
+    for k in range(out.shape[0]):
+        for c in range(min(panel.shape[1], out.shape[1] - first)):
+            out[k, first + c] = panel[k, c]
 
 
 def backward_rescale(
@@ -300,8 +359,8 @@ def add_gradients(given: Any, row: Any, bars: Any) -> None:
 
 
 def backward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any, steps: Any,
-    rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any, by_rows: Any,
+    steps: Any, rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the end of step n to the start of step `first`; returns (n, stage) of what needs new pivots.
 
@@ -323,7 +382,7 @@ def backward(
         if record.removed[n] != 0.0:
             if rescales.used[1] == rescales.used[0]:
                 finish(b, record, rescales)
-                if not linearize_rescales(entries, b, record, n, first, -1, matrix, rescales, work):
+                if not linearize_rescales(entries, b, record, n, first, -1, matrix, by_rows, rescales, work):
                     break
             if not backward_rescale(record, n, matrix, rescales, work, bars, kept, sources):
                 break
@@ -339,39 +398,104 @@ def backward(
     return n, stage
 
 
+def choose_gradients(weighed: Any, row: Any) -> None:
+    """Of the gradients of responses by the state of one node those that are not zero."""
+    by, count, nq = weighed.by, 0, weighed.by.q.shape[1]
+    for r in range(by.q.shape[2]):
+        count = choose(by.q[row], r, 0, weighed, count)
+        count = choose(by.v[row], r, nq, weighed, count)
+        count = choose(by.a[row], r, 2 * nq, weighed, count)
+        count = choose(by.lam[row], r, 3 * nq, weighed, count)
+        weighed.ends[r + 1] = count
+
+
+def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
+    """Of those by one kind of states, which begin at a row; how many there are then."""
+    for k in range(gradient.shape[0]):
+        value = gradient[k, r]
+        if value != 0.0:
+            weighed.rows[count], weighed.values[count] = first + k, value
+            count += 1
+    return count
+
+
+def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
+    """Add the change of responses by that of the state of panel p."""
+    total = weighed.total[p]
+    for r in range(np.uint64(len(weighed.ends) - 1)):
+        first, last = weighed.ends[r], weighed.ends[r + ONE]
+        if width == 1:
+            for k in range(first, last):
+                total[r] += weighed.values[k] * own[weighed.rows[k]]
+        else:
+            a, b = load(total, r * TWO), load(total, r * TWO + ONE)
+            for k in range(first, last):
+                value, row = fill(weighed.values[k]), weighed.rows[k] * TWO
+                a, b = (
+                    plus_product(a, value, load(own, row)),
+                    plus_product(b, value, load(own, row + ONE)),
+                )
+            store(total, r * TWO, a)
+            store(total, r * TWO + ONE, b)
+
+
+def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any) -> None:
+    """What is asked for at a node: derivatives of its state, or what they do to responses."""
+    if len(weighed.by.q) > 0:
+        choose_gradients(weighed, row)
+    for p in range(len(state)):
+        if len(weighed.by.q) > 0:
+            weigh_panel(weighed, p, width, state[p])
+        if len(given.q) > 0:
+            put_state(state[p], p, nq, width, given, row)
+
+
+def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> None:
+    """The derivatives of a state in panel p in their place."""
+    size = nq * width
+    put_panel(own[:size].reshape(nq, width), p, given.q[row])
+    put_panel(own[size : 2 * size].reshape(nq, width), p, given.v[row])
+    put_panel(own[2 * size : 3 * size].reshape(nq, width), p, given.a[row])
+    m = given.lam.shape[1]
+    put_panel(own[3 * size : 3 * size + m * width].reshape(m, width), p, given.lam[row])
+
+
+def lengthen(ratio: Any, size: Any, state: Any) -> None:
+    """x follows the step size."""
+    for p in range(len(state)):
+        a, x = state[p, 2 * size : 3 * size], state[p, state.shape[1] - size :]
+        for k in range(size):
+            x[k] = a[k] + ratio * (x[k] - a[k])
+
+
 def forward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, stage: Any, matrix: Any, steps: Any,
-    rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
+    scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, stage: Any, matrix: Any, by_rows: Any,
+    steps: Any, rescales: Any, work: Any, state: Any, given: Any, weighed: Any, kept: Any, sources: Any,
 ) -> Any:  # fmt: skip
     """From the start of step n to that of step `last`; returns (n, stage) of what needs new pivots.
 
-    `given` takes the derivatives, one row for each step.
+    `state` are the derivatives of q, v, a, λ and x in panels (panels, (4 nq + m) width). `given` takes them, a row for
+    each step; of gradients in `weighed` there is one row for each, too.
     """
-    start = last - len(given.q)
+    start, nq, width = last - max(len(given.q), len(weighed.by.q)), record.q.shape[1], work.right.shape[1]
     steps.used[:], rescales.used[:] = 0, 0
+    with_columns = work, state, kept, sources
     while n < last:
         if stage == RESCALE:
             if record.removed[n] != 0.0:
                 if rescales.used[1] == rescales.used[0] and not linearize_rescales(
-                    entries, b, record, n, last - 1, 1, matrix, rescales, work
+                    entries, b, record, n, last - 1, 1, matrix, by_rows, rescales, work
                 ):
                     break
-                if not forward_rescale(record, n, matrix, rescales, work, bars, kept, sources):
+                if not forward_panels(RESCALE, scheme, record, n, matrix, by_rows, rescales, *with_columns):
                     break
             if n > 0 and record.h[n] != record.h[n - 1]:
-                ratio = record.h[n] / record.h[n - 1]
-                for k in range(bars.x.shape[0]):
-                    for c in range(bars.x.shape[1]):
-                        bars.x[k, c] = bars.a[k, c] + ratio * (bars.x[k, c] - bars.a[k, c])
+                lengthen(record.h[n] / record.h[n - 1], nq * width, state)
             stage = STEP
         if steps.used[1] == steps.used[0]:
             linearize_steps(scheme, entries, b, record, n, last - 1, 1, matrix, steps)
-        if not forward_step(scheme, record, n, matrix, steps, work, bars, sources):
+        if not forward_panels(STEP, scheme, record, n, matrix, by_rows, steps, *with_columns):
             break
-        row = n - start
-        copy(bars.q, given.q[row])
-        copy(bars.v, given.v[row])
-        copy(bars.a, given.a[row])
-        copy(bars.lam, given.lam[row])
+        put_node(n - start, nq, width, state, given, weighed)
         n, stage = n + 1, RESCALE
     return n, stage

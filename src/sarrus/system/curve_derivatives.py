@@ -192,7 +192,7 @@ class CurveDerivatives:
         """Recorded expressions (wanted, elements, nt) of all elements of a population."""
         inputs, shape = self._inputs(p, b, memory, operands), (p.count, *operands["t"].shape)
         found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
-        return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(-1, *shape)
+        return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(len(found), *shape)
 
     def _inputs(
         self, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]

@@ -32,7 +32,31 @@ def test_influences_are_ranked_and_drawn(tmp_path: Path, capsys: pytest.CaptureF
     assert found["responses"]["slider.x"]["ranked"][:3] == direct.ranked()[:3]
 
 
+def test_values_of_an_option_that_stands_twice_add_up(capsys: pytest.CaptureFixture[str]) -> None:
+    twice = [
+        "--response",
+        "slider.x",
+        "--response",
+        "slider.velocity.x",
+        "--wrt",
+        "spring.k",
+        "--wrt",
+        "rod.mass",
+    ]
+    assert main(["sensitivity", CRANK, *SHORT, *twice, "--json", "-q"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (list(found["responses"]), found["names"]) == (
+        ["slider.x", "slider.velocity.x"], ["spring.k", "rod.mass"],
+    )  # fmt: skip
+
+
+def test_a_response_that_is_no_number_is_an_answer_with_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sensitivity", CRANK, *SHORT, "--response", "sqrt(slider.x - 100)", "-q"]) == 1
+    assert "is nan: its output leaves where it is defined" in capsys.readouterr().out
+
+
 MISUSE = [
+    ("--response 3", "names no output of the motion"),
     ("--response slider.w", "no output 'slider.w'"),
     ("--response slider.x --wrt spring.kk", "no number 'spring.kk'"),
     ("--response max(max(slider.x))", "a reduction in a reduction"),

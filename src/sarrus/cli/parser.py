@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Container
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 VERBS = {
     "demo": "assemble, check, simulate and plot the shipped slider-crank",
@@ -42,7 +42,13 @@ class Misuse(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, like everything else."""
+    """Says what is wrong in one sentence, like everything else; an option of several values may stand several times."""
+
+    def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
+        """The same, but that values of a second ``--response`` are added to those of the first."""
+        if options.get("nargs") == "+":
+            options.setdefault("action", "extend")
+        return super().add_argument(*names, **options)
 
     def error(self, message: str) -> NoReturn:
         """Raise the sentence, with the way to the help."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+import numpy as np
+
 from . import model_file, shared
 from .answer import Answer
 from .values import natural, refuse_unwritable
@@ -53,14 +55,15 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
     problem = Problem(system, wanted, chosen.wrt, until=chosen.until, **settings)
     try:
-        found = problem.gradient(problem.x0)
+        with np.errstate(invalid="ignore", divide="ignore"):  # what comes of it is told below
+            found = problem.gradient(problem.x0)
     except Infeasible as trouble:
         answer.say(trouble)
         answer.put(model=system.name, message=str(trouble))
         return 1
     for row in range(len(found.responses)):
         answer.say(found.table(row, chosen.most))
-    answer.put(model=system.name, message=f"{len(found.responses)} responses by {len(found.names)} numbers")
+    answer.put(model=system.name, message=f"responses: {len(found.responses)}, numbers: {len(found.names)}")
     answer.put(names=found.names, at=found.at)
     answer.put(
         responses={

@@ -34,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--until", type=positive, metavar="T", help="simulate to this time [s] and play the motion"
     )
     parser.add_argument(
-        "--trace", nargs="+", default=(), metavar="BODY", help="draw the paths of these bodies"
+        "--trace", nargs="+", default=[], metavar="BODY", help="draw the paths of these bodies"
     )
     parser.add_argument("--names", action="store_true", help="begin with the names of bodies shown")
     parser.add_argument(

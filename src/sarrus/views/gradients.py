@@ -32,7 +32,8 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
         lines.append(f"  and {len(ranked) - most} more of less influence")
     if undefined:
         told = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
-        lines.append(f"  {len(undefined)} have no derivative, see Gradient.undefined: {told}")
+        many = "has" if len(undefined) == 1 else "have"
+        lines.append(f"  {len(undefined)} {many} no derivative, see Gradient.undefined: {told}")
     return "\n".join(lines)
 
 
@@ -47,6 +48,7 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     names = [name for name in found.ranked(response) if found.at[found.names.index(name)]][:most][::-1]
     influences = found.influences(response)
     changes = [influences[found.names.index(name)] for name in names]
+    ax.set_axisbelow(True)
     ax.barh(names, changes, color=[BLUE if change >= 0 else ORANGE for change in changes])
     ax.axvline(0, color=GREY, linewidth=0.8)
     ax.set_xlabel(f"change of {found.responses[response]} for 1 % more")
@@ -93,6 +95,7 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     ax.plot(count, values, color=BLUE, linewidth=1.2)
     faces = [BLUE if gap <= HOLLOW else "white" for gap in short]
     ax.scatter(count, values, color=faces, edgecolors=BLUE, s=16, zorder=3)
+    ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("simulation")
     ax.set_ylabel("objective", color=BLUE)
     if values.min() > 0 and values.max() > DECADES * values.min():

@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..algebra import Array
+from .trajectory import place_of
+
+SHOWN = 8  # names that an error lists
+
+
+def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
+    """Which of the numbers is meant; of a vector, which ones."""
+    if name in names:
+        return names.index(name)
+    found = [k for k, own in enumerate(names) if own.startswith(f"{name}.")]
+    if not found:
+        more = ", ..." if len(names) > SHOWN else ""
+        raise KeyError(
+            f"no {what} with respect to {name!r}; there are those to {', '.join(names[:SHOWN])}{more}"
+        )
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,20 +51,25 @@ class Gradient:
         missing = np.isnan(self.matrix).any(axis=0)
         return tuple(self.names[k] for k in np.flatnonzero(missing))
 
-    def __getitem__(self, name: str) -> float | Array:
-        """The derivative with respect to a number, ``g["spring.k"]``; of several responses, an array (r,).
+    def __getitem__(self, name: str | tuple[str, str]) -> float | Array:
+        """The derivative with respect to a number, ``g["spring.k"]``, or to a vector's three, ``g["pin.point"]``.
+
+        Of several responses an array with one row for each; ``g["final of slider.x", "spring.k"]`` is that of one.
 
         Raises
         ------
         KeyError
             If it was not asked for.
         """
-        if name not in self.names:
-            raise KeyError(
-                f"no derivative with respect to {name!r}; there are those to {', '.join(self.names[:8])} ..."
-            )
-        column = self.matrix[:, self.names.index(name)]
-        return float(column[0]) if len(column) == 1 else column
+        response, number = (None, name) if isinstance(name, str) else name
+        found = self.matrix[:, _places(number, self.names, "derivative")]
+        if response is not None:
+            if response not in self.responses:
+                raise KeyError(f"no response {response!r}; there are {', '.join(self.responses)}")
+            found = found[self.responses.index(response)]
+        elif len(found) == 1:
+            found = found[0]
+        return found if np.ndim(found) else float(found)
 
     @property
     def value(self) -> float:
@@ -93,6 +115,7 @@ class StateDerivatives:
     t : (n,) [s]
     q_b, v_b, a_b : (n, nq, p)
     lam_b : (n, m, p)
+    coordinates : their names, in the order of q_b
     """
 
     names: tuple[str, ...]
@@ -101,6 +124,20 @@ class StateDerivatives:
     v_b: Array = field(repr=False)
     a_b: Array = field(repr=False)
     lam_b: Array = field(repr=False)
+    coordinates: tuple[str, ...] = field(repr=False, default=())
+
+    def __getitem__(self, pair: tuple[str, str]) -> Array:
+        """Derivatives of a coordinate by a number over time (n,), ``d["slider.x", "spring.k"]``; by a vector (n, 3).
+
+        Raises
+        ------
+        KeyError
+            For an unknown coordinate, and a number that was not asked for.
+        """
+        if isinstance(pair, str):
+            raise KeyError(f'a coordinate and a number are needed, d["slider.x", "{pair}"]')
+        row = place_of(pair[0], self.coordinates, "the run")
+        return np.asarray(self.q_b[:, row][:, _places(pair[1], self.names, "derivatives")])
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +155,8 @@ class Hessian:
     names: tuple[str, ...]
     matrix: Array = field(repr=False)
 
-    def __getitem__(self, pair: tuple[str, str]) -> float:
-        """One entry, ``H["spring.k", "rod.mass"]``.
+    def __getitem__(self, pair: tuple[str, str]) -> float | Array:
+        """One entry, ``H["spring.k", "rod.mass"]``, or those of a vector's three, ``H["pin.point", "rod.mass"]``.
 
         Raises
         ------
@@ -128,12 +165,9 @@ class Hessian:
         """
         if isinstance(pair, str):
             raise KeyError(f'two names are needed, H["{pair}", "{pair}"]')
-        for name in pair:
-            if name not in self.names:
-                told = f"no second derivatives with respect to {name!r}"
-                raise KeyError(f"{told}; there are those to {', '.join(self.names[:8])} ...")
-        row, column = (self.names.index(name) for name in pair)
-        return float(self.matrix[row, column])
+        row, column = (_places(name, self.names, "second derivatives") for name in pair)
+        found = self.matrix[row][..., column]
+        return found if np.ndim(found) else float(found)
 
     def __str__(self) -> str:
         width = max(12, *map(len, self.names)) + 2

@@ -104,7 +104,8 @@ def state_derivatives(
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     refuse(run.system, steps, parameters)
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
-    return StateDerivatives(tuple(parameters.names), steps.t, found.q, found.v, found.a, found.lam)
+    states = found.q, found.v, found.a, found.lam
+    return StateDerivatives(tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names)
 
 
 def hessian_product(

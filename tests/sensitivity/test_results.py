@@ -1,0 +1,49 @@
+"""Derivatives by name: of a number, of a vector's three, of one response of several, of a coordinate over time."""
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+
+WRT = ["spring.k", "pin.point"]
+
+
+@pytest.fixture(scope="module")
+def run() -> sr.Trajectory:
+    return sr.simulate(slider_crank(), until=0.05, keep_steps=True)
+
+
+def test_gradients_of_vectors_and_of_one_response(run: sr.Trajectory) -> None:
+    both = sr.sensitivity(run, ["slider.x", "slider.velocity.x"], WRT)
+    assert np.array_equal(both["pin.point"], both.matrix[:, 1:])
+    assert np.array_equal(both["final of slider.velocity.x", "pin.point"], both.matrix[1, 1:])
+    assert both["final of slider.x", "spring.k"] == both.matrix[0, 0]
+    one = sr.sensitivity(run, "slider.x", WRT)
+    assert np.array_equal(one["pin.point"], both.matrix[0, 1:])
+    with pytest.raises(KeyError, match=r"no response 'slider.x'; there are final of slider\.x"):
+        both["slider.x", "spring.k"]
+    with pytest.raises(KeyError, match=r"no derivative with respect to 'pin'; there are those to spring\.k"):
+        sr.sensitivity(run, "slider.x", ["spring.k"])["pin"]
+
+
+def test_second_derivatives_of_vectors(run: sr.Trajectory) -> None:
+    bend = sr.hessian(run, "slider.x", WRT)
+    assert np.array_equal(bend["pin.point", "spring.k"], bend.matrix[1:, 0])
+    assert np.array_equal(bend["spring.k", "pin.point"], bend.matrix[0, 1:])
+    assert np.array_equal(bend["pin.point", "pin.point"], bend.matrix[1:, 1:])
+    assert bend["spring.k", "pin.point.y"] == bend.matrix[0, 2]
+
+
+def test_states_over_time_by_name(run: sr.Trajectory) -> None:
+    found = sr.state_derivatives(run, WRT)
+    at = run.coordinate_names.index("slider.r.x")
+    assert np.array_equal(found["slider.x", "spring.k"], found.q_b[:, at, 0])
+    assert found["slider.x", "pin.point"].shape == (len(found.t), 3)
+    assert found["slider.x", "spring.k"][-1] == pytest.approx(
+        sr.sensitivity(run, "slider.x", WRT)["spring.k"]
+    )
+    with pytest.raises(KeyError, match=r"no coordinate 'slidr\.x'"):
+        found["slidr.x", "spring.k"]
+    with pytest.raises(KeyError, match="a coordinate and a number are needed"):
+        found["spring.k"]

@@ -153,7 +153,8 @@ class Pieces:
     @property
     def restitutions(self) -> dict[str, float]:
         """Those of the impacts, by the names that derivatives take."""
-        return restitutions_of(self.turns)
+        struck = (turn for turn in self.turns if turn.restitution is not None)
+        return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
 
     @property
     def b(self) -> Array:
@@ -183,12 +184,6 @@ class Pieces:
 
 
 Kind = TypeVar("Kind", bound=StepsTaken)
-
-
-def restitutions_of(turns: Sequence[Turn]) -> dict[str, float]:
-    """Those of the impacts among some events, by the names that derivatives take."""
-    struck = (turn for turn in turns if turn.restitution is not None)
-    return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
 
 
 def until(steps: StepsTaken, t: float) -> StepsTaken:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -71,6 +71,29 @@ class Event:
         if isinstance(self.reset, Impact) and not (self.reset.along or isinstance(self.function, str)):
             raise ValueError('the Impact of a Python function needs a direction: Impact(0.5, along="ball.z")')
 
+    @property
+    def title(self) -> str:
+        """Its name, also where none was given."""
+        own = self.function if isinstance(self.function, str) else getattr(self.function, "__name__", "event")
+        return self.name or own
+
+
+def restitutions_of(events: Sequence[Event]) -> dict[str, float]:
+    """Those of the impacts among some events, by the names that derivatives take."""
+    found = {event.title: event.reset for event in events}
+    return {f"{n}.restitution": float(x.restitution) for n, x in found.items() if isinstance(x, Impact)}
+
+
+def with_restitutions(events: Sequence[Event], values: Mapping[str, float]) -> list[Event]:
+    """The events with other restitutions, by name."""
+    return [_struck(event, values.get(f"{event.title}.restitution")) for event in events]
+
+
+def _struck(event: Event, restitution: float | None) -> Event:
+    if restitution is None or not isinstance(event.reset, Impact):
+        return event
+    return replace(event, reset=replace(event.reset, restitution=restitution))
+
 
 class Output:
     """A formula of a system's coordinates and joint coordinates, with its exact gradient.
@@ -135,11 +158,7 @@ class Watch:
         self.function: Any = (
             Output(system, event.function) if isinstance(event.function, str) else event.function
         )
-        self.name: str = event.name or (
-            event.function
-            if isinstance(event.function, str)
-            else getattr(event.function, "__name__", "event")
-        )
+        self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
         self.output: Any = Output(system, along) if along else self.function
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, Output)]

@@ -69,7 +69,7 @@ def optimize(
     seed : of the random designs
     executor : of ``concurrent.futures``, which runs the starts beside one another
     progress : called with the number of the simulation and the objective
-    settings : ``method``, ``rtol``, ``atol`` and ``time_limit`` of the simulations, see `Problem`
+    settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
 
     Returns
     -------
@@ -168,9 +168,8 @@ def _from_many(
         problem.system.model,
         (problem.given, list(problem.names), problem.design, problem.formula),
     )
-    waiting = [
-        executor.submit(_elsewhere, task, model, plan, problem.settings, variables, x) for x in designs
-    ]
+    settings = problem.settings | {"memory": problem.memory}
+    waiting = [executor.submit(_elsewhere, task, model, plan, settings, variables, x) for x in designs]
     return [one for future in waiting if (one := future.result()) is not None]
 
 

@@ -7,26 +7,31 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ...algebra import Array
 from ...model import SarrusError
-from ...results import Gradient, Trajectory
+from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..assembly import assemble
 from ..assembly_derivatives import NoDerivative
-from ..dynamics import HHT, GeneralizedAlpha, Radau, simulate
+from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
+from ..dynamics.events import restitutions_of, with_restitutions
+from ..dynamics.stepper import Trouble
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
-from ..sensitivity.derivatives import UndefinedResponse, own_parts, refuse_undefined, sensitivity
+from ..sensitivity.checkpoints import LongTask
+from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
+from ..sensitivity.sampling import NotThere
 from ..sensitivity.undefined import refuse
 from .combined import Outer, Part
 
+Kind = TypeVar("Kind")
 KEPT = 3  # designs whose simulations are remembered
 LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
 
@@ -48,6 +53,10 @@ class Problem:
     formula : the function that gives numbers of the model from them; differentiated exactly
     method : `HHT` (the default), `GeneralizedAlpha`, or `Radau`, whose values scatter least from design to design
     rtol, atol, max_step : tolerances and longest step of the simulation
+    events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
+        run lacks an event or a time of a response counts as one that cannot be simulated
+    memory : for kept states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are kept. Values
+        and gradients are all that there is then
     time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
         took, 10 s at least
 
@@ -81,19 +90,25 @@ class Problem:
         rtol: float = 1e-6,
         atol: float = 1e-8,
         max_step: float = np.inf,
+        events: Event | Sequence[Event] = (),
+        memory: float | None = None,
         time_limit: float | None = None,
     ) -> None:
         self.system, self.given, self.outer = system, responses, Outer(responses)
         self.design, self.formula = design, formula
-        self.settings = {
+        self.settings: dict[str, Any] = {
             "method": method,
             "until": float(until),
             "rtol": rtol,
             "atol": atol,
             "max_step": max_step,
+            "events": [events] if isinstance(events, Event) else list(events),
         }
-        self.time_limit = time_limit
-        self._parameters = Parameters(system, wrt, design=design, formula=formula)
+        self.time_limit, self.memory = time_limit, memory
+        self.restitutions = restitutions_of(self.settings["events"])
+        self._parameters = Parameters(
+            system, wrt, design=design, formula=formula, restitutions=self.restitutions
+        )
         self.names = tuple(self._parameters.names)
         if not self.names:
             raise ValueError("wrt names no number; name some, or leave it out for all")
@@ -193,32 +208,51 @@ class Point:
         Infeasible
             If it cannot be assembled, or the run does not reach its end.
         """
-        if self._trouble:
-            raise Infeasible(self._trouble)
         if self._run is None:
-            try:
-                self._run = self._simulated()
-            except Infeasible as trouble:
-                self._trouble = str(trouble)
-                raise
+            self._run = self._feasible(self._simulated)
         return self._run
 
+    def _feasible(self, make: Callable[[], Kind]) -> Kind:
+        """What a simulation gives; that there is none is remembered."""
+        if self._trouble:
+            raise Infeasible(self._trouble)
+        try:
+            return make()
+        except Infeasible as trouble:
+            self._trouble = str(trouble)
+            raise
+
     def _simulated(self) -> Trajectory:
-        problem, began, start = self.problem, time.perf_counter(), assemble(self.system)
-        if not start.success:
-            raise Infeasible(start.message)
-        settings: dict[str, Any] = {
-            **problem.settings,
-            "t_eval": [problem.settings["until"]],
-            "keep_steps": True,
-        }
-        run = simulate(self.system, start, **settings, progress=problem.limit(began))
+        problem, began = self.problem, time.perf_counter()
+        times = {"t_eval": [problem.settings["until"]], "keep_steps": problem.memory is None}
+        run = simulate(
+            self.system, self.start, **problem.settings | {"events": self.events} | times,
+            progress=problem.limit(began),
+        )  # fmt: skip
         if run.status == "stopped" and "by the user" in run.message:
             raise KeyboardInterrupt
         if not run.success:
             raise Infeasible(run.message)
         problem.took(time.perf_counter() - began)
         return run
+
+    @cached_property
+    def start(self) -> Assembly:
+        """The state from which it starts.
+
+        Raises
+        ------
+        Infeasible
+        """
+        found = assemble(self.system)
+        if not found.success:
+            raise Infeasible(found.message)
+        return found
+
+    @property
+    def events(self) -> list[Event]:
+        """What is looked for, with the restitutions of this design."""
+        return with_restitutions(self.problem.settings["events"], self.design)
 
     @property
     def design(self) -> dict[str, float]:
@@ -232,30 +266,49 @@ class Point:
 
     @cached_property
     def _variables(self) -> Parameters:
+        own = self.design
+        struck = {name: own.get(name, value) for name, value in self.problem.restitutions.items()}
+        return Parameters(self.system, **self._named(), start=self.start, restitutions=struck)
+
+    @property
+    def _steps(self) -> StepsTaken | Pieces:
+        """Those of its simulation.
+
+        Raises
+        ------
+        ValueError
+        """
+        if self.problem.memory is not None:
+            raise ValueError("with memory= there are values and gradients only; leave it away for the rest")
         steps = self.run.steps
         assert steps is not None
-        return Parameters(self.system, **self._named(), start=steps.start)
+        return steps
 
     def _parameters(self) -> Parameters:
         """The variables, each of which must have derivatives."""
-        steps = self.run.steps
-        assert steps is not None
-        refuse(self.system, steps, self._variables)
+        refuse(self.system, self._steps, self._variables)
         return self._variables
 
     def evaluation(self) -> Evaluation:
         """The responses with their outputs over time."""
         if self._evaluation is None:
-            steps, parts = self.run.steps, self.problem.outer.parts
-            assert steps is not None
-            self._evaluation = Evaluation(self.system, steps, parts, self._variables)
-            self._defined([part.title for part in parts], self._evaluation.values)
+            self._evaluation = self._feasible(self._evaluated)
         return self._evaluation
+
+    def _evaluated(self) -> Evaluation:
+        parts = self.problem.outer.parts
+        try:
+            found = Evaluation(self.system, self._steps, parts, self._variables)
+        except NotThere as trouble:
+            raise Infeasible(str(trouble)) from None
+        self._defined([part.title for part in parts], found.values)
+        return found
 
     @property
     def values(self) -> Array:
         """The responses (r,)."""
-        return self._defined(self.problem.titles, self.problem.outer.values(self.evaluation().values))
+        known = self.evaluation() if self.problem.memory is None else self.of_parts()
+        return self._defined(self.problem.titles, self.problem.outer.values(known.values))
 
     def _defined(self, titles: Sequence[str], values: Array) -> Array:
         """The values, all of which must be numbers."""
@@ -276,7 +329,7 @@ class Point:
             For a variable whose change alone contradicts equations that others imply, or has no derivative otherwise.
         """
         found = self.gradient
-        if found.undefined:
+        if found.undefined and self.problem.memory is None:
             self._parameters()
         return self._known(found.matrix)
 
@@ -301,11 +354,23 @@ class Point:
     def of_parts(self) -> Gradient:
         """The gradients of all responses of which those asked for are made."""
         if self._gradient is None:
-            try:
-                self._gradient = sensitivity(self.run, self.problem.outer.parts, **self._named())
-            except UndefinedResponse as trouble:
-                raise Infeasible(str(trouble)) from trouble
+            self._gradient = self._feasible(self._differentiated)
         return self._gradient
+
+    def _differentiated(self) -> Gradient:
+        problem, began = self.problem, time.perf_counter()
+        parts, own = problem.outer.parts, self._variables
+        if problem.memory is None:
+            return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
+        how = problem.settings | {"events": self.events, "memory": problem.memory}
+        try:
+            found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
+                self.system, parts, own
+            )
+        except (Trouble, NotThere, UndefinedResponse) as trouble:
+            raise Infeasible(str(trouble)) from None
+        problem.took(time.perf_counter() - began)
+        return found
 
     def along(self, changes: Array) -> Array:
         """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""
@@ -345,8 +410,7 @@ class Point:
     def _curvature(self, place: int) -> Curvature:
         """The Hessian of one part, in products."""
         if place not in self._curvatures:
-            steps, parameters = self.run.steps, self._parameters()
-            assert steps is not None
+            steps, parameters = self._steps, self._parameters()
             evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
             chain = curved_chain(self.system, steps, parameters)
             self._curvatures[place] = Curvature(chain, evaluation, parameters)
@@ -363,6 +427,4 @@ class Point:
         )
 
     def _chain(self) -> AnyChain:
-        steps = self.run.steps
-        assert steps is not None
-        return chain_of(self.system, steps)
+        return chain_of(self.system, self._steps, self._variables.restitutions)

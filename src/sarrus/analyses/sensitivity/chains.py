@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TypeAlias
 
 from ...results import Pieces, RadauSteps, Steps, StepsTaken
@@ -15,12 +16,12 @@ from .radau_chain import RadauChain
 AnyChain: TypeAlias = Chain | PieceChain | RadauChain
 
 
-def chain_of(system: System, steps: StepsTaken | Pieces) -> AnyChain:
-    """The chain of a run, for first derivatives."""
+def chain_of(system: System, steps: StepsTaken | Pieces, restitutions: Iterable[str] = ()) -> AnyChain:
+    """The chain of a run, for first derivatives, by restitutions of impacts too."""
     if isinstance(steps, Pieces):
         moving = timed(system)
         chains = [_chain_of(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
-        return PieceChain(system, steps, chains)
+        return PieceChain(system, steps, chains, list(restitutions))
     return _chain_of(system, steps)
 
 

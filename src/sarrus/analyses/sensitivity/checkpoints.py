@@ -5,7 +5,7 @@ Twice the steps of the run, and memory for one stretch of them besides the check
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -13,20 +13,20 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import Assembly, Gradient, Pieces, StepsTaken
-from ...results.steps import restitutions_of
 from ...system import System
 from ..assembly import assemble
 from ..assembly_derivatives import AssemblyDerivatives
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
+from ..dynamics.events import restitutions_of
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
 from .chain import FIELDS, Gradients, Nodes, through
-from .derivatives import Wanted, as_responses, own_parts
+from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
 from .evaluation import Evaluation, Explicit, where_of
 from .fine import fine
 from .long_run import LongRun, Stretch
-from .parameters import Parameters
+from .parameters import Design, Parameters
 from .piece_chain import Backward
 from .pieces import PieceSampling, Where, sampling_of
 from .recording import Angles
@@ -58,13 +58,15 @@ def sensitivity_by_checkpoints(
     max_step: float = np.inf,
     events: Event | Sequence[Event] = (),
     memory: float = 100e6,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
 ) -> Gradient:
     """Simulate and differentiate with the memory of some states: see `simulate` and `sensitivity`, whose result it is.
 
     Parameters
     ----------
     system, until, start, method, rtol, atol, max_step, events : as for `simulate`
-    responses, wrt : as for `sensitivity`
+    responses, wrt, design, formula : as for `sensitivity`
     memory : for kept states, events, and the steps between two kept states [bytes]
 
     Raises
@@ -73,21 +75,55 @@ def sensitivity_by_checkpoints(
         For an end time that is none, where the memory is too small, and where the run does not reach its end.
     """
     refuse_end(until)
-    wanted, begin = as_responses(responses), assemble(system) if start is None else start
-    settings = Settings(Tolerances.of(system, rtol, atol), max_step, keep_steps=True)
-    per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(wanted))
+    watched = [events] if isinstance(events, Event) else list(events)
+    begin = assemble(system) if start is None else start
     if not begin.success:
         raise ValueError(f"derivatives need a start that is assembled, but {system.name}: {begin.message}")
-    watched = [events] if isinstance(events, Event) else list(events)
+    task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory)
+    parameters = Parameters(
+        system, wrt, design=design, formula=formula, start=begin, restitutions=restitutions_of(watched)
+    )
     try:
-        run = LongRun(system, begin, method or HHT(), settings, until, memory, per_step, watched)
+        return task.gradient(system, as_responses(responses), parameters)
     except Trouble as trouble:
         told = f"derivatives need a run that reached its end, but {system.name}: {trouble.sentence}"
         raise ValueError(told) from None
-    if isinstance(method, Radau):
-        wanted = [fine(response) for response in wanted]
-    parameters = Parameters(system, wrt, start=begin, restitutions=restitutions_of(run.course.turns))
-    return LongGradient(run, wanted, parameters).gradient()
+
+
+@dataclass(frozen=True, eq=False)
+class LongTask:
+    """How a long run is simulated, and how much memory there is; see `sensitivity_by_checkpoints`.
+
+    Attributes
+    ----------
+    progress : called with the time reached
+    """
+
+    start: Assembly
+    until: float
+    method: HHT | GeneralizedAlpha | Radau | None
+    rtol: Given
+    atol: Given
+    max_step: float
+    events: Sequence[Event]
+    memory: float
+    progress: Callable[[float], None] | None = None
+
+    def gradient(self, system: System, responses: Sequence[Response], parameters: Parameters) -> Gradient:
+        """Values and derivatives of responses.
+
+        Raises
+        ------
+        Trouble
+            Where the end is not reached.
+        """
+        per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
+        settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, keep_steps=True)
+        told = (self.start, self.method or HHT(), settings, self.until, self.memory, per_step)
+        run = LongRun(system, *told, self.events, self.progress)
+        precise = isinstance(self.method, Radau)
+        wanted = [fine(response) for response in responses] if precise else responses
+        return LongGradient(run, wanted, parameters).gradient()
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,12 +271,13 @@ class LongGradient:
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):
                 values[r] = response.value(g, samples.where.t)
+        titles = tuple(response.title for response in self._responses)
+        refuse_undefined(titles, values)
         b, q, v = through(AssemblyDerivatives(run.system, stretch.steps.start), back.q, back.v)
         by = Gradients(back.b + b, q, v)
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + back.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
         matrix[:, missing] = np.nan
-        titles = tuple(response.title for response in self._responses)
         return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)
 
     def _backward(self, stretch: Stretch) -> Backward:

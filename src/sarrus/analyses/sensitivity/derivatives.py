@@ -10,6 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
+from ...system import System
 from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
@@ -68,17 +69,28 @@ def sensitivity(
     parameters = Parameters(
         run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck
     )
-    wanted = as_responses(responses)
-    evaluation = Evaluation(run.system, steps, wanted, parameters)
-    refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain = chain_of(run.system, steps)
-    missing = undefined(run.system, steps, parameters)
+    return differentiated(run.system, steps, as_responses(responses), parameters, method)
+
+
+def differentiated(
+    system: System,
+    steps: StepsTaken | Pieces,
+    responses: Sequence[Response],
+    parameters: Parameters,
+    method: Method = "adjoint",
+    evaluation: Evaluation | None = None,
+) -> Gradient:
+    """Derivatives of responses of kept steps, which may have been evaluated; see `sensitivity`."""
+    evaluation = evaluation or Evaluation(system, steps, responses, parameters)
+    refuse_undefined((one.title for one in responses), evaluation.values)
+    chain = chain_of(system, steps, parameters.restitutions)
+    missing = undefined(system, steps, parameters)
     if method == "adjoint":
         found = _adjoint(chain, evaluation, parameters)
     else:
         found = _direct(chain, evaluation, parameters, ~missing)
     found[:, missing] = np.nan
-    titles = tuple(response.title for response in wanted)
+    titles = tuple(response.title for response in responses)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
 
 

@@ -6,7 +6,7 @@ bit by bit. Events are not looked for again: where they were, and what the motio
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -95,7 +95,7 @@ class LongRun(March):
 
     Parameters
     ----------
-    system, start, method, settings, until, events : of the simulation; steps are kept
+    system, start, method, settings, until, events, progress : of the simulation; steps are kept
     room : [bytes]
     per_step : what each step of a stretch takes [bytes]
 
@@ -124,9 +124,10 @@ class LongRun(March):
         room: float,
         per_step: float,
         events: Sequence[Event] = (),
+        progress: Callable[[float], None] | None = None,
     ) -> None:
         none = np.zeros(0)
-        plan = Plan(none, until, stops_of(system, none, until)[0], none, events)
+        plan = Plan(none, until, stops_of(system, none, until)[0], none, events, progress=progress)
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = room / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))

@@ -222,6 +222,7 @@ class Parameters:
                 name not in self._design
                 and name not in self._known
                 and name not in self.system.model.parameters
+                and name not in self.restitutions
             ):
                 raise UnknownParameter(
                     f"{name} is no number of the model; take one of {', '.join([*self._known][:5])} ..."

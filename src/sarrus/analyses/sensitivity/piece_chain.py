@@ -32,25 +32,33 @@ class PieceChain:
     ----------
     system, steps : the run
     chains : of its stretches
+    restitutions : names of those of impacts by which derivatives are taken
     """
 
-    def __init__(self, system: System, steps: Pieces, chains: Sequence[Chain | RadauChain]) -> None:
-        self.system, self.steps, self._chains = system, steps, chains
+    def __init__(
+        self,
+        system: System,
+        steps: Pieces,
+        chains: Sequence[Chain | RadauChain],
+        restitutions: Sequence[str],
+    ) -> None:
+        self.system, self.steps, self._chains, self._restitutions = system, steps, chains, restitutions
         ends = steps.first + [len(piece) for piece in steps.pieces]
         self._parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
 
     @property
     def _joints(self) -> int:
         """How many numbers the joints' coordinates have, with the restitutions."""
-        return len(self.system.joint_coordinates.b) + len(self.steps.restitutions)
+        return len(self.system.joint_coordinates.b) + len(self._restitutions)
 
     @cached_property
     def _turns(self) -> list[Array]:
         """The matrices of all events."""
         pairs = zip(self._chains, self.steps.turns, strict=False)
-        names, angles = list(self.steps.restitutions), Angles(self.system, sampling_of(self.steps).states)
+        angles = Angles(self.system, sampling_of(self.steps).states)
         return [
-            TurnDerivatives(self.system, chain.steps, turn, names, angles).matrix for chain, turn in pairs
+            TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles).matrix
+            for chain, turn in pairs
         ]
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:

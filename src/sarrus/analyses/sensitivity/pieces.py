@@ -16,7 +16,7 @@ import numpy as np
 from ...algebra import Array
 from ...results import Pieces, StepsTaken, Turn
 from .chain import Nodes
-from .sampling import HIGH, KINDS, Near, Places, Sampling, _placed, around, lagrange
+from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
@@ -179,7 +179,7 @@ def fixed(course: Course, times: Array) -> Where:
     t, ends = np.asarray(times, dtype=float), course.ends
     last = float(ends[-1])
     if len(t) and (min(t) < 0 or max(t) > last * (1 + 1e-12)):
-        raise ValueError(f"responses need times between 0 and {last:g} s")
+        raise NotThere(f"responses need times between 0 and {last:g} s")
     piece = np.searchsorted(ends[:-1], t, side="right")
     return Where(t, piece, np.where(t >= last, 1.0, np.nan))
 
@@ -189,18 +189,17 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Where:
 
     Raises
     ------
-    ValueError
-        If there is none.
+    NotThere
     """
     own = [p for p, turn in enumerate(course.turns) if turn.name == name]
     if not 1 <= number <= len(own):
         known = ", ".join(dict.fromkeys(turn.name for turn in course.turns)) or "none"
-        raise ValueError(
+        raise NotThere(
             f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
         )
     p = own[number - 1]
     if after and p == len(course.t) - 1:
-        raise ValueError(f"the run ends with the event {name!r}: nothing is after it")
+        raise NotThere(f"the run ends with the event {name!r}: nothing is after it")
     return Where(course.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
 
 

@@ -34,12 +34,16 @@ LINEAR, HIGH = 2, 6  # nodes of a polynomial in time for multipliers; of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 
+class NotThere(ValueError):
+    """A run that does not have a time or an event at which a response is taken."""
+
+
 class Sampling:
     """The states at some times of a run, at all its nodes by default.
 
     Raises
     ------
-    ValueError
+    NotThere
         For times outside the run.
     """
 
@@ -53,7 +57,7 @@ class Sampling:
             and len(times)
             and (min(times) < steps.t[0] or max(times) > steps.t[-1] * (1 + 1e-12))
         ):
-            raise ValueError(f"responses need times between {steps.t[0]:g} and {steps.t[-1]:g} s")
+            raise NotThere(f"responses need times between {steps.t[0]:g} and {steps.t[-1]:g} s")
 
     @property
     def t(self) -> Array:

@@ -12,14 +12,16 @@ from ...algebra import Array
 from ...system import System
 from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, Part, layout_of
+from ..once import once_alike
 from .block_loop import Block, Entries, Product
-from .by_numbers import gradient_entry, moved
+from .by_numbers import UNMOVED, gradient_entry, moved
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
-from .lane_room import room
+from .lane_room import room, rooms
 from .row_order import by_rows, no_rows, rows_of
 from .step_matrix import Factors, StepMatrix, unsigned
 
+OPERATORS = (*NUMBERS, "gamma_v")  # whose numbers are evaluated
 STEP = {"M_a_q": -1.0, "S_q": 1.0, "Q_q": 1.0, "Phi_qT_lam_q": -1.0, "S_v": 1.0, "Q_v": 1.0, "Phi_q": 1.0}
 RESCALE = {"M_a_q": -1.0, "Phi_qT_lam_q": -1.0, "gamma_v": -0.5, "Phi_q": 1.0}
 
@@ -49,7 +51,7 @@ class Blocks:
     def __init__(self, system: System, columns: int, b_dot: Array | None) -> None:
         self._system, self._columns = system, columns
         nq, m = system.nq, system.m
-        self._numbers = Numbers(system, (*NUMBERS, "gamma_v"))
+        self._numbers = Numbers(system, OPERATORS)
         self.matrix = StepMatrix(self._numbers, nq + m, alpha_parts(nq))
         groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
         self.entries = Entries._make(group.entry_in_lanes for group in groups)
@@ -58,24 +60,8 @@ class Blocks:
         self._panels = len(self._dots) > 1
         self.width = COLUMNS if self._panels else columns
         self.by_rows = ByRows(no_rows(), no_rows())
-        self.steps = self._block("step", self._product(STEP, {}))
-        self.rescales = self._block("rate", self._product(RESCALE, {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}))
-
-    def _product(self, weights: dict[str, float], places: dict[str, tuple[int, int]]) -> Product:
-        """P made of some operators."""
-        nq, m = self._system.nq, self._system.m
-        usual = {"S_v": (0, nq), "Q_v": (0, nq), "Phi_q": (nq, 0)} | places
-        kinds = tuple(Part(name, *usual.get(name, (0, 0))) for name in weights)
-        layout = layout_of(self._system, max(2 * nq, nq + m), (), kinds)
-        numbers = self._numbers
-        rows = [(numbers.start[name], len(numbers.views[name])) for name in weights]
-        parts = np.column_stack([np.array(rows), layout.first]).astype(np.int64)
-        filled = room(len(weights))
-        filled[:] = np.repeat(list(weights.values()), LANES)
-        place, indptr, indices = unsigned((layout.place, layout.indptr, layout.indices))
-        pattern = layout.indptr, layout.indices, np.arange(len(layout.indices))
-        by_rows = rows_of(*pattern, nq + m) if self._panels else no_rows()
-        return Product(parts, place, filled, indptr, indices, by_rows)
+        self.steps = self._block("step", product_of(system, "step", self._panels))
+        self.rescales = self._block("rate", product_of(system, "rate", self._panels))
 
     def _block(self, kind: str, product: Product) -> Block:
         system, numbers, k = self._system, self._numbers, self._columns
@@ -89,16 +75,15 @@ class Blocks:
         weights = room(1, len(self.matrix.weights))
         weights[:] = 1.0
         weigh(weights, 0.0, 0.0)
-        given: dict[str, Any] = views | {
-            "index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64), "t": room(1),
-            "q": room(nq), "v": room(nq), "a": room(nq), "eta": room(nq), "lam": room(m),
-            "values": values, "Phi_q_xi": room(m), "Phi_t": room(m), "row_of": numbers.row_of,
-            "weights": weights, "product": product,
-            "sheet": room(0), "turned": np.zeros((LANES, 0)), "cuts": np.zeros(3, np.int64), "work": room(nq + m),
-            "growth": room(1), "refined": np.ones(3),
+        sizes = {"t": 1, "lam": m, "Phi_q_xi": m, "Phi_t": m, "work": nq + m, "growth": 1}
+        sizes |= dict.fromkeys(("q", "v", "a", "eta"), nq)
+        given: dict[str, Any] = views | rooms(sizes) | {
+            "index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64), "values": values,
+            "row_of": numbers.row_of, "weights": weights, "product": product, "sheet": room(0), "turned": np.zeros((LANES, 0)),
+            "cuts": np.zeros(3, np.int64), "refined": np.ones(3),
             "entry": NONE if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
-            "moved": moved(system, kind, self._dots, self.width),
+            "moved": moved(system, kind, self._dots, self.width) if forward else UNMOVED,
         }  # fmt: skip
         return Block(**given)
 
@@ -126,3 +111,24 @@ class Blocks:
             found -= block.by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
             block.by_b[:] = 0.0
         return found
+
+
+@once_alike
+def product_of(system: System, kind: str, panels: bool) -> Product:
+    """P made of some operators."""
+    nq, m = system.nq, system.m
+    weights = STEP if kind == "step" else RESCALE
+    places = {"S_v": (0, nq), "Q_v": (0, nq), "Phi_q": (nq, 0)}
+    if kind == "rate":
+        places |= {"gamma_v": (nq, 0), "Phi_q": (nq, nq)}
+    kinds = tuple(Part(name, *places.get(name, (0, 0))) for name in weights)
+    layout = layout_of(system, max(2 * nq, nq + m), (), kinds)
+    numbers = Numbers(system, OPERATORS)
+    rows = [(numbers.start[name], len(numbers.views[name])) for name in weights]
+    parts = np.column_stack([np.array(rows), layout.first]).astype(np.int64)
+    filled = room(len(weights))
+    filled[:] = np.repeat(list(weights.values()), LANES)
+    place, indptr, indices = unsigned((layout.place, layout.indptr, layout.indices))
+    pattern = layout.indptr, layout.indices, np.arange(len(layout.indices))
+    by_rows = rows_of(*pattern, nq + m) if panels else no_rows()
+    return Product(parts, place, filled, indptr, indices, by_rows)

@@ -60,6 +60,10 @@ class Moved(NamedTuple):
     results: Any
 
 
+_NO, _END = np.zeros(0, np.int64), np.zeros(1, np.int64)
+UNMOVED = Moved(pointer.NONE, np.zeros((0, 0)), _NO, _NO, _END, _END, _NO, np.zeros(0))  # of sweeps backwards
+
+
 class Elements(NamedTuple):
     """The elements of some kinds one after another: drivers, equations of results, and whose each number is, or -1."""
 

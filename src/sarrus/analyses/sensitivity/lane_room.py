@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import prod
+
 import numpy as np
 
 from ..._jit.vector import LANES
@@ -12,7 +15,7 @@ LINE = 64  # bytes that are read at once
 
 def aligned(*shape: int) -> Array:
     """Zeros that begin where a line of the memory does."""
-    size = int(np.prod(shape))
+    size = prod(shape)
     found = np.zeros(size + LINE // 8)
     first = -found.ctypes.data % LINE // 8
     return found[first : first + size].reshape(shape)
@@ -21,3 +24,12 @@ def aligned(*shape: int) -> Array:
 def room(entries: int, *rows: int) -> Array:
     """Zeros in lanes."""
     return aligned(*rows, entries * LANES)
+
+
+def rooms(entries: Mapping[str, int]) -> dict[str, Array]:
+    """Zeros in lanes, of several names one after another."""
+    whole, found, first = room(sum(entries.values())), {}, 0
+    for name, count in entries.items():
+        found[name] = whole[first * LANES : (first + count) * LANES]
+        first += count
+    return found

@@ -79,7 +79,8 @@ class Blocks:
         sizes |= dict.fromkeys(("q", "v", "a", "eta"), nq)
         given: dict[str, Any] = views | rooms(sizes) | {
             "index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64), "values": values,
-            "row_of": numbers.row_of, "weights": weights, "product": product, "sheet": room(0), "turned": np.zeros((LANES, 0)),
+            "row_of": numbers.row_of, "weights": weights, "product": product,
+            "sheet": room(0), "turned": np.zeros((LANES, 0)),
             "cuts": np.zeros(3, np.int64), "refined": np.ones(3),
             "entry": NONE if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),

@@ -69,3 +69,14 @@ def test_a_step_of_learning() -> None:
         k = k - loss(k)[1] / (2 * slope**2)
     assert loss(k)[0] < 1e-4 * before
     assert k == pytest.approx(11.0, rel=1e-3)
+
+
+def test_whole_numbers_and_other_numbers_of_values() -> None:
+    from sarrus.bridges.jax import jax_function
+
+    p = problem()
+    f = jax_function(p)
+    assert np.array_equal(f(jax.numpy.array([10, 1, 1])), p.values([10.0, 1.0, 1.0]))
+    for wrong in (3.0, np.ones(2), np.ones((2, 3))):
+        with pytest.raises(ValueError, match=r"3 values are expected, for spring\.k"):
+            f(wrong)

@@ -53,3 +53,12 @@ def test_a_design_that_cannot_be_simulated_is_an_analysis_error() -> None:
     whole.set_val("rod_mass", -1.0)
     with pytest.raises(om.AnalysisError, match="mass must be greater than 0"):
         whole.run_model()
+
+
+def test_equal_names_are_told_apart() -> None:
+    wanted = [sr.Final(lambda o: o("slider.x")), sr.Final(lambda o: o("slider.velocity.x"))]
+    p = sr.Problem(slider_crank(), wanted, ["spring.k"], until=0.1)
+    whole = group(p)
+    whole.setup()
+    whole.run_model()
+    assert [whole.get_val(name)[0] for name in ("final_of_lambda", "final_of_lambda_2")] == [*p.values(p.x0)]

@@ -50,3 +50,25 @@ def test_a_mechanism_is_a_layer() -> None:
         loss().backward()
         optimizer.step()
     assert float(loss().detach()) < 0.1 * first
+
+
+def test_second_derivatives() -> None:
+    """Of a function of two responses, as JAX gives them; they were zero without a word."""
+    from sarrus.bridges.torch import Mechanism
+
+    p = problem()
+    model, x = Mechanism(p), torch.tensor(p.x0)
+    found = torch.autograd.functional.hessian(lambda at: model(at)[0] ** 2 * model(at)[1], x).numpy()
+    (a, b, *_), rows = p.values(p.x0), p.gradient(p.x0).matrix
+    one, two = (np.array([p.hvp(p.x0, d, row) for d in np.eye(len(p.x0))]) for row in (0, 1))
+    cross = np.outer(rows[0], rows[1]) + np.outer(rows[1], rows[0])
+    wanted = 2 * b * np.outer(rows[0], rows[0]) + 2 * a * cross + 2 * a * b * one + a**2 * two
+    assert np.allclose(found, wanted, rtol=0, atol=1e-9 * abs(wanted).max())
+
+
+def test_another_number_of_values_is_refused() -> None:
+    from sarrus.bridges.torch import Mechanism
+
+    for wrong in (torch.tensor(3.0), torch.ones(2), torch.ones(3, 2)):
+        with pytest.raises(ValueError, match=r"3 values are expected, for spring\.k"):
+            Mechanism(problem())(wrong)

@@ -29,7 +29,13 @@ def jax_function(problem: Problem) -> Callable[[Any], Any]:
         Its derivatives are those of the simulation, by one sweep backwards for each call; second ones are exact too, by
         ``jax.jacrev(jax.grad(...))`` (``jax.hessian`` goes forwards, which functions with a derivative of their own
         refuse). JAX computes with single precision unless ``jax_enable_x64`` is set: simulations are in double
-        precision all the same, their results are rounded.
+        precision all the same, their results are rounded. Whole numbers are taken for floating ones. A design that
+        cannot be simulated is JAX's own error, with the sentence in it.
+
+    Raises
+    ------
+    ValueError
+        By the function, for another number of values.
     """
     count, size = len(problem.titles), len(problem.names)
 
@@ -47,15 +53,22 @@ def jax_function(problem: Problem) -> Callable[[Any], Any]:
     def pulled(x: Any, bar: Any) -> Any:
         return called(problem.vjp, size, x, bar)
 
-    def curved(x: Any, bar: Any, direction: Any) -> Any:
-        return sum(weight * problem.hvp(x, direction, row) for row, weight in enumerate(bar))
-
     responses.defvjp(lambda x: (responses(x), x), lambda x, bar: (pulled(x, bar),))
     pulled.defvjp(
         lambda x, bar: (pulled(x, bar), (x, bar)),
-        lambda kept, bar: (called(curved, size, *kept, bar), called(problem.jvp, count, kept[0], bar)),
+        lambda kept, bar: (
+            called(problem.hvp_of_sum, size, kept[0], bar, kept[1]),
+            called(problem.jvp, count, kept[0], bar),
+        ),
     )
-    return lambda x: responses(jnp.asarray(x))
+
+    def checked(x: Any) -> Any:
+        values = jnp.asarray(x)
+        if values.shape != (size,):
+            raise ValueError(problem.expected())
+        return responses(values if jnp.issubdtype(values.dtype, jnp.floating) else values.astype(float))
+
+    return checked
 
 
 def _cast(function: Callable[..., Any], kind: Any) -> Callable[..., Any]:

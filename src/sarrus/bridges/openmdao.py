@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,8 @@ except ImportError:
 class MechanismComponent(om.ExplicitComponent):
     """Inputs are the design variables, outputs the responses, under their names with ``_`` for every other character.
 
+    The second of two equal names ends with ``_2``; responses can be given names of their own, ``Final(..., name=)``.
+
     Options
     -------
     problem : the simulation
@@ -30,8 +34,8 @@ class MechanismComponent(om.ExplicitComponent):
     def setup(self) -> None:
         """Declare inputs and outputs."""
         problem: Problem = self.options["problem"]
-        self.inputs_of = [word(name) for name in problem.names]
-        self.outputs_of = [word(title) for title in problem.titles]
+        self.inputs_of = words(problem.names)
+        self.outputs_of = words(problem.titles)
         for name, value in zip(self.inputs_of, problem.x0, strict=True):
             self.add_input(name, val=value)
         for name in self.outputs_of:
@@ -64,3 +68,12 @@ class MechanismComponent(om.ExplicitComponent):
 def word(name: str) -> str:
     """A name as OpenMDAO takes it: ``spring.k`` is ``spring_k``."""
     return "".join(c if c.isalnum() else "_" for c in name).strip("_")
+
+
+def words(names: Iterable[str]) -> list[str]:
+    """Names as OpenMDAO takes them, each of them once."""
+    found: list[str] = []
+    for name in names:
+        choices = (word(name) + (f"_{n}" if n > 1 else "") for n in count(1))
+        found.append(next(choice for choice in choices if choice not in found))
+    return found

@@ -1,4 +1,4 @@
-"""A simulation as a function of PyTorch, with its own gradient: a layer in a learning loop."""
+"""A simulation as a function of PyTorch, with its own first and second derivatives: a layer in a learning loop."""
 
 from __future__ import annotations
 
@@ -19,18 +19,37 @@ class _Responses(torch.autograd.Function):
     def forward(ctx: Any, x: Any, problem: Problem) -> Any:
         ctx.problem = problem
         ctx.save_for_backward(x)
-        return torch.as_tensor(problem.values(_plain(x)), dtype=x.dtype, device=x.device)
+        return _like(x, problem.values(_plain(x)))
+
+    @staticmethod
+    def backward(ctx: Any, bar: Any) -> Any:
+        (x,) = ctx.saved_tensors
+        return _Pulled.apply(x, bar, ctx.problem), None
+
+
+class _Pulled(torch.autograd.Function):
+    """The gradient of the responses' sum with weights, as a function of the design and of the weights."""
+
+    @staticmethod
+    def forward(ctx: Any, x: Any, bar: Any, problem: Problem) -> Any:
+        ctx.problem = problem
+        ctx.save_for_backward(x, bar)
+        return _like(x, problem.vjp(_plain(x), _plain(bar)))
 
     @staticmethod
     @torch.autograd.function.once_differentiable
-    def backward(ctx: Any, bar: Any) -> Any:
-        (x,) = ctx.saved_tensors
-        found = ctx.problem.vjp(_plain(x), _plain(bar))
-        return torch.as_tensor(found, dtype=x.dtype, device=x.device), None
+    def backward(ctx: Any, change: Any) -> Any:
+        x, bar = ctx.saved_tensors
+        at, along = _plain(x), _plain(change)
+        by_x = ctx.problem.hvp_of_sum(at, along, _plain(bar)) if ctx.needs_input_grad[0] else None
+        by_bar = ctx.problem.jvp(at, along) if ctx.needs_input_grad[1] else None
+        return *(None if found is None else _like(x, found) for found in (by_x, by_bar)), None
 
 
 class Mechanism(torch.nn.Module):
     """A layer that gives the responses (r,) of design variables (p,), differentiated by one sweep backwards.
+
+    It can be differentiated twice, ``torch.autograd.functional.hessian``, with runs whose second derivatives exist.
 
     Parameters
     ----------
@@ -42,7 +61,15 @@ class Mechanism(torch.nn.Module):
         self.problem = problem
 
     def forward(self, x: Any) -> Any:
-        """The responses of one design (p,), or of several one after the other (..., p)."""
+        """The responses of one design (p,), or of several one after the other (..., p).
+
+        Raises
+        ------
+        ValueError
+            For another number of values.
+        """
+        if x.shape[-1:] != self.problem.x0.shape:
+            raise ValueError(self.problem.expected())
         if x.ndim == 1:
             return _Responses.apply(x, self.problem)
         return torch.stack([self.forward(row) for row in x])
@@ -50,3 +77,7 @@ class Mechanism(torch.nn.Module):
 
 def _plain(x: Any) -> Any:
     return np.asarray(x.detach().cpu().numpy(), dtype=float)
+
+
+def _like(x: Any, found: Any) -> Any:
+    return torch.as_tensor(found, dtype=x.dtype, device=x.device)

@@ -128,7 +128,7 @@ class Problem:
         """
         values = np.asarray(x, dtype=float)
         if values.shape != self.x0.shape:
-            raise ValueError(f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}")
+            raise ValueError(self.expected())
         key = values.tobytes()
         if key not in self._points:
             self._points[key] = self._made(values.copy())
@@ -136,6 +136,10 @@ class Problem:
                 self._points.popitem(last=False)
         self._points.move_to_end(key)
         return self._points[key]
+
+    def expected(self) -> str:
+        """The sentence for another number of values."""
+        return f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}"
 
     def _made(self, x: Array) -> Point:
         if np.array_equal(x, self.x0):
@@ -169,6 +173,11 @@ class Problem:
     def hvp(self, x: Array, direction: Array, response: int = 0) -> Array:
         """The Hessian of a response times a direction (p,), in about two sweeps for each part of a `Combined` one."""
         return self.at(x).curved(np.asarray(direction, dtype=float), response)
+
+    def hvp_of_sum(self, x: Array, direction: Array, weights: Array) -> Array:
+        """The Hessian of the responses' sum with weights (r,) times a direction (p,)."""
+        rows = [k for k, weight in enumerate(weights) if weight]
+        return sum((weights[k] * self.hvp(x, direction, k) for k in rows), np.zeros(len(self.names)))
 
     def limit(self, began: float) -> Callable[[float], None]:
         """What stops a simulation that takes too long."""

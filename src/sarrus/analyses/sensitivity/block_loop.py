@@ -129,9 +129,9 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     )  # fmt: skip
 
 
-def solve_lane(matrix: Any, by_rows: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_lane(own: Any, by_rows: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solve with the factors of one lane, for one column or a panel of them."""
-    own, size = factors_of(matrix, block, lane), right.shape[0] * right.shape[1]
+    size = right.shape[0] * right.shape[1]
     given, found = right.reshape(size), solution.reshape(size)
     x, rest, whole = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
     if right.shape[1] == 1:
@@ -331,7 +331,8 @@ def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, w
     for k in range(m):
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
     solved_rows(record, block.index[lane], right)
-    if not solve_lane(matrix, by_rows, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
+    own = factors_of(matrix, block, lane)
+    if not solve_lane(own, by_rows, right, found, work.single[2:]) <= work.trusted[0]:
         return False
     for k in range(nq):
         place = k * LANES + lane

@@ -29,8 +29,8 @@ FUNCTIONS = {
                  "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
                  "linearize_steps", "take_defect", "linearize_rescales"),
     loop: ("add_rows", "apply", "apply_transposed", "subtract_moved", "subtract", "put_adjoint", "add_gradients",
-           "predict", "correct", "forward_step", "backward_step", "put_panel", "forward_rescale", "forward_panels",
-           "backward_rescale", "choose", "choose_gradients", "weigh_panel", "put_state", "put_node",
+           "predict", "correct", "forward_step", "forward_panels", "backward_step", "put_panel", "forward_rescale",
+           "forward_rescales", "backward_rescale", "choose", "choose_gradients", "weigh_panel", "put_state", "put_node",
            "lengthen"),
 }  # fmt: skip
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size

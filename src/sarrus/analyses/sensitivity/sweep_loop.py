@@ -8,7 +8,8 @@ J = [M + β'K + γ'C, Φ_qᵀ; Φ_q, 0], K = (M a)_q + (Φ_qᵀλ)_q - Q_q - S_q
 where q*, v* are the changes of q₁, v₁ with a₁ held; the adjoint solves with Jᵀ. Columns (of the numbers, or of
 responses) are handled together: vectors are arrays (n, columns) backwards; forwards, where there may be many, panel
 after panel (`columns_loop`), each all of its rows, or a single column. Step lengths are data. All but these solutions
-and products is done for a block of steps at once: `block_loop`.
+and products is done for a block of steps at once: `block_loop`. What takes a whole block is called in one place, so
+that it becomes part of the caller: handing over all its arrays would take as long as a step of a small system.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 from ..._jit.lanes import fill, load, plus_product, store
 from ..._jit.vector import LANES
 from .block_loop import (
+    factors_of,
     finish,
     linearize_rescales,
     linearize_steps,
@@ -120,9 +122,8 @@ class Weighed(NamedTuple):
     total: Any
 
 
-def apply(block: Any, lane: Any, x: Any, right: Any) -> None:
-    """Right = P x, the product of a lane with changes of q and v, one after another."""
-    product, numbers = block.product, block.turned[lane, block.cuts[2] :]
+def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
+    """Right = P x, with the numbers of P in a lane, and changes of q and v, one after another."""
     out = right.reshape(right.shape[0] * right.shape[1])
     out[:] = 0.0
     if right.shape[1] == 1:
@@ -191,16 +192,31 @@ def forward_step(
     beta, gamma = weights_of(scheme, h)
     right, size = work.right, len(work.x)
     predict(scheme, h, own, work)
-    apply(block, lane, work.moved, right)
+    apply(block.product, block.turned[lane, block.cuts[2] :], work.moved, right)
     flat = right.reshape(right.shape[0] * right.shape[1])
     for k in range(size, len(flat)):
         flat[k] *= -1.0 / beta
     subtract_moved(block.moved, lane, p, size, 1.0 / beta, flat)
     subtract(sources.step, n, p, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    own_factors = factors_of(matrix, block, lane)
+    if not solve_lane(own_factors, by_rows, right, work.solution, work.room) <= work.trusted[0]:
         return False
     correct(work.solution.reshape(len(flat)), beta, gamma, kappa, own, work)
+    return True
+
+
+def forward_panels(
+    scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, sources: Any
+) -> Any:  # fmt: skip
+    """Step n of all panels that have not made it; false if pivots must be renewed."""
+    while work.done[0] < len(state):
+        p = work.done[0]
+        if not forward_step(scheme, record, n, p, matrix, by_rows, block, work, state[p], sources):
+            return False
+        work.done[0] += 1
+    work.done[0] = 0
+    block.used[1] += 1
     return True
 
 
@@ -277,11 +293,12 @@ def forward_rescale(
 ) -> Any:  # fmt: skip
     """The change of the velocities of a panel p by the new step size of step n; false if pivots must be renewed."""
     lane, right, size = block.used[1], work.right, len(work.x)
-    apply(block, lane, own[: 2 * size], right)
+    apply(block.product, block.turned[lane, block.cuts[2] :], own[: 2 * size], right)
     subtract_moved(block.moved, lane, p, size, 1.0, right.reshape(right.shape[0] * right.shape[1]))
     subtract(sources.rescale, n, p, right)
     solved_rows(record, n, right)
-    if not solve_lane(matrix, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    own_factors = factors_of(matrix, block, lane)
+    if not solve_lane(own_factors, by_rows, right, work.solution, work.room) <= work.trusted[0]:
         return False
     if len(kept.rescale) > 0:
         put_panel(work.solution, p, kept.rescale[n])
@@ -291,18 +308,13 @@ def forward_rescale(
     return True
 
 
-def forward_panels(
-    stage: Any, scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any,
-    kept: Any, sources: Any,
+def forward_rescales(
+    record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, kept: Any, sources: Any
 ) -> Any:  # fmt: skip
-    """Step n, or the change of its size, of all panels that have not made it; false if pivots must be renewed."""
+    """The change of the size of step n for all panels that have not made it; false if pivots must be renewed."""
     while work.done[0] < len(state):
-        p, fine = work.done[0], False
-        if stage == STEP:
-            fine = forward_step(scheme, record, n, p, matrix, by_rows, block, work, state[p], sources)
-        else:
-            fine = forward_rescale(record, n, p, matrix, by_rows, block, work, state[p], kept, sources)
-        if not fine:
+        p = work.done[0]
+        if not forward_rescale(record, n, p, matrix, by_rows, block, work, state[p], kept, sources):
             return False
         work.done[0] += 1
     work.done[0] = 0
@@ -479,7 +491,6 @@ def forward(
     """
     start, nq, width = last - max(len(given.q), len(weighed.by.q)), record.q.shape[1], work.right.shape[1]
     steps.used[:], rescales.used[:] = 0, 0
-    with_columns = work, state, kept, sources
     while n < last:
         if stage == RESCALE:
             if record.removed[n] != 0.0:
@@ -487,14 +498,14 @@ def forward(
                     entries, b, record, n, last - 1, 1, matrix, by_rows, rescales, work
                 ):
                     break
-                if not forward_panels(RESCALE, scheme, record, n, matrix, by_rows, rescales, *with_columns):
+                if not forward_rescales(record, n, matrix, by_rows, rescales, work, state, kept, sources):
                     break
             if n > 0 and record.h[n] != record.h[n - 1]:
                 lengthen(record.h[n] / record.h[n - 1], nq * width, state)
             stage = STEP
         if steps.used[1] == steps.used[0]:
             linearize_steps(scheme, entries, b, record, n, last - 1, 1, matrix, steps)
-        if not forward_panels(STEP, scheme, record, n, matrix, by_rows, steps, *with_columns):
+        if not forward_panels(scheme, record, n, matrix, by_rows, steps, work, state, sources):
             break
         put_node(n - start, nq, width, state, given, weighed)
         n, stage = n + 1, RESCALE

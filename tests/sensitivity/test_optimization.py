@@ -106,6 +106,17 @@ def test_what_the_data_cannot_tell_is_named() -> None:
     assert "hardly determined" in str(found)
 
 
+def test_a_parameter_that_the_data_do_not_feel_leaves_the_others_alone() -> None:
+    """Its column of the Jacobian is the rounding of nothing, by which deviations of the others were multiplied."""
+    options = {"until": 1.5, **LOOSE}
+    alone = sr.fit(guessed(), measured(1e-3), ["spring.k"], **options)
+    both = sr.fit(guessed(), measured(1e-3), ["spring.k", "crank.inertia.yy"], **options)
+    assert both["crank.inertia.yy"] == pytest.approx(1.0, rel=1e-9)
+    assert both.deviations[0] == pytest.approx(alone.deviations[0], rel=1e-3)
+    assert "crank.inertia.yy" in both.poor[0]
+    assert "not determined" in str(both)
+
+
 def test_bounds_of_unknown_variables_are_refused() -> None:
     with pytest.raises(ValueError, match="no design variable"):
         sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, bounds={"spring.c": (0, 1)})
@@ -281,12 +292,30 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
         ({"bounds": {"spring.k": (3, 2)}}, "must rise, but are 3 and 2"),
         ({"scale": {"spring.k": 0.0}}, "must be greater than 0"),
         ({"starts": 0}, "1 at least"),
+        ({"tolerance": -1.0}, "tolerance and iterations must be greater than 0"),
+        ({"iterations": 0}, "tolerance and iterations must be greater than 0"),
+        ({"bounds": {"spring.k": 3.0}}, r"the bounds of spring\.k are two numbers"),
+        ({"bounds": {"spring.k": (1, 2, 3)}}, r"the bounds of spring\.k are two numbers"),
         ({"second_order": True}, "L-BFGS-B takes no second derivatives; take trust-constr or IPOPT"),
     ],
 )
 def test_misuse_is_one_sentence(options: dict[str, object], sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, **options)
+
+
+def test_something_else_than_a_constraint_is_refused() -> None:
+    with pytest.raises(TypeError, match="a constraint is Within"):
+        sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, constraints=[sr.Final("slider.x")])
+
+
+def test_one_constraint_and_lines_of_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    limit, options = sr.Within("slider.x", upper=10.0), {"until": 0.1, "iterations": 2, **LOOSE}
+    found = sr.optimize(slider_crank(), "slider.x", ["spring.k"], constraints=limit, progress=True, **options)
+    assert list(found.constraints) == ["final of slider.x 2"]  # the objective has this name, too
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == len(found.history)
+    assert told[0].startswith("simulation 1: objective 4.")
 
 
 def test_a_constraint_without_limits_is_refused() -> None:

@@ -47,6 +47,20 @@ class Within:
         return max((abs(end) for end in self.ends if np.isfinite(end)), default=0.0) or 1.0
 
 
+def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
+    """The constraints.
+
+    Raises
+    ------
+    TypeError
+        For something else among them.
+    """
+    for one in given:
+        if not isinstance(one, Within):
+            raise TypeError(f"a constraint is Within(response, lower=..., upper=...), but not {one!r}")
+    return tuple(given)
+
+
 def gap(values: Array, constraints: Sequence[Within]) -> float:
     """How far constraints are from being satisfied, relative to their limits; 0 if they are."""
     short = [

@@ -21,6 +21,8 @@ POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in param
 LARGE = 2.0  # [-] residuals over sigma, on the average, that noise does not explain
 WORTH = 0.2  # share of a parameter in a combination, above which it is named
 CONFIDENCE = 0.95
+# Column of the Jacobian, relative to the largest, that is the rounding of nothing: it would move the other parameters
+NOTHING = 1e-13
 
 
 def fit(
@@ -131,6 +133,8 @@ class Squares:
         _, slopes = self.search.point(z).signals()
         found = np.concatenate([slope / one.sigma for one, slope in zip(self.misfits, slopes, strict=True)])
         scaled = np.asarray(found * self.search.variables.scale)
+        sizes = np.linalg.norm(scaled, axis=0)
+        scaled[:, sizes <= NOTHING * sizes.max(initial=0.0)] = 0.0
         self.search.noted(z, scaled.T @ self._known(z))
         self.search.iterate(z)
         return scaled

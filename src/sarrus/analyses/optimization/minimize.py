@@ -15,7 +15,7 @@ from ...model import Model
 from ...results import Optimum
 from ...system import System
 from .combined import Part
-from .constraint import Within, gap
+from .constraint import Within, gap, refuse_others
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Stuck, Variables
 from .solvers import Answer, solver_of
@@ -30,7 +30,7 @@ def optimize(
     *,
     until: float,
     bounds: Bounds | None = None,
-    constraints: Sequence[Within] = (),
+    constraints: Within | Sequence[Within] = (),
     scale: Mapping[str, float] | None = None,
     design: Mapping[str, float] | None = None,
     formula: Any = None,
@@ -68,7 +68,7 @@ def optimize(
     starts : how many designs to start from: the system's own, and others at random between the bounds
     seed : of the random designs
     executor : of ``concurrent.futures``, which runs the starts beside one another
-    progress : called with the number of the simulation and the objective
+    progress : called with the number of the simulation and the objective; True for lines on standard error
     settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
 
     Returns
@@ -84,20 +84,25 @@ def optimize(
     SarrusError
         If the first design cannot be simulated.
     """
-    solver_of(solver, bool(constraints))
+    within = refuse_others([constraints] if isinstance(constraints, Within) else constraints)
+    solver_of(solver, bool(within))
+    if not tolerance > 0 or iterations < 1:
+        raise ValueError(
+            f"tolerance and iterations must be greater than 0, but are {tolerance:g} and {iterations}"
+        )
     several = (
         list(objective) if isinstance(objective, Sequence) and not isinstance(objective, str) else [objective]
     )
-    wanted = [*several, *(one.response for one in constraints)]
+    wanted = [*several, *(one.response for one in within)]
     problem = Problem(system, wanted, wrt, until=until, design=design, formula=formula, **settings)
-    task = Task(tuple(constraints), solver, iterations, tolerance, second_order)
+    task = Task(within, solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)
     if starts == 1:
         return task.solved(problem, variables, progress)
     if starts < 1:
         raise ValueError(f"starts must be 1 at least, but is {starts}")
     found = _from_many(task, problem, variables, _designs(variables, starts, seed), executor, progress)
-    return _best(found, len(constraints))
+    return _best(found, len(within))
 
 
 @dataclass(frozen=True)

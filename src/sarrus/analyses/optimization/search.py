@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
@@ -15,7 +16,7 @@ from .constraint import Within, gap
 from .problem import Infeasible, Point, Problem
 
 Bounds = Mapping[str, tuple[float | None, float | None]]
-Progress = Callable[[int, float], None]
+Progress = Callable[[int, float], None] | bool
 PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
 SLIGHT = 1e-3  # [-] of the objective's size: the least rise of the wall
 log = logging.getLogger("sarrus.optimize")
@@ -108,7 +109,7 @@ class Search:
     problem : whose first `count` responses are summed, the others constrained
     variables : Variables
     constraints : Within
-    progress : called with the number of the simulation and the objective
+    progress : called with the number of the simulation and the objective; True for lines on standard error
     """
 
     def __init__(
@@ -128,7 +129,7 @@ class Search:
         self._in_a_row = 0
         self._seen: dict[bytes, int] = {}
         self._sizes: dict[bytes, float] = {}
-        self._progress, self.began = progress, time.perf_counter()
+        self._progress, self.began = _line if progress is True else progress, time.perf_counter()
         self.anchor = variables.z0
         problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
         self.value(self.anchor)
@@ -253,7 +254,15 @@ class Search:
             self._progress(len(self._told), value)
 
 
+def _line(number: int, value: float) -> None:
+    print(f"simulation {number}: objective {value:.9g}", file=sys.stderr)
+
+
 def _limit(name: str, given: tuple[float | None, float | None] | None) -> tuple[float, float]:
+    if given is not None and np.shape(given) != (2,):
+        raise ValueError(
+            f"the bounds of {name} are two numbers, (low, high), None for none; but it is {given}"
+        )
     low, high = given if given is not None else (None, None)
     limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
     if not limits[0] < limits[1]:

@@ -30,7 +30,7 @@ from .parameters import Design, Parameters
 from .piece_chain import Backward
 from .pieces import PieceSampling, Where, sampling_of
 from .recording import Angles
-from .responses import At, AtEvent, Final, Integral, Response
+from .responses import At, AtEvent, Final, Integral, Response, told_apart
 from .sampling import Sampling
 from .stretches import stretches_of
 from .turn import TurnDerivatives
@@ -271,7 +271,7 @@ class LongGradient:
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):
                 values[r] = response.value(g, samples.where.t)
-        titles = tuple(response.title for response in self._responses)
+        titles = told_apart(response.title for response in self._responses)
         refuse_undefined(titles, values)
         b, q, v = through(AssemblyDerivatives(run.system, stretch.steps.start), back.q, back.v)
         by = Gradients(back.b + b, q, v)

@@ -5,8 +5,9 @@ An output is given by its name, or as a function of `Outputs` that computes its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -288,6 +289,15 @@ class Misfit(Response):
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
         return np.asarray(g_dot / self.sigma**2)
+
+
+def told_apart(titles: Iterable[str]) -> tuple[str, ...]:
+    """Names in tables; the second of two that are equal ends with 2."""
+    found: dict[str, None] = {}
+    for title in titles:
+        choices = (f"{title} {n}" if n > 1 else title for n in count(1))
+        found[next(choice for choice in choices if choice not in found)] = None
+    return tuple(found)
 
 
 def trapezoidal(t: Array) -> Array:

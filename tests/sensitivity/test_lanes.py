@@ -13,7 +13,7 @@ from sarrus import mechanisms
 from sarrus._jit.driver import compiled_function
 from sarrus._jit.pointer import run
 from sarrus._jit.vector import LANES
-from sarrus.analyses.sensitivity import by_numbers, sweep
+from sarrus.analyses.sensitivity import by_numbers, lane_room, sweep
 from sarrus.analyses.sensitivity.block_loop import Entries, solve_lane_transposed
 from sarrus.analyses.sensitivity.kernels import GROUPS
 from sarrus.analyses.sensitivity.lane_room import room
@@ -149,3 +149,30 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
             np.add.at(panel.reshape(-1), moved.places[part], moved.results.reshape(-1, LANES)[part, lane])
             own = wanted[:, width * p : width * (p + 1)]
             assert np.allclose(panel[:, : own.shape[1]], own, rtol=1e-11, atol=1e-10)
+
+
+def test_room_is_given_again_when_nobody_holds_it() -> None:
+    size = lane_room.SMALL + 3
+    first = lane_room.used(7, size)
+    place, first[:] = first.ctypes.data, 1.0
+    row = first[2, 5:]  # holds it, too
+    del first
+    other = lane_room.used(7, size)
+    assert other.ctypes.data != place
+    row[:] = 2.0
+    del row
+    again = lane_room.aligned(7, size)
+    assert again.ctypes.data == place
+    assert not again.any()
+    assert place % lane_room.LINE == 0
+    assert again.shape == (7, size)
+
+
+def test_room_that_is_kept_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lane_room, "_LENT", [])
+    monkeypatch.setattr(lane_room, "MOST", 5 * lane_room.SMALL)
+    held = [lane_room.used(2 * lane_room.SMALL) for _ in range(4)]
+    assert len({x.ctypes.data for x in held}) == 4
+    assert sum(map(len, lane_room._LENT)) <= lane_room.MOST
+    lane_room.used(lane_room.LARGE), lane_room.used(lane_room.SMALL - lane_room.LINE)
+    assert sum(map(len, lane_room._LENT)) <= lane_room.MOST

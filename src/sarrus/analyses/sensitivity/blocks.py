@@ -17,7 +17,7 @@ from .block_loop import Block, Entries, Product
 from .by_numbers import UNMOVED, gradient_entry, moved
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
-from .lane_room import room, rooms
+from .lane_room import room, rooms, used
 from .row_order import by_rows, no_rows, rows_of
 from .step_matrix import Factors, StepMatrix, unsigned
 
@@ -96,9 +96,9 @@ class Blocks:
             np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))])
             for x in (self.steps, self.rescales)
         ]
-        sheet = room(int(max(cuts[-1] for cuts in both)))
+        sheet = used(LANES * int(max(cuts[-1] for cuts in both)))
         self.steps, self.rescales = (
-            block._replace(sheet=sheet, turned=room(int(cuts[-1])).reshape(LANES, -1), cuts=cuts)
+            block._replace(sheet=sheet, turned=used(LANES, int(cuts[-1])), cuts=cuts)
             for block, cuts in zip((self.steps, self.rescales), both, strict=True)
         )
         if self._panels:

@@ -12,6 +12,7 @@ from ...results import Pieces, Steps, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
+from .lane_room import aligned
 from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Bars, Given, Sources
@@ -38,7 +39,7 @@ class Nodes:
         pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
         nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
         count = sum(len(piece) + 1 for piece in pieces)
-        q, v, a, lam = (np.zeros((count, width, k)) for width in (nq, nq, nq, m))
+        q, v, a, lam = (aligned(count, width, k) for width in (nq, nq, nq, m))
         return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
 
     def part(self, rows: slice) -> Nodes:

@@ -1,9 +1,15 @@
-"""Where do arrays in lanes, and panels of columns, have their room? Where the memory is read fastest."""
+"""Where do arrays in lanes, panels of columns, and what is kept of all steps have their room?
+
+Where the memory is read fastest; large arrays in memory that was used before and that nobody holds any more: the
+system takes as long to give and take back fresh pages as a sweep to fill them.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from math import prod
+from threading import Lock
 
 import numpy as np
 
@@ -11,14 +17,41 @@ from ..._jit.vector import LANES
 from ...algebra import Array
 
 LINE = 64  # bytes that are read at once
+SMALL, LARGE, MOST = (
+    1 << 14,
+    1 << 20,
+    1 << 23,
+)  # numbers: of arrays that are kept, and of all of them together
+UNUSED = 3  # references to an array that only the list below holds, while it is looked at
+_LENT: list[Array] = []
+_LOOKING = Lock()
+
+
+def used(*shape: int) -> Array:
+    """Numbers of any value."""
+    size = prod(shape) + LINE // 8
+    found = _lent(-(-size // LINE) * LINE) if SMALL < size < LARGE else np.empty(size)
+    first = -found.ctypes.data % LINE // 8
+    return found[first : first + prod(shape)].reshape(shape)
+
+
+def _lent(size: int) -> Array:
+    with _LOOKING:
+        for n in range(len(_LENT)):
+            if len(_LENT[n]) == size and sys.getrefcount(_LENT[n]) < UNUSED:
+                _LENT.append(_LENT.pop(n))
+                return _LENT[-1]
+        while _LENT and sum(map(len, _LENT)) + size > MOST:
+            _LENT.pop(0)
+        _LENT.append(np.empty(size))
+        return _LENT[-1]
 
 
 def aligned(*shape: int) -> Array:
     """Zeros that begin where a line of the memory does."""
-    size = prod(shape)
-    found = np.zeros(size + LINE // 8)
-    first = -found.ctypes.data % LINE // 8
-    return found[first : first + size].reshape(shape)
+    found = used(*shape)
+    found[...] = 0.0
+    return found
 
 
 def room(entries: int, *rows: int) -> Array:

@@ -20,7 +20,7 @@ from . import block_loop, by_numbers, lanes_loop
 from . import sweep_loop as loop
 from .blocks import Blocks
 from .kernels import GROUPS
-from .lane_room import aligned
+from .lane_room import aligned, used
 from .step_matrix import Factors, solvers
 
 FUNCTIONS = {
@@ -106,8 +106,8 @@ class Sweep:
     def kept(self) -> loop.Kept:
         """Room for what is solved for in every step."""
         count, size = len(self.steps), self.system.nq + self.system.m
-        wide = (np.zeros((count, size, self.columns)) for _ in range(2))
-        return loop.Kept._make([*wide, np.zeros((count, size))])
+        wide = (used(count, size, self.columns) for _ in range(2))
+        return loop.Kept._make([*wide, used(count, size)])
 
     def backward(
         self,

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -258,7 +259,7 @@ def _line(number: int, value: float) -> None:
     print(f"simulation {number}: objective {value:.9g}", file=sys.stderr)
 
 
-def _limit(name: str, given: tuple[float | None, float | None] | None) -> tuple[float, float]:
+def _limit(name: str, given: Any) -> tuple[float, float]:
     if given is not None and np.shape(given) != (2,):
         raise ValueError(
             f"the bounds of {name} are two numbers, (low, high), None for none; but it is {given}"

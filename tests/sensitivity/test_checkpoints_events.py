@@ -157,7 +157,7 @@ def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
 
 def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
     settings = {"until": 1.3, "events": BOUNCE, "method": sr.HHT(step=5e-4)}
-    compared(ball(), OVER_ALL, [*BALL.values()], 1e-12, memory=5e6, **settings)
+    compared(ball(), OVER_ALL, [*BALL.values()], 1e-12, memory=2e6, **settings)
     assert len(marked[0].course.turns) == 2
     assert len(marked[0]) > 4
 

@@ -254,36 +254,36 @@ class LongGradient:
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
         weights = [np.asarray(one.weights(g, samples.where.t)) for one, g, samples in whole]
         by_times = [np.asarray(one.by_times(g, samples.where.t)) for one, g, samples in whole]
-        values, total = np.zeros(k), Totals.zeros(run.system, parameters, k)
-        missing = np.zeros(len(parameters.names), dtype=bool)
-        back: Backward | None = None
+        total = Totals.zeros(run.system, parameters, k)
+        back = Backward(run.system, stretches_of(run.system, run.kind, k), k, parameters.c_size)
         for n in reversed(range(len(run))):
-            stretch = run.stretch(n)
-            angles = self._angles(n, stretch)
-            present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
-            nodes = self._given(stretch.sampled, present, evaluation, total)
-            values[present] += evaluation.values
-            missing |= undefined(run.system, stretch.steps, parameters)
-            back = back or self._backward(stretch)
-            turn = partial(self._turn, stretch, angles)
-            back.over(stretch.steps, nodes, turn, lead=stretch.lead, first=stretch.first)
-        assert back is not None
+            self._over(n, weights, by_times, total, back)
+        values, missing = total.values, total.missing
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):
                 values[r] = response.value(g, samples.where.t)
         titles = told_apart(response.title for response in self._responses)
         refuse_undefined(titles, values)
-        b, q, v = through(AssemblyDerivatives(run.system, stretch.steps.start), back.q, back.v)
+        b, q, v = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
         by = Gradients(back.b + b, q, v)
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + back.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
         matrix[:, missing] = np.nan
         return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)
 
-    def _backward(self, stretch: Stretch) -> Backward:
-        system, k = self._run.system, len(self._responses)
-        steps = stretch.steps.pieces[0] if isinstance(stretch.steps, Pieces) else stretch.steps
-        return Backward(system, stretches_of(system, steps, k), k, self._parameters.c_size)
+    def _over(
+        self, n: int, weights: Sequence[Array], by_times: Sequence[Array], total: Totals, back: Backward
+    ) -> None:
+        """Backwards over one stretch, of which nothing stays but what is added up."""
+        stretch = self._run.stretch(n)
+        angles = self._angles(n, stretch)
+        present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
+        total.values[present] += evaluation.values
+        total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
+        nodes = self._given(stretch.sampled, present, evaluation, total)
+        del evaluation  # before room is made for the sweep
+        turn = partial(self._turn, stretch, angles)
+        back.over(stretch.steps, nodes, turn, lead=stretch.lead, first=stretch.first)
 
     def _turn(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""
@@ -295,12 +295,13 @@ class LongGradient:
         self, steps: StepsTaken | Pieces, present: list[int], evaluation: Evaluation, total: Totals
     ) -> Nodes:
         """The gradients by the states of a stretch, a column for each response; what is explicit is added up."""
-        nodes = Nodes.zeros(steps, len(self._responses))
         if not present:
-            return nodes
-        found, explicit = evaluation.gradients()
-        for kind in FIELDS:
-            getattr(nodes, kind)[..., present] = getattr(found, kind)
+            return Nodes.zeros(steps, len(self._responses))
+        nodes, explicit = evaluation.gradients()
+        if len(present) < len(self._responses):
+            found, nodes = nodes, Nodes.zeros(steps, len(self._responses))
+            for kind in FIELDS:
+                getattr(nodes, kind)[..., present] = getattr(found, kind)
         total.b[:, present] += explicit.b
         total.c[:, present] += explicit.c
         for r, own in zip(present, explicit.named, strict=True):
@@ -311,11 +312,20 @@ class LongGradient:
 
 @dataclass(frozen=True)
 class Totals:
-    """What responses depend on by themselves, added up over all stretches."""
+    """What is added up over all stretches.
+
+    Attributes
+    ----------
+    b, c, named : what responses depend on by themselves, see `Explicit`
+    values : of the responses
+    missing : true for parameters without a derivative
+    """
 
     b: Array
     c: Array
     named: list[dict[str, float]]
+    values: Array
+    missing: Array
 
     @classmethod
     def zeros(cls, system: System, parameters: Parameters, k: int) -> Totals:
@@ -324,4 +334,6 @@ class Totals:
             np.zeros((len(system.b), k)),
             np.zeros((parameters.c_size, k)),
             [{} for _ in range(k)],
+            np.zeros(k),
+            np.zeros(len(parameters.names), dtype=bool),
         )

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Pieces, StepsTaken, Trajectory, Turn
+from ...results import Assembly, Pieces, RadauSteps, Steps, StepsTaken, Trajectory, Turn
 from ...results.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.breakpoints import stops_of
@@ -26,7 +27,7 @@ from .pieces import LOW, Course
 from .sampling import HIGH, LINEAR, late
 
 # Steps of a stretch at first
-FIRST = 400
+FIRST = 1600
 OBJECTS = 2000  # bytes of an event, besides its numbers
 
 
@@ -54,7 +55,7 @@ class Checkpoint:
     count: int
     lead: StepsTaken | None
 
-    @property
+    @cached_property
     def nbytes(self) -> int:
         """Memory that it takes."""
         return sum(x.nbytes for x in self.state.values()) + (self.lead.nbytes if self.lead else 0)
@@ -101,6 +102,8 @@ class LongRun(March):
 
     Attributes
     ----------
+    start : of the simulation
+    kind : of steps
     course : the nodes, and the events that change velocities or end the run
     late : the last steps before a checkpoint within which states depend on nodes behind it
 
@@ -131,7 +134,8 @@ class LongRun(March):
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = room / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
-        self._precise = isinstance(method, Radau)
+        self.start, self.kind = start, RadauSteps if isinstance(method, Radau) else Steps
+        self._precise = self.kind is RadauSteps
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
         self._begins: list[Begin] = []

@@ -102,7 +102,7 @@ class PieceChain:
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
-        stretches = stretches_of(self.system, self.steps.pieces[0], given.q.shape[2])
+        stretches = stretches_of(self.system, type(self.steps.pieces[0]), given.q.shape[2])
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
         back.over(self.steps, given, self._turns.__getitem__)
         by_b, by_q, by_v = through(self._chains[0].assembly, back.q, back.v)

@@ -32,9 +32,9 @@ class Stretches(Protocol):
         """See `Chain.by_start`, after a stretch that begins with the run or after an event; then all begins anew."""
 
 
-def stretches_of(system: System, steps: StepsTaken, columns: int) -> Stretches:
-    """Those of the method that took the steps."""
-    return (RadauStretches if isinstance(steps, RadauSteps) else AlphaStretches)(system, columns)
+def stretches_of(system: System, kind: type[StepsTaken], columns: int) -> Stretches:
+    """Those of the method that took steps of this kind."""
+    return (RadauStretches if issubclass(kind, RadauSteps) else AlphaStretches)(system, columns)
 
 
 class AlphaStretches:

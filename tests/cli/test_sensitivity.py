@@ -152,6 +152,16 @@ WRONG = [
     ),
     ("spring.k:", "spring.kk:", "has no number 'spring.kk'"),
     ("{from: 5 N/m, to: 40}", "{from: 50, to: 40}", "best.yaml:4: parameters.spring.k: its limits must rise"),
+    (
+        "{from: 5 N/m, to: 40}",
+        "{from: 5 kg, to: 40}",
+        "best.yaml:4: parameters.spring.k: spring.k expects N/m, but '5 kg' is in kg; give it in N/m",
+    ),
+    (
+        "to: 5, start: 2}",
+        "to: 5, start: 9}",
+        "best.yaml:5: parameters.spring.c: its start 9 is not between 0.5 and 5",
+    ),
     ("{from: 5 N/m, to: 40}", "{form: 5, to: 40}", "has no key 'form'; did you mean \"from\"?"),
     ("upper: -1.0", "uper: -1.0", "has no key 'uper'"),
     (", upper: -1.0", "", "needs a lower or an upper limit"),

@@ -63,6 +63,11 @@ WRONG = [
         "springs.yaml:3: study, parameters: slider-crank has no number 'rod.mas'; did you mean",
     ),
     ("[0.5, 2]", "[0.5, heavy]", "springs.yaml:5: study, parameters.rod.mass: 'heavy'"),
+    (
+        "[0.5, 2]",
+        "[0.5, 2 m]",
+        "springs.yaml:5: study, parameters.rod.mass: rod.mass expects kg, but '2 m' is in m",
+    ),
     ("to: 15", "too: 15", "springs.yaml:4: study, parameters.spring.k: its keys are from, too"),
     ("max(slider.x) -", "max(slider.x", "springs.yaml:6: study, responses: response 'reach' holds a formula"),
     ("until: 0.2,", "", "springs.yaml:9: study, analysis: the analysis simulate needs an end time"),

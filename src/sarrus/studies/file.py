@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from .parameters import parameter_of
 from .responses import responses_of
 from .runs import run_of
 from .samples import sample_of
+from .units import refuse_other_units
 
 KEYS = ("name", "model", "parameters", "responses", "analysis", "sample", "time_limit")
 NEEDED = ("model", "parameters", "responses", "analysis")
@@ -50,4 +52,6 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
         return ask(model, parameters, wanted, analysis=run, sample=sample, name=name, time_limit=limit)
 
     found: Asked = file.part(asked, "parameters")
+    for changed in parameters:
+        file.part(partial(refuse_other_units, model, changed), "parameters", changed)
     return found

@@ -23,6 +23,7 @@ from .parameters import number, whole
 from .responses import Response
 from .runs import Simulation, run_of
 from .source import Source
+from .units import refuse_other_units
 
 KEYS = (
     "name", "model", "parameters", "minimize", "fit", "noise", "constraints", "analysis", "solver", "starts", "seed",
@@ -89,6 +90,8 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     changes = {name: file.part(_change, "parameters", name) for name in data["parameters"]}
     source = Source.of(model)
     file.part(lambda _: source.check(changes), "parameters")
+    for name in changes:
+        file.part(partial(refuse_other_units, model, name), "parameters", name)
     begin = {name: start for name, (_, start) in changes.items() if start is not None}
     system = source.made(begin)[0] if begin else System(model)
     options = {key: file.part(reader, key) for key, reader in OPTIONS.items() if key in data}
@@ -146,7 +149,10 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     low, high = number(said.get("from", float("-inf"))), number(said.get("to", float("inf")))
     if not low < high:
         raise SarrusError(f"its limits must rise, but are {low:g} and {high:g}")
-    return (low, high), number(said["start"]) if "start" in said else None
+    start = number(said["start"]) if "start" in said else None
+    if start is not None and not low <= start <= high:
+        raise SarrusError(f"its start {start:g} is not between {low:g} and {high:g}")
+    return (low, high), start
 
 
 def _within(name: str, given: Any, *, until: float) -> Within:

@@ -102,6 +102,20 @@ def test_velocities_overwritten_in_place_are_those_after() -> None:
     assert np.array_equal(hit.after, 0.5 * hit.v)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_function_may_overwrite_the_state_that_it_is_given(method: object) -> None:
+    def low(t, q, v):
+        q[2] -= 0.5
+        v[:] = 0.0
+        return q[2]
+
+    events = [sr.Event(function, terminal=True) for function in (low, lambda t, q, v: q[2] - 0.5)]
+    found, plain = (sr.simulate(ball(), until=1.0, events=event, method=method) for event in events)
+    assert found.events[0].t == plain.events[0].t
+    assert np.array_equal(found.q, plain.q)
+    assert np.array_equal(found.v, plain.v)
+
+
 @pytest.mark.parametrize(
     "velocities", [lambda v: None, lambda v: v[:3], lambda v: v + np.inf, lambda v: ["a"] * len(v)]
 )

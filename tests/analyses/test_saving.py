@@ -132,6 +132,17 @@ def test_turns_of_an_events_angle_are_gone_on_with(tmp_path: Path, monkeypatch: 
     assert [e.t for e in resumed.events] == [e.t for e in plain.events]
 
 
+def test_a_run_that_is_stopped_as_an_event_ends_it_ends_there_when_gone_on_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = {"until": 3.0, "t_eval": [0.0, 3.0], "events": sr.Event("slider.x - 4.1", terminal=True)}
+    plain = sr.simulate(slider_crank(), **given)
+    assert plain.status == "event"
+    resumed = _in_parts(tmp_path / "r", monkeypatch, slider_crank(), plain.events[0].t - 1e-9, **given)
+    assert resumed.status == "event"
+    assert [e.t for e in resumed.events] == [e.t for e in plain.events]
+
+
 def test_events_at_the_same_time_happen_once_when_gone_on_with(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

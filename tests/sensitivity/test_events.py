@@ -274,6 +274,26 @@ def test_an_event_that_only_grazes() -> None:
     assert found == pytest.approx((1 - 0.5 / root) / 9.81, rel=1e-6)
 
 
+@pytest.mark.parametrize("python", [False, True])
+def test_a_curved_function_that_only_grazes(python: bool) -> None:
+    """The ball passes a bowl evenly, and touches it with its lowest point only; the bowl's curvature tells."""
+    body = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(-0.5, 0, 1), velocity=(1, 0, 0))
+    even = sr.System(sr.Model("even", bodies=[body]))
+
+    def touched(gap: float, python: bool) -> sr.Trajectory:
+        formula = f"ball.z + ball.x^2 - {1 + gap!r}"
+        function = (lambda t, q, v: q[2] + q[0] ** 2 - (1 + gap)) if python else formula
+        bowl = sr.Event(function, direction=-1, terminal=True, name="bowl")
+        return sr.simulate(even, until=1.0, keep_steps=True, breakpoints=[0.5], events=bowl)
+
+    grazed, met = (touched(gap, python) for gap in (1e-11, 1e-4))
+    assert grazed.status == met.status == "event"
+    with pytest.raises(ValueError, match=r"the event bowl at t = 0\.\d+ s only grazes"):
+        sr.sensitivity(grazed, sr.Final("t"), ["ball.position.z"])
+    found = sr.sensitivity(met, sr.Final("t"), ["ball.position.z"]).matrix[0, 0]
+    assert found == pytest.approx(1 / (2 * 0.01), rel=1e-6)
+
+
 def test_what_has_no_derivatives_after_events() -> None:
     run = bounced(1.0)
     with pytest.raises(ValueError, match="without events"):

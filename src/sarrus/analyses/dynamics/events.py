@@ -156,7 +156,7 @@ class Watch:
     def __init__(self, system: System, event: Event) -> None:
         self.event = event
         self.function: Any = (
-            Output(system, event.function) if isinstance(event.function, str) else event.function
+            Output(system, event.function) if isinstance(event.function, str) else _apart(event.function)
         )
         self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
@@ -250,6 +250,11 @@ class Watch:
         if found.shape != (size,) or not np.all(np.isfinite(found)):
             raise ValueError(sentence)
         return found
+
+
+def _apart(function: Function) -> Function:
+    """A function of one's own, which may overwrite the state that it is given."""
+    return lambda t, q, v: function(t, q.copy(), v.copy())
 
 
 def _looks(nodes: Nodes, apart: bool) -> Iterator[tuple[float, Array, Array]]:

@@ -95,7 +95,8 @@ class March:
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._stretch()
-                self._save()
+                if status == "finished":  # else the end is told with it, and until then it is found again
+                    self._save()
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
         except KeyboardInterrupt:

@@ -63,6 +63,16 @@ class Recorded:
                     getattr(found, by)[n] = self._gathered(change, by)
         return found
 
+    def bend(self, q: Array, v: Array) -> float:
+        """The second derivative of the first number by the time, where q, v and the time change evenly."""
+        rates = {"q": q, "v": v, "t": np.ones(1)}
+        moved = {place: float(rates[kind][n]) for (kind, n), place in self.places.items() if kind in rates}
+        if not isinstance(self.found[0], Traced):
+            return 0.0
+        along = self.tape.along(moved)
+        change = self.tape.gradient_along({self.found[0].at: 1.0}, {}, along)[1]
+        return float(sum(np.sum(change[place]) * rate for place, rate in moved.items()))
+
     def _gathered(self, bars: list[Any], kind: str) -> Array:
         """The gradient by the inputs of one kind."""
         gathered = np.zeros(self.sizes[Slopes._fields.index(kind)])

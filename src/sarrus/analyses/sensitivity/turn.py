@@ -164,9 +164,10 @@ class TurnDerivatives:
 
     def _turned(self, before: State, along: State) -> Array:
         """The whole matrix: the time moves so that ψ stays zero; the state moves with it; the velocities turn."""
-        turn, psi = self._turn, self._recorded(self._turn.function).slopes
+        turn, function = self._turn, self._recorded(self._turn.function)
+        psi = function.slopes
         rate = float(self._change(psi, along)[0, 0])
-        self._refuse_grazing(psi, rate)
+        self._refuse_grazing(psi, function.bend(along.q[:, 0], along.v[:, 0]), rate)
         when = -self._change(psi, before)[0] / rate
         now = State._make(
             x + np.multiply.outer(dx[..., 0], when) for x, dx in zip(before, along, strict=True)
@@ -186,11 +187,11 @@ class TurnDerivatives:
         moved = slopes.q @ found.q + slopes.v @ found.v + slopes.t * found.t
         return np.asarray(moved if found.q.shape[1] == 1 else moved + self._placed(slopes.c, 2))
 
-    def _refuse_grazing(self, psi: Slopes, rate: float) -> None:
+    def _refuse_grazing(self, psi: Slopes, curved: float, rate: float) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
         steps, turn = self._steps, self._turn
         ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
-        bend = abs(float((ends[1] - ends[0])[0])) / steps.h[-1]
+        bend = abs(float((ends[1] - ends[0])[0]) / steps.h[-1] + curved)
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
         )

@@ -69,7 +69,7 @@ def test_questions_that_are_none(run: sr.Trajectory) -> None:
     with pytest.raises(ValueError, match="wrt names no number"):
         sr.hessian(run, "slider.x", [])
     with pytest.raises(ValueError, match="wrt names no number"):
-        sr.Problem(slider_crank(), "slider.x", [], until=0.05)
+        sr.optimize(slider_crank(), "slider.x", [], until=0.05)
     with pytest.raises(TypeError, match="derivatives are those of a run, as simulate"):
         sr.sensitivity(slider_crank(), "slider.x")
 
@@ -86,7 +86,6 @@ def test_a_design_whose_objective_is_no_number_is_infeasible() -> None:
 
 
 DESIGNS: dict[str, tuple[dict[str, object], str]] = {
-    "no formula": ({"design": {"size": 1.0}}, "design is given without formula"),
     "no design": ({"formula": lambda d: {"spring.k": 10.0}}, "formula is given without design"),
     "no number": (
         {"design": {"k": np.nan}, "formula": lambda d: {"spring.k": d["k"]}},
@@ -106,6 +105,15 @@ def test_designs_that_say_too_little_are_refused(kind: str, run: sr.Trajectory) 
     given, sentence = DESIGNS[kind]
     with pytest.raises(SarrusError, match=sentence):
         sr.sensitivity(run, "slider.x", **given)
+
+
+def test_design_variables_may_be_for_responses_alone() -> None:
+    """Without a formula, and values without any derivative."""
+    reach = sr.Final(lambda o: o("slider.x") * o.parameter("share"), name="reach")
+    problem = sr.Problem(slider_crank(), reach, ["share"], until=0.05, design={"share": 0.5})
+    place = sr.Problem(slider_crank(), "slider.x", [], until=0.05).values([])[0]
+    assert problem.values([0.5])[0] == 0.5 * place
+    assert problem.gradient(problem.x0)["share"] == pytest.approx(place)
 
 
 def test_a_direction_may_name_a_vector(run: sr.Trajectory) -> None:

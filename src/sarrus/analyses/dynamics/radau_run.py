@@ -29,7 +29,9 @@ from .tolerance import Tolerances
 
 CHUNK = 200  # steps for one call of the compiled loop
 DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
-EXACT = 1e-4  # of what Newton's method may leave, where steps are kept for derivatives
+# Of what Newton's method may leave, where steps are kept for derivatives; and what it may leave of the states at most,
+# however large tolerances are
+EXACT, LEFT = 1e-4, 1e-11
 ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
 
 
@@ -54,7 +56,8 @@ class RadauStepper(Implicit):
         self.system, self.scheme, self.settings = system, scheme, settings
         self.tolerance, self.enough = inner_tolerances(settings.tolerances)
         if settings.keep_steps:
-            self.enough *= EXACT
+            least = float(min(self.tolerance.rtol_q.min(), self.tolerance.rtol_v.min()))
+            self.enough = min(self.enough * EXACT, LEFT / least)
         self.t, self.tally, self._vain, self.begin = 0.0, Tally(), 0, start
         self.b = (system.b if settings.b is None else settings.b).copy()
         self._numbers = self.b.copy()

@@ -110,8 +110,6 @@ class Problem:
             system, wrt, design=design, formula=formula, restitutions=self.restitutions
         )
         self.names = tuple(self._parameters.names)
-        if not self.names:
-            raise ValueError("wrt names no number; name some, or leave it out for all")
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()

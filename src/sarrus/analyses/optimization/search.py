@@ -46,6 +46,8 @@ class Variables:
         self, names: Sequence[str], x0: Array, bounds: Bounds | None, scale: Mapping[str, float] | None
     ) -> None:
         self.names = tuple(names)
+        if not names:
+            raise ValueError("wrt names no number that may change; name some, or leave it out for all")
         for told, given in (("bounds", bounds), ("a scale", scale)):
             for name in given or {}:
                 if name not in self.names:

@@ -315,11 +315,10 @@ def _recorded(
 
 
 def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> None:
-    """Design variables and the function of them belong together, and are finite."""
-    if bool(design) != (formula is not None):
-        given, missing = ("design", "formula") if design else ("formula", "design")
+    """A formula needs variables, which are finite numbers; variables without one are for responses alone."""
+    if formula is not None and not design:
         raise UnknownParameter(
-            f"{given} is given without {missing}; give both, variables and the function of them"
+            "formula is given without design; give the values of the variables, design={...}"
         )
     for name, value in design.items():
         if isinstance(value, str) or not isfinite(value):

@@ -12,7 +12,7 @@ from ..._jit.pointer import Entry
 from ..._jit.vector import LANES
 from .columns_loop import solve_panel
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
-from .panel_loop import solve_columns_transposed, solve_flat, solve_plain_transposed
+from .panel_loop import REFINEMENTS, solve_columns_transposed, solve_flat, solve_plain_transposed
 from .step_matrix import Factors
 
 VELOCITY: Any = None  # drivers, put in place when this is compiled
@@ -73,8 +73,8 @@ class Block(NamedTuple):
     t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
     values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
     weights, product : of the parts of J; P, by which changes of q and v enter the right sides
-    sheet, turned, cuts : factors, numbers of J and of P one after another, in lanes; lane by lane; where each begins,
-        and the end
+    sheet, turned, cuts : factors and numbers of J one after another, then those of P, in lanes; all of them lane by
+        lane; where each begins there, and the end
     work : (nq + m), in lanes
     growth : of the factors, in lanes
     refined : what the last refinement changed, the growth of its factors, and the change up to which the next solutions
@@ -129,13 +129,23 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     )  # fmt: skip
 
 
-def solve_lane(own: Any, by_rows: Any, right: Any, solution: Any, room: Any) -> Any:
-    """Solve with the factors of one lane, for one column or a panel of them."""
+def plainly(block: Any, lane: Any) -> Any:
+    """Whether a solution with the factors of a lane need not be refined."""
+    return block.refined[0] <= block.refined[2] and block.growth[lane] <= LARGER * block.refined[1]
+
+
+def solve_lane(own: Any, by_rows: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solve with the factors of one lane, for a panel of columns, or for one as in `solve_lane_transposed`."""
     size = right.shape[0] * right.shape[1]
     given, found = right.reshape(size), solution.reshape(size)
     x, rest, whole = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
     if right.shape[1] == 1:
-        return solve_flat(own, given, found, x, rest, whole)
+        if plainly(block, lane):
+            solve_flat(own, given, found, x, rest, whole, 0)
+            return block.refined[0]
+        first, change = solve_flat(own, given, found, x, rest, whole, REFINEMENTS)
+        block.refined[0], block.refined[1] = first, block.growth[lane]
+        return change
     return solve_panel(own, by_rows, given, found, x, rest)
 
 
@@ -144,12 +154,12 @@ def solve_lane_transposed(matrix: Any, block: Any, lane: Any, right: Any, soluti
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
     """
-    own, growth = factors_of(matrix, block, lane), block.growth[lane]
-    if block.refined[0] <= block.refined[2] and growth <= LARGER * block.refined[1]:
+    own = factors_of(matrix, block, lane)
+    if plainly(block, lane):
         solve_plain_transposed(own, right, solution, room)
         return block.refined[0]
     first, change = solve_columns_transposed(own, right, solution, room)
-    block.refined[0], block.refined[1] = first, growth
+    block.refined[0], block.refined[1] = first, block.growth[lane]
     return change
 
 
@@ -242,15 +252,15 @@ def factor_block(matrix: Any, block: Any) -> None:
         block.work, block.growth,
     )  # fmt: skip
     block.refined[0] = 1.0
-    turn_lanes(block.sheet, 0, last, block.turned)
+    turn_lanes(block.sheet, last, block.turned, 0)
 
 
 def make_product(block: Any) -> None:
     """Assemble P."""
     product, first, last = block.product, block.cuts[2], block.cuts[3]
-    data = block.sheet[first * LANES : last * LANES]
+    data = block.sheet[: (last - first) * LANES]
     assemble_lanes(product.parts, product.places, product.weights, block.values, data)
-    turn_lanes(block.sheet, first, last, block.turned)
+    turn_lanes(block.sheet, last - first, block.turned, first)
 
 
 def change(b: Any, block: Any) -> None:
@@ -332,7 +342,7 @@ def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, w
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
     solved_rows(record, block.index[lane], right)
     own = factors_of(matrix, block, lane)
-    if not solve_lane(own, by_rows, right, found, work.single[2:]) <= work.trusted[0]:
+    if not solve_lane(own, by_rows, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
         return False
     for k in range(nq):
         place = k * LANES + lane

@@ -96,7 +96,7 @@ class Blocks:
             np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))])
             for x in (self.steps, self.rescales)
         ]
-        sheet = used(LANES * int(max(cuts[-1] for cuts in both)))
+        sheet = used(LANES * int(max(max(cuts[2], cuts[3] - cuts[2]) for cuts in both)))
         self.steps, self.rescales = (
             block._replace(sheet=sheet, turned=used(LANES, int(cuts[-1])), cuts=cuts)
             for block, cuts in zip((self.steps, self.rescales), both, strict=True)

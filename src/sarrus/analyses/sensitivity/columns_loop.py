@@ -218,7 +218,8 @@ def solve_columns(matrix: Any, by_rows: Any, right: Any, solution: Any, room: An
     """
     n, most = right.shape[0], 0.0
     if right.shape[1] == 1:
-        return solve_flat(matrix, right.reshape(n), solution.reshape(n), room[0], room[1], room[2])
+        flat = right.reshape(n), solution.reshape(n)
+        return solve_flat(matrix, *flat, room[0], room[1], room[2], REFINEMENTS)[1]
     for first in range(0, right.shape[1], COLUMNS):
         width = min(COLUMNS, right.shape[1] - first)
         given, found = room[0], room[1]

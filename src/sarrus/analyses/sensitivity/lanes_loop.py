@@ -108,8 +108,9 @@ def factor_lanes(
     store(growth, 0, grown)
 
 
-def turn_lanes(sheet: Any, first: Any, last: Any, turned: Any) -> None:
-    """Entries first:last of an array in lanes, multiples of their number: one lane's after another (lanes, entries)."""
+def turn_lanes(sheet: Any, count: Any, turned: Any, to: Any) -> None:
+    """Entries of an array in lanes, multiples of their number: one lane's after another (lanes, entries), from `to`."""
     stride: Any = np.uint64(turned.shape[1])
-    for k in range(np.uint64(first), np.uint64(last), WIDE):
-        turn(sheet, k, turned, stride)
+    target = turned.reshape(turned.shape[0] * turned.shape[1])[to:]
+    for k in range(np.uint64(0), np.uint64(count), WIDE):
+        turn(sheet, k, target, stride)

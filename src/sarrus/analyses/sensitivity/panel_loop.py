@@ -163,8 +163,8 @@ def copy(x: Any, out: Any) -> None:
         target[k] = source[k]
 
 
-def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole: Any) -> Any:
-    """Solution = matrix⁻¹ right (n,), refined; the last relative change of it, which has been made.
+def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole: Any, most: Any) -> Any:
+    """Solution = matrix⁻¹ right (n,), refined so often at most; its first and its last relative change, made by that.
 
     x, rest, whole : room
     """
@@ -174,18 +174,19 @@ def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole:
     for k in range(n):
         x[k] = whole[k]
     lower_upper_flat(matrix, x)
-    change = 1.0
-    for _ in range(REFINEMENTS):
+    first, change = 0.0, 1.0
+    for _ in range(most):
         for k in range(n):
             rest[k] = whole[k]
         times_flat(matrix, x, rest)
         lower_upper_flat(matrix, rest)
         change = add_flat(rest, x)
+        first = max(first, change)
         if not change > REFINED:
             break
     for k in range(n):
         solution[matrix.column_order[k]] = x[k]
-    return change
+    return first, change
 
 
 def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> None:

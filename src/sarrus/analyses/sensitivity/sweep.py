@@ -25,13 +25,13 @@ from .step_matrix import Factors, solvers
 
 FUNCTIONS = {
     lanes_loop: ("clear_lanes", "assemble_lanes", "factor_lanes", "turn_lanes"),
-    block_loop: ("factors_of", "solve_lane", "solve_lane_transposed", "alike", "collect", "put", "gather", "remember",
-                 "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
+    block_loop: ("factors_of", "plainly", "solve_lane", "solve_lane_transposed", "alike", "collect", "put", "gather",
+                 "remember", "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
                  "linearize_steps", "take_defect", "linearize_rescales"),
     loop: ("add_rows", "apply", "apply_transposed", "subtract_moved", "subtract", "put_adjoint", "add_gradients",
            "predict", "correct", "forward_step", "forward_panels", "backward_step", "put_panel", "forward_rescale",
            "forward_rescales", "backward_rescale", "choose", "choose_gradients", "weigh_panel", "put_state", "put_node",
-           "lengthen"),
+           "lengthen", "begin"),
 }  # fmt: skip
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)

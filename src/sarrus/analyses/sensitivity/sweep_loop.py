@@ -200,7 +200,7 @@ def forward_step(
     subtract(sources.step, n, p, right)
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
-    if not solve_lane(own_factors, by_rows, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(own_factors, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
     correct(work.solution.reshape(len(flat)), beta, gamma, kappa, own, work)
     return True
@@ -298,7 +298,7 @@ def forward_rescale(
     subtract(sources.rescale, n, p, right)
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
-    if not solve_lane(own_factors, by_rows, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(own_factors, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
     if len(kept.rescale) > 0:
         put_panel(work.solution, p, kept.rescale[n])
@@ -370,6 +370,12 @@ def add_gradients(given: Any, row: Any, bars: Any) -> None:
     add(given.lam[row], bars.lam)
 
 
+def begin(scheme: Any, steps: Any, rescales: Any) -> None:
+    """Blocks of nothing."""
+    steps.used[:], rescales.used[:] = 0, 0
+    steps.refined[2] = rescales.refined[2] = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
+
+
 def backward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any, by_rows: Any,
     steps: Any, rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
@@ -378,8 +384,7 @@ def backward(
 
     `given` holds the gradients of responses by the ends of the steps, one row for each.
     """
-    steps.used[:], rescales.used[:] = 0, 0
-    steps.refined[2] = rescales.refined[2] = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
+    begin(scheme, steps, rescales)
     while n >= first:
         if stage == GRADIENTS:
             add_gradients(given, n - first, bars)
@@ -490,7 +495,7 @@ def forward(
     each step; of gradients in `weighed` there is one row for each, too.
     """
     start, nq, width = last - max(len(given.q), len(weighed.by.q)), record.q.shape[1], work.right.shape[1]
-    steps.used[:], rescales.used[:] = 0, 0
+    begin(scheme, steps, rescales)
     while n < last:
         if stage == RESCALE:
             if record.removed[n] != 0.0:

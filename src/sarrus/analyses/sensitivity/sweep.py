@@ -104,7 +104,7 @@ class Sweep:
         return loop.Given._make(np.zeros((count, width, k)) for width in (nq, nq, nq, m))
 
     def kept(self) -> loop.Kept:
-        """Room for what is solved for in every step."""
+        """Room for what is solved for in every step; a sweep backwards writes zero for those before its first."""
         count, size = len(self.steps), self.system.nq + self.system.m
         wide = (used(count, size, self.columns) for _ in range(2))
         return loop.Kept._make([*wide, used(count, size)])
@@ -120,6 +120,8 @@ class Sweep:
     ) -> None:
         """From the ends of the steps first:last, whose gradients are given, to the start of the first, in place."""
         n, stage, tried = last - 1, loop.GRADIENTS, NOWHERE
+        for solved in kept or ():
+            solved[:first] = 0.0
         if n >= first and self._shown is None:
             self._choose_pivots_at(n, n, 0.0)
         while n >= first:

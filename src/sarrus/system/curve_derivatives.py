@@ -18,12 +18,14 @@ from scipy.sparse import csr_array
 
 from .._jit.differentiate import jacobian
 from .._jit.expression import Expression, Graph
+from .._jit.program import program
 from .._jit.replay import OPERATIONS, needed
 from ..algebra import Array
 from ..elements.operators import OPERATORS, Axis
 from ..elements.recorder import Variant, record, structure
 from ..model import Curve
 from ..model.coordinates import WIDTH
+from ..model.curve import Tree
 from .population import Population
 from .system import System
 
@@ -247,13 +249,30 @@ def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
 
 def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     """A derivative of a recorded function of one variable (nt,)."""
-    graph, found, nodes = _recorded(function, order)
+    graph, found, nodes = _recorded(function if isinstance(function, Tree) else _User(function), order)
     value = evaluated(graph, [found], {("x",): x}, MANY, nodes)[0]
     return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
 
 
+class _User:
+    """A user's function. Equal are those that do the same: what one refers to may have changed since it was seen."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        self._function, self._steps = function, program(function)
+
+    def __call__(self, x: Any) -> Any:
+        """Its value."""
+        return self._function(x)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _User) and self._steps == other._steps
+
+    def __hash__(self) -> int:
+        return hash(self._steps)
+
+
 @lru_cache(KNOWN)
-def _recorded(function: Callable[[Any], Any], order: int) -> tuple[Graph, Expression, list[int]]:
+def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, list[int]]:
     """A derivative of a function of one variable, and the order in which it is evaluated."""
     graph = Graph()
     variable = graph.input("x")
@@ -279,7 +298,7 @@ def _value(curve: Any, x: Array, order: int) -> Array:
 
 def _values(curves: Sequence[Any], x: Array, order: int) -> Array:
     """A derivative of several curves, each at its own x (curves, nt)."""
-    rows = np.broadcast_to(x, (len(curves), np.shape(x)[-1]))
+    rows = np.broadcast_to(x, (len(curves), np.shape(x)[-1] if np.ndim(x) else 1))
     return np.array([_value(curve, row, order) for curve, row in zip(curves, rows, strict=True)])
 
 

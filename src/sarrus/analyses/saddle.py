@@ -64,14 +64,19 @@ class Saddle:
             raise SingularSystem(str(trouble)) from None
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
-        """x (nq,) and y (m,) for the right side f, g."""
+        """x (nq,) and y (m,) for the right side f, g, or a column of both for each of theirs."""
         right = np.concatenate([f, g[self._kept]])
-        solution = self._factors.solve(right)
+        solution = self._solved(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
-        y = np.zeros(self._all)
+        y = np.zeros((self._all, *f.shape[1:]))
         y[self._kept] = solution[self.nq :]
         return solution[: self.nq], y
+
+    def _solved(self, right: Array) -> Array:
+        if self._dense is not None or right.ndim == 1:
+            return np.asarray(self._factors.solve(right))
+        return np.array([self._factors.solve(column) for column in right.T]).reshape(right.T.shape).T
 
 
 def _places_in(system: System, weight: str, kept: Array) -> tuple[Array, Array, Array]:

@@ -36,53 +36,62 @@ class Recorded:
     Attributes
     ----------
     sizes : how many there are of each kind of input, in the order of `Slopes`
+    copies : how often the state is recorded side by side, each copy with inputs of its own
     """
 
     tape: Tape
     found: list[Any]
     places: Mapping[Key, int]
     sizes: Sequence[int]
+    copies: int = 1
 
     @property
     def slopes(self) -> Slopes:
         """Their derivatives."""
         every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Traced) else {}) for x in self.found]
         return Slopes._make(
-            np.array([self._gathered(bars, kind) for bars in every]) for kind in Slopes._fields
+            np.array([self._gathered(bars, kind)[0] for bars in every]) for kind in Slopes._fields
         )
 
     @property
     def bends(self) -> Slopes:
-        """The derivatives of the first number's gradient by q."""
-        found = Slopes._make(np.zeros((self.sizes[0], size)) for size in self.sizes)
-        for (kind, n), place in self.places.items():
-            if kind == "q":
-                along = self.tape.along({place: 1.0})
-                change = self.tape.gradient_along({self.found[0].at: 1.0}, {}, along)[1]
-                for by in Slopes._fields:
-                    getattr(found, by)[n] = self._gathered(change, by)
-        return found
+        """The derivatives of the first number's gradient by q, of which there is a copy for each."""
+        every = np.eye(self.copies)
+        change = self._changed({place: every[n] for (kind, n), place in self.places.items() if kind == "q"})
+        return Slopes._make(self._gathered(change, kind) for kind in Slopes._fields)
+
+    def _changed(self, moved: Mapping[int, Any]) -> list[Any]:
+        """The change of the first number's gradient."""
+        if not isinstance(self.found[0], Traced):
+            return [0.0] * len(self.tape.entries)
+        return self.tape.gradient_along({self.found[0].at: 1.0}, {}, self.tape.along(moved))[1]
 
     def bend(self, q: Array, v: Array) -> float:
         """The second derivative of the first number by the time, where q, v and the time change evenly."""
         rates = {"q": q, "v": v, "t": np.ones(1)}
         moved = {place: float(rates[kind][n]) for (kind, n), place in self.places.items() if kind in rates}
-        if not isinstance(self.found[0], Traced):
-            return 0.0
-        along = self.tape.along(moved)
-        change = self.tape.gradient_along({self.found[0].at: 1.0}, {}, along)[1]
+        change = self._changed(moved)
         return float(sum(np.sum(change[place]) * rate for place, rate in moved.items()))
 
     def _gathered(self, bars: list[Any], kind: str) -> Array:
-        """The gradient by the inputs of one kind."""
-        gathered = np.zeros(self.sizes[Slopes._fields.index(kind)])
+        """The gradient by the inputs of one kind, a row for each copy."""
+        gathered = np.zeros((self.copies, self.sizes[Slopes._fields.index(kind)]))
         for (own, n), place in self.places.items():
             if own == kind:
-                gathered[n] = float(np.sum(bars[place]))
+                gathered[:, n] = bars[place]
         return gathered
 
 
-def recorded(system: System, turn: Turn, function: Any, b: Array, angles: Angles) -> Recorded:
+class Copies(Outputs):
+    """Outputs of a state that is there several times, each time with numbers of its own."""
+
+    def _value(self, kind: str, n: int) -> Any:
+        return np.broadcast_to(super()._value(kind, n), self._states.t.shape)
+
+
+def recorded(
+    system: System, turn: Turn, function: Any, b: Array, angles: Angles, copies: int = 1
+) -> Recorded:
     """The value of a formula, with all turns of joints' angles, or of what a Python function returns, at an event.
 
     Raises
@@ -92,20 +101,21 @@ def recorded(system: System, turn: Turn, function: Any, b: Array, angles: Angles
     """
     sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1
     if isinstance(function, str):
-        return _of_formula(Outputs(system, _state(system, turn), b, _unknown, angles), function, sizes)
+        state = _state(system, turn, copies)
+        return _of_formula(Copies(system, state, b, _unknown, angles), function, sizes)
     return _of_python(turn, function, sizes)
 
 
-def _state(system: System, turn: Turn) -> States:
-    none = np.zeros((1, system.m))
-    return States(np.array([turn.t]), turn.q[None], turn.v[None], 0 * turn.q[None], none)
+def _state(system: System, turn: Turn, copies: int) -> States:
+    one = (np.array(turn.t), turn.q, turn.v, 0 * turn.q, np.zeros(system.m))
+    return States._make(np.tile(x, (copies, *[1] * x.ndim)) for x in one)
 
 
 def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:
     tree = parse(text)
     found = tree.value({name: outputs(name) for name in tree.names()})
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
-    return Recorded(outputs.tape, [found], places, sizes)
+    return Recorded(outputs.tape, [found], places, sizes, len(outputs.t.value))
 
 
 def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]) -> Recorded:

@@ -231,12 +231,13 @@ def interpolation(s: Array, h: Array, apart: bool) -> Weights:
 def _polynomial(basis: Array, s: Array, h: Array, orders: int) -> Array:
     """Weights (nt, orders, 2, k) of derivatives 0, 1 ... of what has k given derivatives at both ends."""
     size = len(basis)
-    powers = [np.array([_power(x, order, size) for x in s]).reshape(-1, size) for order in range(orders)]
+    powers = [_powers(s, order, size) for order in range(orders)]
     found = np.stack([p @ basis.T for p in powers], axis=1).reshape(-1, orders, 2, size // 2)
     scale = h[:, None] ** np.arange(max(orders, size // 2))
     return np.asarray(found * scale[:, None, None, : size // 2] / scale[:, :orders, None, None])
 
 
-def _power(s: float, order: int, size: int) -> Array:
-    """The derivative of s⁰ ... of an order."""
-    return np.array([perm(k, order) * s ** max(k - order, 0) for k in range(size)])
+def _powers(s: Array, order: int, size: int) -> Array:
+    """The derivatives of s⁰ ... of an order (nt, size)."""
+    k = np.arange(size)
+    return np.asarray(np.array([perm(n, order) for n in k]) * s[:, None] ** np.maximum(k - order, 0))

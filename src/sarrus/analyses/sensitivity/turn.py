@@ -123,7 +123,7 @@ class TurnDerivatives:
         s, sigma = self._saddle.solve(np.zeros(system.nq), J @ (q - turn.q))
         moved = J @ found.q + self._by_b("Phi", found)
         moved = moved + np.outer(system.Phi_t(turn.q, turn.t, b=b), found.t)
-        q_z = found.q - self._solved(-self._pulled(found, s, sigma), moved)[0]
+        q_z = found.q - self._saddle.solve(-self._pulled(found, s, sigma), moved)[0]
         return self._settled(found._replace(q=q_z), v)
 
     def _settled(self, found: State, given: Array) -> State:
@@ -132,7 +132,7 @@ class TurnDerivatives:
         J = system.Phi_q(q, t, b=b)
         s, sigma = self._saddle.solve(np.zeros(system.nq), J @ given + system.Phi_t(q, t, b=b))
         drift = J @ found.v + self._drifted(found, given - s)
-        return found._replace(v=found.v - self._solved(-self._pulled(found, s, sigma), drift)[0])
+        return found._replace(v=found.v - self._saddle.solve(-self._pulled(found, s, sigma), drift)[0])
 
     def _pulled(self, found: State, s: Array, sigma: Array) -> Array:
         """The derivatives of M s + Φ_qᵀσ with s and σ held."""
@@ -157,11 +157,6 @@ class TurnDerivatives:
         columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self._b) for xi in np.eye(system.nq)]
         return np.array(columns).reshape(system.nq, system.m).T
 
-    def _solved(self, f: Array, g: Array) -> tuple[Array, Array]:
-        found = [self._saddle.solve(*pair) for pair in zip(f.T, g.T, strict=True)]
-        x, y = (np.array([pair[n] for pair in found]).T for n in (0, 1))
-        return x, y
-
     def _turned(self, before: State, along: State) -> Array:
         """The whole matrix: the time moves so that ψ stays zero; the state moves with it; the velocities turn."""
         turn, function = self._turn, self._recorded(self._turn.function)
@@ -173,14 +168,14 @@ class TurnDerivatives:
             x + np.multiply.outer(dx[..., 0], when) for x, dx in zip(before, along, strict=True)
         )
         if turn.along is not None:
-            now = now._replace(v=self._struck(now, self._recorded(turn.along)))
+            now = now._replace(v=self._struck(now, self._recorded(turn.along, self.system.nq)))
         elif turn.reset is not None:
             given = now._replace(v=self._change(self._recorded(turn.reset).slopes, now))
             now = self._settled(given, turn.after)
         return np.vstack([now.q, now.v, when])
 
-    def _recorded(self, function: Any) -> Recorded:
-        return recorded(self.system, self._turn, function, self._b, self._angles)
+    def _recorded(self, function: Any, copies: int = 1) -> Recorded:
+        return recorded(self.system, self._turn, function, self._b, self._angles, copies)
 
     def _change(self, slopes: Slopes, found: State) -> Array:
         """The derivatives of what has these slopes."""
@@ -212,6 +207,6 @@ class TurnDerivatives:
         curved = bends.q @ found.q + self._placed(bends.c, 2) + bends.t * found.t
         force = system.M(turn.q, b=self._b) @ found.v + p * curved
         force = force - self._pulled(found, turn.after - turn.v, p * sigma)
-        free = self._solved(force, -self._drifted(found, turn.after))[0]
+        free = self._saddle.solve(force, -self._drifted(found, turn.after))[0]
         wanted = -((turn.after + e * turn.v) @ curved + e * f_q @ found.v + (f_q @ turn.v) * self._by_e)
         return np.asarray(free + np.outer(w, (wanted - f_q @ free) / (f_q @ w)))

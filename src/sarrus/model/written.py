@@ -32,6 +32,11 @@ LABELS: dict[str, tuple[str, ...]] = {
     "orientation": ("e0", "e1", "e2", "e3"),
 }
 AXES = ("x", "y", "z")
+BY_SIX = (
+    "stiffness",
+    "damping",
+    "preload",
+)  # of forces and torques, and their matrices: entries have numbers
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY, MOTION = "gravity", "motion"
 
@@ -170,9 +175,5 @@ def _step(steps: Steps, n: int) -> str:
     before = str(steps[n - 1])
     if before == "inertia" and len(steps) == n + 2:
         return AXES[step]
-    labels = LABELS.get(before, AXES)
-    return (
-        labels[step]
-        if step < len(labels) and not before.startswith(("stiff", "damp", "pre"))
-        else str(step + 1)
-    )
+    labels = () if set(BY_SIX).intersection(steps[:n]) else LABELS.get(before, AXES)
+    return labels[step] if step < len(labels) else str(step + 1)

@@ -1,5 +1,6 @@
 """What is wrong with a question about derivatives is told in one sentence; nothing wrong is answered."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -41,6 +42,8 @@ def test_a_response_that_cannot_be_is_refused_when_it_is_made(kind: str) -> None
 FUNCTIONS: dict[str, tuple[Callable[[sr.Outputs], object], str]] = {
     "nothing": (lambda o: None, "the function returns None"),
     "a vector": (lambda o: o.position("slider"), "the function returns 3 numbers"),
+    "two numbers": (lambda o: [o("slider.x"), o("slider.y")], "the function returns 2 numbers"),
+    "of plain numbers": (lambda o: math.sin(o("slider.x")), "place of math.sin"),
     "a text": (lambda o: "slider.x", "the function returns 'slider.x'"),
     "a root of less than nothing": (lambda o: np.sqrt(o("slider.x") - 100), "is nan: its output leaves"),
 }
@@ -70,6 +73,8 @@ def test_questions_that_are_none(run: sr.Trajectory) -> None:
         sr.hessian(run, "slider.x", [])
     with pytest.raises(ValueError, match="wrt names no number"):
         sr.optimize(slider_crank(), "slider.x", [], until=0.05)
+    with pytest.raises(ValueError, match=r"slider\.x at 3 s: responses need times between 0 and 0\.05 s"):
+        sr.sensitivity(run, sr.At("slider.x", time=3.0))
     with pytest.raises(TypeError, match="derivatives are those of a run, as simulate"):
         sr.sensitivity(slider_crank(), "slider.x")
 

@@ -1,6 +1,7 @@
 """Designs and fitted parameters: a published optimum, constraints, measurements with noise, what data cannot tell."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -115,6 +116,13 @@ def test_a_parameter_that_the_data_do_not_feel_leaves_the_others_alone() -> None
     assert both.deviations[0] == pytest.approx(alone.deviations[0], rel=1e-3)
     assert "crank.inertia.yy" in both.poor[0]
     assert "not determined" in str(both)
+
+
+def test_a_parameter_that_is_found_to_be_zero_is_determined() -> None:
+    """Its deviation is infinitely many times its value, and as small as that of others."""
+    found = sr.fit(guessed(), measured(1e-3), ["spring.k", "spring.force"], until=1.5, **LOOSE)
+    exact = replace(found, x=np.array([found.x[0], 1e-14]))
+    assert "not determined" not in str(exact)
 
 
 def test_bounds_of_unknown_variables_are_refused() -> None:

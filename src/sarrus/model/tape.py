@@ -290,7 +290,10 @@ class Traced:
         return FUNCTIONS
 
     def __float__(self) -> float:
-        raise TypeError("a traced number cannot become a plain one without losing its derivative")
+        raise TypeError(
+            "a number that is differentiated cannot become a plain one: take NumPy's functions, such as np.sin, in the "
+            "place of math.sin, and return one number, no vector"
+        )
 
     def __bool__(self) -> bool:
         return bool(_compared(self, 0.0, np.not_equal))

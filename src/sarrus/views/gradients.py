@@ -10,7 +10,7 @@ from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes, figure_of
 
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
 DECADES = 100.0  # ratio of values from which their axis is logarithmic
-WIDE = 1e3  # [-] of its value: a parameter with a larger deviation is not determined
+WIDE = 1e3  # [-] of its value, found or at the start: a parameter with a larger deviation is not determined
 TINY = 1e-16  # drawn in the place of a gradient of zero
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def optimum_table(found: Optimum) -> str:
         line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g}"
         if fitted:
             low, high = found.interval(name)
-            wide = found.deviations[k] > WIDE * abs(found.x[k])
+            wide = found.deviations[k] > WIDE * max(abs(found.x[k]), abs(found.x0[k]) or 1.0)
             told = "not determined" if wide else f"{low:.6g} to {high:.6g}"
             line += f"{found.deviations[k]:>12.3g}{told:>28}"
         lines.append(line)

@@ -18,7 +18,7 @@ from .parameters import Parameters
 from .pieces import Course, PieceSampling, Where, at_event, course_of, fixed, sampling_of, within
 from .recording import Angles
 from .responses import AtEvent, Response
-from .sampling import Sampling
+from .sampling import NotThere, Sampling
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,10 @@ def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
         where = where_of(course_of(steps), response)
         assert isinstance(steps, Pieces)
         return PieceSampling(steps, where)
-    return Sampling(steps, response.times(steps.t))
+    try:
+        return Sampling(steps, response.times(steps.t))
+    except NotThere as wrong:
+        raise NotThere(f"{response.title}: {wrong}") from None
 
 
 def where_of(course: Course, response: Response) -> Where:

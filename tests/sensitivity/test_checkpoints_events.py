@@ -145,6 +145,18 @@ def test_turns_of_angles_at_events(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.values[1] > np.pi
 
 
+@pytest.mark.parametrize(("told", "passes"), [("pin.angle", 2), ("slider.x", 1), (sr.Peak("pin.angle"), 2)])
+def test_how_often_the_run_is_taken_again(
+    told: object, passes: int, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
+) -> None:
+    """Once backwards; and once forwards where turns are counted, or the weights of a response depend on the motion."""
+    monkeypatch.setattr(long_run, "FIRST", 6)
+    sr.sensitivity_by_checkpoints(slider_crank(), told, ["spring.k"], until=0.8, rtol=1e-5, atol=1e-7)
+    count = len(marked[0])
+    assert count > 5
+    assert passes * count - 1 <= len(marked) <= passes * count
+
+
 def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
     """Stretches then hold many events, and checkpoints are dropped."""
     many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")

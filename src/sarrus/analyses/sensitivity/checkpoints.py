@@ -196,6 +196,7 @@ class LongGradient:
     def __init__(self, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> None:
         self._run, self._responses, self._parameters = run, responses, parameters
         self._samples = [Samples(run, response) for response in responses]
+        self._begun: dict[int, Array] = {}
 
     def _evaluation(
         self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
@@ -213,20 +214,19 @@ class LongGradient:
         )
 
     def _angles(self, n: int, stretch: Stretch) -> Angles:
-        states = sampling_of(stretch.sampled).states
-        return Angles(self._run.system, states, lambda: self._first_angles[n])
+        first = partial(self._first_angles, n) if n else None
+        return Angles(self._run.system, sampling_of(stretch.sampled).states, first)
 
-    @cached_property
-    def _first_angles(self) -> list[Array]:
-        """The joints' coordinates where stretches begin, with all turns, from one more pass over the run."""
-        found: list[Array] = []
-        last: Callable[[], Array] | None = None
-        for n in range(len(self._run)):
-            states = sampling_of(self._run.stretch(n).sampled).states
-            values = Angles(self._run.system, states, last).values
-            found.append(values[0])
-            last = partial(np.array, values[-1 - self._leading(n + 1)])
-        return found
+    def _first_angles(self, n: int) -> Array:
+        """The joints' coordinates where a stretch begins, with all turns; perhaps from one more pass over the run."""
+        if n not in self._begun:
+            for before in range(len(self._run) - 1):
+                self._count_on(before, self._angles(before, self._run.stretch(before)))
+        return self._begun[n]
+
+    def _count_on(self, n: int, angles: Angles) -> None:
+        """Note the joints' coordinates where the next stretch begins."""
+        self._begun[n + 1] = angles.values[-1 - self._leading(n + 1)].copy()
 
     def _leading(self, n: int) -> int:
         """How many nodes lead a stretch."""
@@ -242,7 +242,10 @@ class LongGradient:
             return found
         for n in range(len(self._run)):
             stretch = self._run.stretch(n)
-            present, evaluation = self._evaluation(n, stretch, self._angles(n, stretch), found, found)
+            angles = self._angles(n, stretch)
+            present, evaluation = self._evaluation(n, stretch, angles, found, found)
+            if "values" in vars(angles):  # they were asked for
+                self._count_on(n, angles)
             for r, signal in zip(present, evaluation.signals, strict=True):
                 own = self._samples[r].rows(n)
                 found[r][own] = signal[: len(own)]

@@ -113,10 +113,14 @@ def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:
         sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-5, atol=1e-7, keep_steps=True
     )
     gradient = sr.sensitivity(run, RESPONSES[:3], names)
-    problem = sr.Problem(run.system, RESPONSES[:3], names, until=0.5, rtol=1e-9, atol=1e-11)
-    for n in range(3):
-        e = 1e-3 * np.eye(3)[n]
-        columns.append((problem.values(problem.x0 + e) - problem.values(problem.x0 - e)) / 2e-3)
+    assert abs(gradient.matrix).max(axis=0).min() > 1e-3
+
+    def values(name: str, value: float) -> np.ndarray:
+        other = sr.System(sr.load(tmp_path / "arm.yaml", parameters={name: value}))
+        return sr.Problem(other, RESPONSES[:3], [], until=0.5, rtol=1e-9, atol=1e-11).values([])
+
+    for name, value in zip(names, (0.1, 3.0, 2.0), strict=True):
+        columns.append((values(name, value + 1e-3) - values(name, value - 1e-3)) / 2e-3)
     assert gradient.matrix == pytest.approx(np.array(columns).T, rel=2e-3, abs=1e-5)
 
 

@@ -25,5 +25,5 @@ def _entries(entry: Any) -> Iterator[tuple[str | int, Any]]:
             yield field.alias or name, getattr(entry, name)
     elif isinstance(entry, Mapping):
         yield from entry.items()
-    elif isinstance(entry, list):
+    elif isinstance(entry, list | tuple):
         yield from enumerate(entry)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -36,9 +35,6 @@ FUNCTIONS = {
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)
 NOWHERE = -1, 0, 0  # where pivots were chosen last
-ORDERS: WeakKeyDictionary[Any, Factors] = (
-    WeakKeyDictionary()
-)  # of pivots, by what systems of one structure share
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
 NOTHING_GIVEN = loop.Given._make(np.zeros((0, 0, 0)) for _ in loop.Given._fields)
 NOTHING_WEIGHED = loop.Weighed(
@@ -212,22 +208,7 @@ class Sweep:
         return n, stage, times
 
     def _choose_pivots_at(self, n: int, node: int, h: float) -> None:
-        """A pivot order for a matrix of step n at a node; that of h = 0 serves most steps.
-
-        A sweep begins with the one with which the first sweep through a system of this structure began: where it does
-        not suit, solutions are refined, or it is chosen anew.
-        """
-        first = self._shown is None
-        known = ORDERS.get(self.system.structure) if first else None
-        if known is None:
-            self._evaluate_at(n, node, h)
-        self._shown = self._blocks.arrange(known)
-        if first:
-            ORDERS[self.system.structure] = self._shown
-        self._work.trusted[0] = TRUSTED[0]
-
-    def _evaluate_at(self, n: int, node: int, h: float) -> None:
-        """The numbers and weights of a matrix."""
+        """A pivot order for a matrix of step n at a node; that of h = 0 serves most steps."""
         steps, matrix = self.steps, self._blocks.matrix
         self.b[steps.places] = steps.memory[n]
         matrix.numbers.left_out[:] = steps.left_out[n + 1] if len(steps.left_out) else 0.0
@@ -235,6 +216,8 @@ class Sweep:
         for kind in ("jacobian", "inertia", "stiffness"):
             matrix.numbers.evaluate(GROUPS[kind][0], self.b, operands)
         weigh(matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
+        self._shown = self._blocks.arrange()
+        self._work.trusted[0] = TRUSTED[0]
 
 
 def _state(bars: loop.Bars) -> tuple[Array, ...]:

@@ -261,3 +261,27 @@ def test_events_at_the_same_time_all_happen(method: object, direction: int) -> N
     assert [event.t for event in run.events] == pytest.approx([first] * 3 + [2.6 * first] * 3)
     assert [len({event.name for event in run.events[k : k + 3]}) for k in (0, 3)] == [3, 3]
     assert all(run[b.name].position[:, 2].min() > -1e-9 for b in balls)
+
+
+def test_an_impact_where_a_parallelogram_lies_flat_ends_with_a_status() -> None:
+    """There is no choice of independent equations: multipliers stay, and the motion goes on or says why not."""
+
+    def upright(name: str, x: float) -> sr.Body:
+        turned = {"orientation": sr.AxisAngle((0, 0, 1), np.pi / 2), "angular_velocity": (0, 0, -2)}
+        return sr.Body(
+            name, mass=1, inertia=(0.1, 0.1, 0.1), position=(x, 0.5, 0), velocity=(1, 0, 0), **turned
+        )
+
+    one, other = upright("one", 0.0), upright("other", 2.0)
+    coupler = sr.Body("coupler", mass=1, inertia=(0.1, 0.1, 0.1), position=(1, 1, 0), velocity=(2, 0, 0))
+    pairs = [(sr.ground, one, 0, 0), (one, coupler, 0, 1), (coupler, other, 2, 1), (sr.ground, other, 2, 0)]
+    pins = [
+        sr.Revolute(f"pin_{n}", a, b, point=(x, y, 0), axis=(0, 0, 1)) for n, (a, b, x, y) in enumerate(pairs)
+    ]
+    system = sr.System(sr.Model("parallelogram", [one, coupler, other], pins))
+    flat = sr.Event("one.y", reset=sr.Impact(0.5, along="pin_0.angle"), name="flat")
+    run = sr.simulate(
+        system, until=1.2, t_eval=[1.2], events=flat, method=sr.HHT(step=1e-3), rtol=1e-6, atol=1e-8
+    )
+    assert run.events[0].name == "flat"
+    assert run.success or "singular" in run.message

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from copy import copy
 from functools import cache
 from typing import Any
@@ -13,6 +14,7 @@ from ..._jit import pointer
 from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...system import System
+from ..factored import SingularSystem
 from ..independence import Independence
 from ..linear import SingularMatrix
 from . import sample_loop as loop
@@ -20,6 +22,7 @@ from .entries import entry_of
 from .newton_matrix import motion_matrix
 from .nodes import Nodes, between
 from .placed import FACTORS, PRECISE, PlacedMatrix, compiled_solver
+from .stepper import Trouble
 
 GROUPS = {
     "inertia": ("M",),
@@ -212,10 +215,21 @@ class Sampler:
         """The shortest multipliers, where equations are dependent."""
         if self.independence.kept is not None:
             for k in range(len(out.t)):
-                out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
+                with suppress(SingularSystem):  # where all choices are dependent they stay as they are
+                    out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
 
     def pushed(self, t: float, q: Array, f: Array) -> Array:
-        """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one."""
-        self._factored(t, q)
+        """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one.
+
+        Raises
+        ------
+        Trouble
+            In a singular position.
+        """
+        if not self._factored(t, q):
+            raise Trouble(
+                "singular configuration",
+                f"the position at t = {t:.6g} s is singular: an impulse has no one answer",
+            )
         right = np.concatenate([f, np.zeros(self.system.m)])
         return self.matrix.solve(right)[: self.system.nq]

@@ -131,6 +131,7 @@ class RadauSweep:
             if failed > 1:
                 raise SingularMatrix(f"the equations at t = {self.steps.t[n]:.6g} s are singular")
             self._tables.trusted[0] = TRUSTED[failed]
+            self._step.in_blocks = not failed
             self._choose_pivots(name, n, stage)
             before, (n, stage) = (n, stage), (int(x) for x in self._run(name, n, stage, *arrays))
             failed = failed + 1 if (n, stage) == before else 0

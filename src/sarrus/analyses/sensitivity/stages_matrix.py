@@ -23,7 +23,14 @@ LEAST = 1e-10  # pivot over column, below which pivots are chosen among all stag
 
 
 class StagesMatrix(StepMatrix):
-    """The matrix of all stages; numbers of operators at stage i have names with "@i"."""
+    """The matrix of all stages; numbers of operators at stage i have names with "@i".
+
+    Attributes
+    ----------
+    in_blocks : whether the order of one stage is tried
+    """
+
+    in_blocks = True
 
     def __init__(self, numbers: Numbers, nq: int, m: int) -> None:
         super().__init__(numbers, 2 * STAGES * (nq + m), stage_parts(nq, m))
@@ -47,14 +54,16 @@ class StagesMatrix(StepMatrix):
         SingularMatrix
             If the matrix is singular.
         """
+        if not self.in_blocks:
+            return super().choose_pivots()
         try:
-            found = self._in_blocks()
+            found = self._in_order_of_one()
         except SingularMatrix:
             return super().choose_pivots()
         trust = compiled_solver()["refactor"](self.numbers.values, found)
         return found if trust > LEAST else super().choose_pivots()
 
-    def _in_blocks(self) -> Placed:
+    def _in_order_of_one(self) -> Placed:
         one, layout = self._one.choose_pivots(), self._layout
         rows = [STAGES * one.row_place.astype(np.int64) + i for i in range(STAGES)]
         columns = one.column_order.astype(np.int64)[:, None] + self._one.n * np.arange(STAGES)

@@ -126,8 +126,8 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
     made = calls() | compiled_solver() | {"weigh": compiled_part(weigh)}
-    order = "residual evaluate factor size update correct weights_of renew newton polish predict accept keep stretch"
-    for name in (*order.split(), "rescale", "remember"):
+    order = "residual evaluate factor size update correct weights_of renew newton round_off polish replace"
+    for name in (*order.split(), *["predict", "accept", "keep", "stretch", "rescale", "remember"]):
         made[name] = compiled_part(getattr(loop, name), **made)
     return made | {"advance": compiled_function(loop.advance, **made)}
 
@@ -151,7 +151,7 @@ class AlphaStepper(Implicit):
         self.independence = independence_at(system, start)
         self._make()
         nq, m = system.nq, system.m
-        self._control = loop.Control(np.zeros(9), np.zeros(5, dtype=np.int64))
+        self._control = loop.Control(np.zeros(11), np.zeros(5, dtype=np.int64))
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
         self.keeping = Keeping(system, _record(system, self._chunk), Steps, settings)
         self._tolerance = settings.tolerances.for_loop()

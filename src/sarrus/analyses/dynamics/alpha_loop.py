@@ -36,12 +36,16 @@ NEWTON_SHARE = 0.03
 RENEW, RENEWALS = 0.5, 3  # contraction at which the matrix is renewed within a step, and how often at most
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
-EXACT, NOISE = (
-    5e-8,
-    1e-6,
-)  # of the tolerance: what may be left in a step that is kept; where changes may be round-off
+# Of the tolerance: what may be left in a step that is kept; where changes may be round-off. Part of the round-off to
+# be expected that may be left, too: most of it is never met
+EXACT, NOISE, ROUND = 5e-8, 1e-6, 0.03
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
-POLISHES, CHEAPER = 8, 3  # most iterations for that; how many cost less than new factors
+POLISHES, FURTHER = (
+    8,
+    5,
+)  # most corrections for that; if more than so many are missing, new factors are better
+FACTORS = 2.0  # corrections that new factors are worth, where steps are kept
+EPSILON = 2.0**-52
 KEEP = 1.3  # the step is not enlarged by less than this
 
 
@@ -255,41 +259,64 @@ def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, b
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
     if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
         return False
-    control.numbers[2] = beta
+    control.numbers[2], control.numbers[9], control.numbers[10] = beta, 0.0, 0.0
     return True
+
+
+def round_off(h: Any, state: Any, tol: Any) -> Any:
+    """How large in v, over the tolerances, the round-off of Φ becomes by h: see `AlphaStepper._finest`."""
+    largest, total = 0.0, 0.0
+    for k in range(len(state.q0)):
+        largest = max(largest, abs(state.q0[k]))
+    for k in range(len(state.v0)):
+        relative = 1.0 / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
+        total += relative * relative
+    return 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5
 
 
 def polish(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
-    rate: Any,
+    rate: Any, before: Any,
 ) -> Any:  # fmt: skip
-    """Newton's method to the end, for steps whose derivatives are wanted; false if pivots must be renewed.
+    """Newton's method to the end, for steps whose derivatives are wanted; returns how many corrections it took.
 
-    With the factors at hand, as long as they contract so much that a few corrections are enough.
+    Less than 0 if pivots must be renewed. What the last correction leaves is told by how much they contract: none is
+    made only to see it. `rate` and `before` are the contraction (0: not known) and the last change so far.
     """
     beta, gamma = weights_of(scheme, h)
-    left, before, renewed = NEWTON_SHARE, 0.0, False
-    for _ in range(POLISHES):
+    enough, renewed = max(EXACT, ROUND * round_off(h, state, tol)), False
+    for taken in range(POLISHES):
+        if before * (rate if rate > 0.0 else 1.0) <= enough:
+            return taken
         residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
-        if not renewed and left > NOISE and left * rate**CHEAPER > EXACT:
+        old = before
+        if not renewed and before > NOISE and before * rate**FURTHER > enough:
             if not renew(entries, b, t, state, matrix, control, beta, gamma):
-                return False
-            rate, before, renewed = 0.0, 0.0, True
-        change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
-        if before > 0.0:
-            rate = max(0.5 * rate, change / before)
-        left = change * rate if before > 0.0 or not renewed else change
-        if left <= EXACT or (before > 0.0 and rate > SLOW and (renewed or change <= NOISE)):
-            break
-        before = change
-    return True
+                return -1
+            renewed, old = True, 0.0
+        before = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
+        rate = max(0.5 * rate, before / old) if old > 0.0 else 0.0
+        if old > 0.0 and rate > SLOW and (renewed or before <= NOISE):
+            return taken + 1
+    return POLISHES
+
+
+def replace(iterations: Any, control: Any) -> None:
+    """New factors for the next step, where the last one took more corrections than steps with these did on average.
+
+    The average counts the factors, too; it falls at first and rises from where they are better replaced.
+    """
+    numbers = control.numbers
+    numbers[9], numbers[10] = numbers[9] + iterations, numbers[10] + 1.0
+    if numbers[10] > 1.0 and iterations * numbers[10] > FACTORS + numbers[9]:
+        numbers[2], numbers[5] = 0.0, 0.0
 
 
 def newton(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
 ) -> Any:  # fmt: skip
-    """Solve one step. Returns (iterations, contraction): 0 iterations if it fails, -1 if pivots must be renewed."""
+    """Solve one step. Returns (iterations, contraction, change): 0 iterations if it fails, -1 for pivots to renew."""
     beta, gamma = weights_of(scheme, h)
     rate, before, renewals = 0.0, 0.0, 0
     update(scheme, h, state)
@@ -297,24 +324,24 @@ def newton(
         residual(entries, b, t, state, memory, matrix.left_out, beta)
         control.counts[2] += 1
         if control.numbers[2] != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
-            return -1, 0.0
+            return -1, 0.0, 0.0
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
-            return 0, 2.0
+            return 0, 2.0, change
         if before > 0.0:
             rate = max(0.9 * rate, change / before)
         if change <= 1e-4 * NEWTON_SHARE or (before > 0.0 and change <= 0.1 * NEWTON_SHARE):
-            return iteration + 1, min(rate, SLOW)
+            return iteration + 1, min(rate, SLOW), change
         if rate > RENEW and renewals < RENEWALS:  # the guess was too far off for its matrix
             renewals += 1
             control.numbers[2], rate, before = 0.0, 0.0, 0.0
             continue
         if rate > 0.9:
-            return 0, rate
+            return 0, rate, change
         if before > 0.0 and change * rate / (1.0 - rate) <= NEWTON_SHARE:
-            return iteration + 1, rate
+            return iteration + 1, rate, change
         before = change
-    return 0, 1.0
+    return 0, 1.0, before
 
 
 def predict(ratio: Any, state: Any) -> Any:
@@ -425,7 +452,7 @@ def advance(
             rescale(entries, b, t0, h / numbers[4], state, memory, matrix, control)
             numbers[4] = h
         predict(h / numbers[6] if numbers[6] > 0.0 else 0.0, state)
-        iterations, rate = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
+        iterations, rate, change = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
             return REPIVOT, taken
         if iterations == 0:
@@ -452,8 +479,13 @@ def advance(
             numbers[8] = ERROR
             numbers[1] = h * max(SHRINK, wanted)
             continue
-        if exact and not polish(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate):
-            return REPIVOT, taken
+        polished = 0
+        if exact:
+            polished = polish(
+                scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate, change
+            )
+            if polished < 0:
+                return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         numbers[0] = until if ended else t0 + h
         keep(record, taken, numbers[0], h, state, control)
@@ -469,6 +501,8 @@ def advance(
             numbers[1] = h * max(wanted, SHRINK)
         elif wanted > KEEP:
             numbers[1] = max(numbers[1], h * min(wanted, GROW))
+        if exact:
+            replace(iterations + polished, control)
         if rate > SLOW:
             numbers[2], numbers[5] = 0.0, 0.0
     return (FINISHED if numbers[0] >= until else RUNNING), taken

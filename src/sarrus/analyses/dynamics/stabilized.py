@@ -29,7 +29,8 @@ def compiled_advance() -> Any:
     """The time loop, compiled once for all systems."""
     plain, made = compiled_parts(), calls() | compiled_solver()
     made |= {f"plain_{name}": plain[name] for name in PLAIN}
-    made |= {name: plain[name] for name in ("size", "weights_of", "stretch", "keep", "remember")}
+    shared = ("size", "weights_of", "round_off", "replace", "stretch", "keep", "remember")
+    made |= {name: plain[name] for name in shared}
     made["weigh"] = compiled_part(weigh)
     made["evaluate"] = compiled_part(radau_loop.evaluate, **made)
     order = "update residual factor scaled correct renew newton polish predict accept rescale"

@@ -1,0 +1,49 @@
+"""What do steps cost that are kept for derivatives, and do they stay as they were when others follow?"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.dynamics import alpha, radau_run
+
+SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7}
+
+
+@cache
+def run(keep_steps: bool = True) -> sr.Trajectory:
+    return sr.simulate(slider_crank(), keep_steps=keep_steps, **SETTINGS)
+
+
+def test_steps_that_are_kept_take_few_corrections_and_factors_more() -> None:
+    kept, plain = run(), run(keep_steps=False)
+    assert abs(kept.nsteps - plain.nsteps) <= 3
+    assert kept.nfev < 1.45 * plain.nfev
+    assert kept.njev < 0.5 * kept.nsteps
+
+
+def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
+    """The same lengths of steps give the same motion where tolerances are narrow."""
+    kept = run().steps
+    narrow = sr.HHT().run(
+        slider_crank(), kept.start, np.array([0.0, 2.0]), rtol=1e-10, atol=1e-12, keep_steps=True, given=kept.h
+    )
+    assert abs(narrow.steps.q - kept.q).max() < 5e-10
+    assert abs(narrow.steps.v - kept.v).max() < 2e-9
+
+
+@pytest.mark.parametrize(("method", "module"), [(sr.HHT(), alpha), (sr.Radau(), radau_run)])
+def test_steps_stay_as_they_are_while_room_for_more_is_made(
+    method: object, module: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = SETTINGS | {"until": 0.6, "t_eval": [0.6], "method": method, "keep_steps": True}
+    whole = sr.simulate(slider_crank(), **settings)
+    monkeypatch.setattr(module, "ROOM", 7 * (4 * slider_crank().nq + slider_crank().m))
+    parts = sr.simulate(slider_crank(), **settings)
+    assert len(parts.steps) == len(whole.steps) > 10
+    for name in ("t", "h", "q", "v", "a", "lam", "memory"):
+        assert np.array_equal(getattr(parts.steps, name), getattr(whole.steps, name)), name

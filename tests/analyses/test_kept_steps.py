@@ -30,7 +30,13 @@ def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
     """The same lengths of steps give the same motion where tolerances are narrow."""
     kept = run().steps
     narrow = sr.HHT().run(
-        slider_crank(), kept.start, np.array([0.0, 2.0]), rtol=1e-10, atol=1e-12, keep_steps=True, given=kept.h
+        slider_crank(),
+        kept.start,
+        np.array([0.0, 2.0]),
+        rtol=1e-10,
+        atol=1e-12,
+        keep_steps=True,
+        given=kept.h,
     )
     assert abs(narrow.steps.q - kept.q).max() < 5e-10
     assert abs(narrow.steps.v - kept.v).max() < 2e-9

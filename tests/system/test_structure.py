@@ -40,11 +40,12 @@ def test_a_gradient_is_the_same_whether_a_like_system_was_there_before_or_not() 
     alone = gradient(crank(pin_axis_x=2.0))  # a direction: how it turns goes with its length
     gc.collect()
     other = crank(pin_axis_x=1.0)
-    assert not np.array_equal(gradient(other), alone)
+    assert not np.allclose(gradient(other), alone, rtol=1e-3, atol=1e-12)
     like = crank(pin_axis_x=2.0)
     assert like.structure is other.structure
-    assert np.array_equal(gradient(like), alone)
-    assert np.array_equal(gradient(like), alone)
+    first = gradient(like)
+    assert np.allclose(first, alone, rtol=1e-9, atol=1e-12)  # a sweep may begin with another order of pivots
+    assert np.array_equal(gradient(like), first)
 
 
 def test_another_way_to_connect_bodies_is_another_structure() -> None:

@@ -38,7 +38,7 @@ SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 # Of the tolerance: what may be left in a step that is kept; where changes may be round-off. Part of the round-off to
 # be expected that may be left, too: most of it is never met
-EXACT, NOISE, ROUND = 5e-8, 1e-6, 0.02
+EXACT, NOISE, ROUND = 3e-8, 1e-6, 0.02
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 POLISHES, FURTHER = (
     8,

@@ -161,11 +161,13 @@ def _firsts(own: Sequence[Population]) -> list[int]:
     return [sum(sizes[:n]) for n in range(len(sizes))]
 
 
+@cache
 def _slopes(variant: Variant, energy: Energy) -> Recording:
     one = told(variant, energy)
     return _recording(variant, energy, one.graph, OPERANDS, [block([one.value])], _gradient(one))
 
 
+@cache
 def _turns(variant: Variant, energy: Energy) -> Recording:
     one = told(variant, energy)
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]

@@ -84,7 +84,7 @@ class Curves(CurvesOf[Steps]):
 
     @cached_property
     def _beta(self) -> Array:
-        return np.array([weights_of(self._steps.scheme, float(h))[0] for h in self._steps.h])
+        return np.asarray(weights_of(self._steps.scheme, self._steps.h)[0])
 
     @cached_property
     def _rescaled(self) -> Array:

@@ -15,6 +15,7 @@ from ...algebra import Array
 from ...results import StepsTaken
 from .chain import Chain, Nodes
 from .lagrangian import Change, change_at, compiled, lagrangian, room
+from .lane_room import aligned
 from .sweep import Sweep
 from .sweep_loop import Given, Kept, Sources
 
@@ -99,7 +100,7 @@ class AlphaCurvedSteps:
         """See `CurvedSteps`."""
         steps, nq, m = self._steps, self._system.nq, self._system.m
         widths = (nq + m, nq, nq) * 2
-        sources = Sources._make(np.zeros((len(steps), width)) for width in widths)
+        sources = Sources._make(aligned(len(steps), width) for width in widths)
         dots = Given._make(np.ascontiguousarray(getattr(moved, k)[:, :, 0]) for k in Given._fields)
         operands = (np.ascontiguousarray(x[:, :, 0]) for x in adjoint.kept[:2])
         own = Kept._make([*operands, adjoint.kept.s])

@@ -28,6 +28,7 @@ from ...system import System
 from ...system.population import Population
 from ..once import once
 from . import energy_loop
+from .lane_room import aligned, used
 from .reverse import gradient
 from .shares import block, entry, local
 
@@ -116,7 +117,7 @@ class Along:
         return self._sorted(results)
 
     def _room(self, width: int) -> Array:
-        return np.zeros((len(self._motion[0]), width * LANES))
+        return aligned(len(self._motion[0]), width * LANES)
 
     def _results(self) -> list[Array]:
         return [self._room(width) for width in (self._system.nq, self._system.nq, len(self.numbers))]
@@ -127,16 +128,18 @@ class Along:
 
     def _by_time(self, x: Array, places: Any) -> Array:
         """Some entries of what is in lanes (places, nt)."""
-        chosen = x.reshape(len(x), -1, LANES)[:, places].transpose(1, 0, 2)
-        return np.ascontiguousarray(chosen).reshape(-1, len(x) * LANES)[:, : self._count]
+        found = used(len(places), len(x), LANES)
+        found[:] = x.reshape(len(x), -1, LANES)[:, places].transpose(1, 0, 2)
+        return found.reshape(-1, len(x) * LANES)[:, : self._count]
 
 
 def in_lanes(x: Array) -> Array:
     """A row for every time (nt, n): a row for every block of times, in lanes; the last time fills up its block."""
     blocks = -(-len(x) // LANES)
-    whole = np.empty((blocks * LANES, x.shape[1]))
+    whole, found = used(blocks * LANES, x.shape[1]), used(blocks, x.shape[1], LANES)
     whole[: len(x)], whole[len(x) :] = x, x[-1:]
-    return whole.reshape(blocks, LANES, -1).transpose(0, 2, 1).reshape(blocks, -1)
+    found[:] = whole.reshape(blocks, LANES, -1).transpose(0, 2, 1)
+    return found.reshape(blocks, -1)
 
 
 @once

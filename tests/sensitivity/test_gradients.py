@@ -9,6 +9,8 @@ from tests.sensitivity.frozen import again, differenced, values
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.sensitivity import sweep
+from sarrus.analyses.sensitivity.blocks import Blocks
 from sarrus.analyses.sensitivity.parameters import Parameters
 
 METHODS = {"HHT": sr.HHT(), "generalized": sr.GeneralizedAlpha(0.7), "undamped": sr.HHT(0.0)}
@@ -174,3 +176,16 @@ def test_unknown_numbers_are_named() -> None:
 def test_a_design_that_describes_another_model_is_refused() -> None:
     with pytest.raises(sr.SarrusError, match="but the model has 10"):
         sr.sensitivity(swung("HHT"), "slider.x", design={"s": 3.0}, formula=lambda d: {"spring.k": d["s"]})
+
+
+def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of a matrix of any numbers has pivots where there is nothing."""
+    run, wanted = swung("HHT"), both("HHT")[1].matrix
+    blocks, chosen = Blocks(run.system, 1, None), []
+    blocks.matrix.numbers.values[:] = np.random.default_rng(1).normal(size=len(blocks.matrix.numbers.values))
+    monkeypatch.setitem(sweep.ORDERS, run.system.structure, blocks.arrange())
+    choose = sweep.Sweep._evaluate_at
+    monkeypatch.setattr(sweep.Sweep, "_evaluate_at", lambda *at: chosen.append(at[1:]) or choose(*at))
+    found = sr.sensitivity(run, RESPONSES).matrix
+    assert chosen
+    assert (abs(found - wanted).max(axis=1) < 1e-10 * abs(wanted).max(axis=1)).all()

@@ -300,9 +300,10 @@ def forward_rescale(
     own_factors = factors_of(matrix, block, lane)
     if not solve_lane(own_factors, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
         return False
+    change = work.solution.reshape(right.shape[0] * right.shape[1])
     if len(kept.rescale) > 0:
-        put_panel(work.solution, p, kept.rescale[n])
-    v, change = own[size : 2 * size], work.solution.reshape(right.shape[0] * right.shape[1])
+        put_panel(change, p, right.shape[1], kept.rescale[n])
+    v = own[size : 2 * size]
     for k in range(size):
         v[k] -= record.removed[n] * change[k]
     return True
@@ -322,12 +323,18 @@ def forward_rescales(
     return True
 
 
-def put_panel(panel: Any, p: Any, out: Any) -> None:
+def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
     """The columns of panel p in their place (n, columns)."""
-    first = p * panel.shape[1]
-    for k in range(out.shape[0]):
-        for c in range(min(panel.shape[1], out.shape[1] - first)):
-            out[k, first + c] = panel[k, c]
+    first = p * width
+    whole = width > 1 and first + width <= out.shape[1]
+    for k in range(np.uint64(out.shape[0])):
+        if whole:
+            row = out[k, first:]
+            store(row, np.uint64(0), load(panel, k * TWO))
+            store(row, ONE, load(panel, k * TWO + ONE))
+        else:
+            for c in range(min(width, out.shape[1] - first)):
+                out[k, first + c] = panel[k * width + c]
 
 
 def backward_rescale(
@@ -470,11 +477,10 @@ def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any
 def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> None:
     """The derivatives of a state in panel p in their place."""
     size = nq * width
-    put_panel(own[:size].reshape(nq, width), p, given.q[row])
-    put_panel(own[size : 2 * size].reshape(nq, width), p, given.v[row])
-    put_panel(own[2 * size : 3 * size].reshape(nq, width), p, given.a[row])
-    m = given.lam.shape[1]
-    put_panel(own[3 * size : 3 * size + m * width].reshape(m, width), p, given.lam[row])
+    put_panel(own[:size], p, width, given.q[row])
+    put_panel(own[size : 2 * size], p, width, given.v[row])
+    put_panel(own[2 * size : 3 * size], p, width, given.a[row])
+    put_panel(own[3 * size : len(own) - size], p, width, given.lam[row])
 
 
 def lengthen(ratio: Any, size: Any, state: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +14,12 @@ from sarrus._jit.driver import compiled_function
 from sarrus._jit.pointer import run
 from sarrus._jit.vector import LANES
 from sarrus.analyses.sensitivity import by_numbers, lane_room, sweep
-from sarrus.analyses.sensitivity.block_loop import Entries, solve_lane_transposed
+from sarrus.analyses.sensitivity.block_loop import UNKNOWN, Entries, solve_lane, solve_lane_transposed
+from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
-from sarrus.analyses.sensitivity.lane_room import room
+from sarrus.analyses.sensitivity.lane_room import aligned, room
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
+from sarrus.analyses.sensitivity.row_order import by_rows
 from sarrus.analyses.sensitivity.step_matrix import Factors, unsigned
 
 
@@ -76,46 +78,65 @@ def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: s
         assert np.allclose(by_b.reshape(-1, LANES)[:, lane], wanted[: crank.nb], rtol=1e-11, atol=1e-11)
 
 
-def test_a_solution_is_refined_where_factors_have_grown() -> None:
-    """Full matrices, one in each lane; the first pivot of the last one does not suit: it is solved for all the same."""
-    n, rng = 5, np.random.default_rng(5)
-    matrices = rng.normal(size=(LANES, n, n)) + 4 * np.eye(n)
+def factored(n: int) -> tuple[np.ndarray, list[Factors], np.ndarray]:
+    """Full matrices, one in each lane, the first pivot of the last one does not suit; their factors and the growth."""
+    matrices = np.random.default_rng(5).normal(size=(LANES, n, n)) + 4 * np.eye(n)
     matrices[-1, 0, 0] = 1e-7
     pattern, full = np.arange(0, n * n + 1, n), np.tile(np.arange(n), n)
     pointers, indices, diagonal, ends = unsigned((pattern, full, (n + 1) * np.arange(n), np.full(n, n)))
-    known = sweep._compiled()
-    factor, solve = (compiled_function(f, **known) for f in (factor_lanes, solved))
+    factor = compiled_function(factor_lanes, **sweep._compiled())
     size = -(-n * n // LANES) * LANES
     factors, data, growth = room(size), room(size), room(1)
     data[: n * n * LANES] = side_by_side(matrices.transpose(0, 2, 1).reshape(LANES, -1))
     factor(pointers, indices, diagonal, ends, pointers, indices, data, factors, room(n), growth)
+    order = unsigned([np.arange(n)])[0]
+    found = []
+    for lane in range(LANES):
+        own, numbers = (x.reshape(-1, LANES)[:, lane].copy() for x in (factors, data))
+        places = pointers, indices, numbers, pointers, indices, diagonal, own, ends, order, order, order
+        found.append(Factors(*[order] * 3, *places))
+    return matrices, found, growth
+
+
+def test_a_solution_is_refined_where_factors_have_grown() -> None:
+    """It is solved for with pivots that do not suit all the same."""
+    n = 5
+    (matrices, factors, growth), right = factored(n), np.random.default_rng(6).normal(size=(n, 1))
     squares = [(np.tril(without_pivoting(A), -1) ** 2).sum() for A in matrices]
     assert np.allclose(growth, 1 + np.array(squares), rtol=1e-9)
-    turned = np.concatenate([x.reshape(-1, LANES).T for x in (factors, data)], axis=1)
-    order, (right,) = unsigned([np.arange(n)])[0], rng.normal(size=(1, n, 1))
-    matrix = Factors(
-        *[order] * 3, pointers, indices, data, pointers, indices, diagonal, *[order] * 3, order, order
-    )
-    refined, found = np.array([0.0, growth[0], 1e-12]), np.zeros((n, 1))
-    block = Turned(np.ascontiguousarray(turned), np.array([0, size, 2 * size]), growth, refined)
+    solve, refined, found = compiled_function(solved, **sweep._compiled()), np.zeros(3), np.zeros((n, 1))
+    refined[:] = 0.0, growth[0], 1e-12
     for lane, A in enumerate(matrices):
-        solve(matrix, block, lane, right, found, np.zeros((3, n, 1)))
+        solve(factors[lane], refined, growth[lane], right, found, np.zeros((3, n, 1)))
         assert np.allclose(A.T @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
         assert (refined[0] > 0.0) == (lane == LANES - 1)  # the last relative change
 
 
-def solved(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> None:
+def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> None:
+    """What is told is the largest change of any panel that was refined; the first one needs none."""
+    (matrices, factors, growth), told = factored(5), []
+    solve, refined = compiled_function(panel_solved, **sweep._compiled()), np.array([UNKNOWN, 0.0, 1e-12])
+    right, found, work = (aligned(*shape, COLUMNS) for shape in ((5,), (5,), (3, 5)))
+    for lane, A in enumerate(matrices):
+        for own in (np.zeros(right.shape), np.random.default_rng(7).normal(size=right.shape)):
+            right[:] = own
+            solve(factors[lane], by_rows(factors[lane]), refined, growth[lane], lane > 0, right, found, work)
+            assert np.allclose(A @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
+            told.append(refined[0])
+    assert told[0] == 0.0 < told[1] < 1e-12 < told[-1] < UNKNOWN
+    assert set(told[1:-1]) == {told[1]}
+
+
+def solved(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> None:
     """What is only called by compiled code, called."""
-    solve_lane_transposed(matrix, block, lane, right, solution, room)
+    solve_lane_transposed(own, refined, growth, right, solution, room)
 
 
-class Turned(NamedTuple):
-    """What of a `Block` is needed to solve."""
-
-    turned: np.ndarray
-    cuts: np.ndarray
-    growth: np.ndarray
-    refined: np.ndarray
+def panel_solved(
+    own: Any, by_rows: Any, refined: Any, growth: Any, begun: Any, right: Any, solution: Any, room: Any
+) -> None:
+    """The same for panels."""
+    solve_lane(own, by_rows, refined, growth, begun, right, solution, room)
 
 
 def without_pivoting(A: np.ndarray) -> np.ndarray:

@@ -24,6 +24,7 @@ GRADIENT: Any = None
 CHANGE: Any = None
 weights_of: Any = None  # of `dynamics.alpha_loop`
 weigh: Any = None  # of `dynamics.newton_matrix`
+UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
 LARGER = 1e2  # times the squares of L may be those of factors with which a solution needed no refinement
 
 
@@ -129,37 +130,46 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     )  # fmt: skip
 
 
-def plainly(block: Any, lane: Any) -> Any:
-    """Whether a solution with the factors of a lane need not be refined."""
-    return block.refined[0] <= block.refined[2] and block.growth[lane] <= LARGER * block.refined[1]
+def plainly(refined: Any, growth: Any) -> Any:
+    """Whether a solution with factors of some growth need not be refined."""
+    return refined[0] <= refined[2] and growth <= LARGER * refined[1]
 
 
-def solve_lane(own: Any, by_rows: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
-    """Solve with the factors of one lane, for a panel of columns, or for one as in `solve_lane_transposed`."""
-    size = right.shape[0] * right.shape[1]
+def solve_lane(
+    own: Any, by_rows: Any, refined: Any, growth: Any, begun: Any, right: Any, solution: Any, room: Any
+) -> Any:
+    """Solve with the factors of one lane, for one column as in `solve_lane_transposed`, or for a panel of them.
+
+    Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
+    block's first lane, which tells the growth, too. `begun`: whether this is not that one.
+    """
+    size, alone = right.shape[0] * right.shape[1], right.shape[1] == 1
     given, found = right.reshape(size), solution.reshape(size)
     x, rest, whole = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
-    if right.shape[1] == 1:
-        if plainly(block, lane):
-            solve_flat(own, given, found, x, rest, whole, 0)
-            return block.refined[0]
-        first, change = solve_flat(own, given, found, x, rest, whole, REFINEMENTS)
-        block.refined[0], block.refined[1] = first, block.growth[lane]
-        return change
-    return solve_panel(own, by_rows, given, found, x, rest)
+    plain = plainly(refined, growth) and (alone or begun)
+    most = 0 if plain else REFINEMENTS
+    if alone:
+        first, change = solve_flat(own, given, found, x, rest, whole, most)
+    else:
+        first, change = solve_panel(own, by_rows, given, found, x, rest, most)
+    if plain:
+        return refined[0]
+    refined[0] = first if alone or refined[0] == UNKNOWN else max(first, refined[0])
+    if alone or not begun:
+        refined[1] = growth
+    return change
 
 
-def solve_lane_transposed(matrix: Any, block: Any, lane: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solve with the transposed factors of one lane; the last relative change of the solution.
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
     """
-    own = factors_of(matrix, block, lane)
-    if plainly(block, lane):
+    if plainly(refined, growth):
         solve_plain_transposed(own, right, solution, room)
-        return block.refined[0]
+        return refined[0]
     first, change = solve_columns_transposed(own, right, solution, room)
-    block.refined[0], block.refined[1] = first, block.growth[lane]
+    refined[0], refined[1] = first, growth
     return change
 
 
@@ -251,7 +261,7 @@ def factor_block(matrix: Any, block: Any) -> None:
         matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, data, factors,
         block.work, block.growth,
     )  # fmt: skip
-    block.refined[0] = 1.0
+    block.refined[0] = UNKNOWN
     turn_lanes(block.sheet, last, block.turned, 0)
 
 
@@ -342,7 +352,10 @@ def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, w
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
     solved_rows(record, block.index[lane], right)
     own = factors_of(matrix, block, lane)
-    if not solve_lane(own, by_rows, block, lane, right, found, work.single[2:]) <= work.trusted[0]:
+    if (
+        not solve_lane(own, by_rows, block.refined, block.growth[lane], True, right, found, work.single[2:])
+        <= work.trusted[0]
+    ):
         return False
     for k in range(nq):
         place = k * LANES + lane

@@ -12,7 +12,7 @@ from ...results import Pieces, Steps, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
-from .lane_room import aligned
+from .lane_room import used
 from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Bars, Given, Sources
@@ -35,11 +35,19 @@ class Nodes:
 
     @classmethod
     def zeros(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
-        """Room for k columns."""
+        """Zero in k columns."""
+        found = cls.unwritten(steps, k)
+        for name in FIELDS:
+            getattr(found, name)[...] = 0.0
+        return found
+
+    @classmethod
+    def unwritten(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
+        """Room for k columns; but for `shift`, which is zero, of any value."""
         pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
         nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
         count = sum(len(piece) + 1 for piece in pieces)
-        q, v, a, lam = (aligned(count, width, k) for width in (nq, nq, nq, m))
+        q, v, a, lam = (used(count, width, k) for width in (nq, nq, nq, m))
         return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
 
     def part(self, rows: slice) -> Nodes:
@@ -104,7 +112,7 @@ class Chain:
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
-        found, (sweep, bars, sources) = Nodes.zeros(self.steps, db.shape[1]), self._begun(q, v, db)
+        found, (sweep, bars, sources) = Nodes.unwritten(self.steps, db.shape[1]), self._begun(q, v, db)
         found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
         sweep.forward(bars, found.after_start(), 0, len(self.steps), sources=sources)
         return found

@@ -164,8 +164,8 @@ def solve_rest(matrix: Any, by_rows: Any, rest: Any, x: Any) -> None:
     upper_panel(matrix, by_rows.upper, x)
 
 
-def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, rest: Any) -> Any:
-    """Solution = matrix⁻¹ right of a panel, refined; the last relative change of it, which has been made.
+def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, rest: Any, most: Any) -> Any:
+    """Solution = matrix⁻¹ right of a panel, refined so often at most; its first and its last relative change by that.
 
     x, rest : room for panels
     """
@@ -175,16 +175,17 @@ def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, re
         at = matrix.column_order[k] * TWO
         store(solution, at, load(x, k * TWO))
         store(solution, at + ONE, load(x, k * TWO + ONE))
-    change = 1.0
-    for _ in range(REFINEMENTS):
+    first, change = 0.0, 1.0
+    for _ in range(most):
         for k in range(n * TWO):
             store(rest, k, load(right, k))
         minus_rows(by_rows.whole, matrix.data, solution, rest)
         solve_rest(matrix, by_rows, rest, x)
         change = add_panel(matrix.column_order, x, solution)
+        first = max(first, change)
         if not change > REFINED:
             break
-    return change
+    return first, change
 
 
 def add_panel(order: Any, x: Any, solution: Any) -> Any:
@@ -226,7 +227,7 @@ def solve_columns(matrix: Any, by_rows: Any, right: Any, solution: Any, room: An
         for k in range(n):
             for c in range(COLUMNS):
                 given[k * COLUMNS + c] = right[k, first + c] if c < width else 0.0
-        change = solve_panel(matrix, by_rows, given, found, room[2], room[3])
+        change = solve_panel(matrix, by_rows, given, found, room[2], room[3], REFINEMENTS)[1]
         for k in range(n):
             for c in range(width):
                 solution[k, first + c] = found[k * COLUMNS + c]

@@ -63,7 +63,7 @@ class PieceChain:
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""
-        found = Nodes.zeros(self.steps, db.shape[1])
+        found = Nodes.unwritten(self.steps, db.shape[1])
 
         def over(p: int, q: Array, v: Array, b: Array) -> Array:
             own = self._chains[p].along_from(q, v, b)

@@ -34,7 +34,7 @@ class RadauChain:
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
-        found, k = Nodes.zeros(self.steps, db.shape[1]), db.shape[1]
+        found, k = Nodes.unwritten(self.steps, db.shape[1]), db.shape[1]
         bars = Bars(*(np.array(x, dtype=float, order="C") for x in (q, v, db)))
         sources = self.curves.sources(db) if self.curves.moved_by(db) else None
         RadauSweep(self.system, self.steps, k, db).forward(bars, given_by(found), sources)

@@ -200,7 +200,8 @@ def forward_step(
     subtract(sources.step, n, p, right)
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
-    if not solve_lane(own_factors, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    told = block.refined, block.growth[lane], lane > 0
+    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.trusted[0]:
         return False
     correct(work.solution.reshape(len(flat)), beta, gamma, kappa, own, work)
     return True
@@ -252,7 +253,8 @@ def backward_step(
     if len(sources.step) > 0:
         for k in range(nq + m):
             right[k, 0] -= sources.step[n, k]
-    if not solve_lane_transposed(matrix, block, lane, right, mu, work.room) <= work.trusted[0]:
+    own, told = factors_of(matrix, block, lane), (block.refined, block.growth[lane])
+    if not solve_lane_transposed(own, *told, right, mu, work.room) <= work.trusted[0]:
         return False
     bars.lam[:] = 0.0
     if len(sources.step) > 0:
@@ -298,7 +300,8 @@ def forward_rescale(
     subtract(sources.rescale, n, p, right)
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
-    if not solve_lane(own_factors, by_rows, block, lane, right, work.solution, work.room) <= work.trusted[0]:
+    told = block.refined, block.growth[lane], lane > 0
+    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.trusted[0]:
         return False
     change = work.solution.reshape(right.shape[0] * right.shape[1])
     if len(kept.rescale) > 0:
@@ -350,7 +353,8 @@ def backward_rescale(
     if len(sources.rescale) > 0:
         for k in range(nq + m):
             right[k, 0] -= sources.rescale[n, k]
-    if not solve_lane_transposed(matrix, block, lane, right, z, work.room) <= work.trusted[0]:
+    own, told = factors_of(matrix, block, lane), (block.refined, block.growth[lane])
+    if not solve_lane_transposed(own, *told, right, z, work.room) <= work.trusted[0]:
         return False
     if len(sources.rescale) > 0:
         for k in range(nq):

@@ -42,9 +42,9 @@ class Parameters:
     Parameters
     ----------
     system : System
-    wrt : names: ``rod.mass``, ``pin.point`` (all three), ``pin.point.x``, a parameter of the model file, a design
-        variable, a number of an element ``spring[tsda].k``, or ``start.q.crank.r.x``, ``start.v...`` for the guess of
-        the assembly; None for all numbers of the model
+    wrt : names: ``rod.mass``, ``pin.point`` (all three), ``pin.point.x``, a parameter of the model file or a design
+        variable (which are meant where a number has the same name), a number of an element ``spring[tsda].k``, or
+        ``start.q.crank.r.x``, ``start.v...`` for the guess of the assembly; None for all numbers of the model
     design : values of design variables
     formula : a Python function of the design variables that returns numbers of the model by name
     start : of the run, which depends on the model's own initial state, if it does
@@ -64,7 +64,9 @@ class Parameters:
         self.system, self.restitutions = system, dict(restitutions or {})
         self._design, self._formula = dict(design or {}), formula
         _refuse_incomplete(self._design, formula)
-        self._known = numbers_of(system)
+        self._numbers = numbers_of(system)
+        hidden = self._design.keys() | system.model.parameters.keys()
+        self._known = {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
         self._own_q, self._own_v = _own_start(system, start)
@@ -73,7 +75,7 @@ class Parameters:
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
-            return [*self._design] if self._design else [*self._known]
+            return [*self._design] if self._design else [*self._numbers]
         names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
         return list(dict.fromkeys(names))
 
@@ -82,7 +84,7 @@ class Parameters:
             return [name]
         if name in self._element_numbers or name in self.restitutions or name.startswith(GUESS):
             return [name]
-        found = [known for known in self._known if known.startswith(f"{name}.")]
+        found = [known for known in self._numbers if known.startswith(f"{name}.")]
         if not found:
             known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
             raise UnknownParameter(f"{self.system.name} has no number {name!r}; {suggest(name, known)}")
@@ -175,7 +177,7 @@ class Parameters:
     def _of_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """The names of the model file, with values as they follow from its parameters; empty if none is given."""
         formulas = self.system.model.formulas
-        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._known}
+        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._design}
         return formulas.values(own) if own else {}
 
     def _from_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -205,7 +207,7 @@ class Parameters:
         return {
             found: entry
             for name, value in numbers.items()
-            for found, entry in _entries(name, value, self._known)
+            for found, entry in _entries(name, value, self._numbers)
         }
 
     def model_at(self, values: Sequence[float]) -> Model:
@@ -234,12 +236,12 @@ class Parameters:
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""
         for name, entry in found.items():
-            if name not in self._known:
+            if name not in self._numbers:
                 told = (
                     f"{name} follows from a formula, but is no number that derivatives can be taken through"
                 )
                 raise UnknownParameter(f"{told}; leave the parameters that it depends on away")
-            given, own = float(value_of(entry)), self._known[name]
+            given, own = float(value_of(entry)), self._numbers[name]
             if abs(given - own) > SAME * max(1.0, abs(own)):
                 told = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
                 raise UnknownParameter(
@@ -258,7 +260,8 @@ class Parameters:
         if name in self.names:
             return variable(name, value)
         own = {given: variable(given, self._value(given)) for given in self.names}
-        return (self._of_file(own) | self._places(own)).get(name, value)
+        places = {} if name in self.system.model.parameters else self._places(own)
+        return (self._of_file(own) | places).get(name, value)
 
     def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
         """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""

@@ -210,3 +210,12 @@ def test_functions_of_events_are_called_in_the_first_run_only() -> None:
     once = len(called)
     sr.sensitivity_by_checkpoints(slider_crank(), "t", ["spring.k"], until=0.4, events=event)
     assert len(called) == 2 * once + 1  # and once more as it is recorded
+
+
+def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
+    """Of many short pieces each would hold that of a whole call of the method."""
+    run = sr.simulate(ball(), until=2.0, events=BOUNCE, keep_steps=True)
+    pieces = run.steps.pieces[:-1]
+    assert len(pieces) > 2
+    for piece in pieces:
+        assert all(getattr(piece, name).base is None for name in ("t", "h", "q", "v", "a", "lam", "memory"))

@@ -192,8 +192,8 @@ def until(steps: StepsTaken, t: float) -> StepsTaken:
 
 
 def first_of(steps: StepsTaken, count: int) -> StepsTaken:
-    """The first ones of some steps."""
-    cut = {name: getattr(steps, name)[: count + at_nodes] for name, at_nodes in _lengths(steps)}
+    """The first ones of some steps, which do not hold the room that these have."""
+    cut = {name: getattr(steps, name)[: count + at_nodes].copy() for name, at_nodes in _lengths(steps)}
     return replace(steps, **cut)
 
 

@@ -104,3 +104,15 @@ def test_second_derivatives_need_runs_without_events() -> None:
     told = problem(sr.Final("ball.z"))
     with pytest.raises(ValueError, match="second derivatives need a run without events"):
         told.hvp(told.x0, np.ones(2))
+
+
+def test_a_restitution_is_fitted_to_heights() -> None:
+    """Some were measured before the first impact, some between it and the next."""
+    times = np.array([0.1, 0.3, 0.45, 0.6, 0.8, 1.0])
+    true = sr.Problem(
+        ball(), [sr.At("ball.z", time=t) for t in times], NAMES, until=1.0, events=BOUNCE, method=sr.Radau()
+    )
+    data = sr.Misfit("ball.z", at=times, data=true.values(np.array([0.4, 0.7])), sigma=1e-3)
+    found = sr.fit(ball(), data, NAMES, events=BOUNCE, method=sr.Radau())
+    assert found.success
+    assert found.x == pytest.approx([0.4, 0.7], abs=1e-6)

@@ -183,7 +183,7 @@ def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytes
     run, wanted = swung("HHT"), both("HHT")[1].matrix
     blocks, chosen = Blocks(run.system, 1, None), []
     blocks.matrix.numbers.values[:] = np.random.default_rng(1).normal(size=len(blocks.matrix.numbers.values))
-    monkeypatch.setitem(sweep.ORDERS, run.system.structure, blocks.arrange())
+    monkeypatch.setitem(sweep.ORDERS, run.steps, blocks.arrange())
     choose = sweep.Sweep._evaluate_at
     monkeypatch.setattr(sweep.Sweep, "_evaluate_at", lambda *at: chosen.append(at[1:]) or choose(*at))
     found = sr.sensitivity(run, RESPONSES).matrix

@@ -88,9 +88,9 @@ class Blocks:
         }  # fmt: skip
         return Block(**given)
 
-    def arrange(self) -> Factors:
-        """Choose pivots for the numbers and weights that are in the matrix; room for factors in the blocks."""
-        matrix = self.matrix.in_panels()
+    def arrange(self, known: Factors | None = None) -> Factors:
+        """Room for factors in the blocks, in a known order of pivots, or in one for what is in the matrix now."""
+        matrix = known or self.matrix.in_panels()
         parts = [len(matrix.factors), len(matrix.data)]
         both = [
             np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))])

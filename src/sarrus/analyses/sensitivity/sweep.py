@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -35,6 +36,7 @@ FUNCTIONS = {
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)
 NOWHERE = -1, 0, 0  # where pivots were chosen last
+ORDERS: WeakKeyDictionary[Steps, Factors] = WeakKeyDictionary()  # of pivots, with which sweeps of a run begin
 NOTHING_KEPT = loop.Kept(np.zeros((0, 0, 0)), np.zeros((0, 0, 0)), np.zeros((0, 0)))
 NOTHING_GIVEN = loop.Given._make(np.zeros((0, 0, 0)) for _ in loop.Given._fields)
 NOTHING_WEIGHED = loop.Weighed(
@@ -119,7 +121,7 @@ class Sweep:
         for solved in kept or ():
             solved[:first] = 0.0
         if n >= first and self._shown is None:
-            self._choose_pivots_at(n, n, 0.0)
+            self._begin()
         while n >= first:
             n, stage = self._run(
                 "backward", n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
@@ -162,7 +164,7 @@ class Sweep:
     def _forward(self, bars: loop.Bars, first: int, last: int, *arrays: Any) -> None:
         n, stage, tried = first, loop.RESCALE, NOWHERE
         if n < last and self._shown is None:
-            self._choose_pivots_at(n, n, 0.0)
+            self._begin()
         state = self._in_panels(bars)
         while n < last:
             n, stage = self._run("forward", n, last, stage, state, *arrays)
@@ -207,8 +209,22 @@ class Sweep:
         self._work.trusted[0] = TRUSTED[times]
         return n, stage, times
 
+    def _begin(self) -> None:
+        """The pivot order of a vanishing step at the end of the run, which serves most steps; chosen once for a run."""
+        known, n = ORDERS.get(self.steps), len(self.steps) - 1
+        if known is None:
+            self._evaluate_at(n, n, 0.0)
+        self._shown = ORDERS[self.steps] = self._blocks.arrange(known)
+        self._work.trusted[0] = TRUSTED[0]
+
     def _choose_pivots_at(self, n: int, node: int, h: float) -> None:
-        """A pivot order for a matrix of step n at a node; that of h = 0 serves most steps."""
+        """A pivot order for a matrix of step n at a node."""
+        self._evaluate_at(n, node, h)
+        self._shown = self._blocks.arrange()
+        self._work.trusted[0] = TRUSTED[0]
+
+    def _evaluate_at(self, n: int, node: int, h: float) -> None:
+        """The numbers and weights of a matrix."""
         steps, matrix = self.steps, self._blocks.matrix
         self.b[steps.places] = steps.memory[n]
         matrix.numbers.left_out[:] = steps.left_out[n + 1] if len(steps.left_out) else 0.0
@@ -216,8 +232,6 @@ class Sweep:
         for kind in ("jacobian", "inertia", "stiffness"):
             matrix.numbers.evaluate(GROUPS[kind][0], self.b, operands)
         weigh(matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
-        self._shown = self._blocks.arrange()
-        self._work.trusted[0] = TRUSTED[0]
 
 
 def _state(bars: loop.Bars) -> tuple[Array, ...]:

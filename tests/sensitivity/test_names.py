@@ -44,3 +44,26 @@ def test_a_design_variable_is_meant_where_a_number_has_its_name(tmp_path: Path) 
     design = {"design": {"coil.k": 1.0}, "formula": lambda d: {"bob.mass": 0.8 * d["coil.k"]}}
     found = sr.sensitivity(run, "bob.y", **design)
     assert found["coil.k"] == pytest.approx(0.8 * sr.sensitivity(run, "bob.y", ["bob.mass"])["bob.mass"])
+
+
+BALL = """
+name: ball
+gravity: [0, 0, -9.81]
+parameters: {floor: 0.05}
+bodies:
+  ball: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.1], velocity: [0, 0, -1]}
+forces:
+  floor: {type: sphere_contact, center: {body: ball, at: [0, 0, 0]}, stiffness: 500,
+          plane: {body: ground, at: [0, 0, floor], z: [0, 0, 1]}}
+"""
+
+
+def test_a_parameter_places_a_plane(tmp_path: Path) -> None:
+    (tmp_path / "ball.yaml").write_text(BALL)
+    system = sr.System(sr.load(tmp_path / "ball.yaml"))
+    run = sr.simulate(system, until=0.1, method=sr.HHT(step=0.005), keep_steps=True)
+    found = sr.sensitivity(run, "ball.z", ["floor"])["floor"]
+    assert found == pytest.approx(
+        sr.sensitivity(run, "ball.z", ["floor.plane.point.z"])["floor.plane.point.z"]
+    )
+    assert abs(found) > 0.1

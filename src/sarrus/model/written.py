@@ -88,7 +88,7 @@ def steps_of(path: Path) -> Steps:
         if step in ("points", "frames", "bodies") and rest and isinstance(rest[0], int):
             steps.append(f"{str(step)[:-1]}_{'ij'[int(rest.pop(0))]}")
         elif step in ("at", "global"):
-            steps += ["point"] if str(steps[-1]).startswith("frame") else []
+            steps += ["point"] if str(steps[-1]).startswith(("frame", "plane")) else []
         elif step == "table":
             steps += [str(int(rest.pop(0)) + 1), "xy"[int(rest.pop(0))]] if len(rest) > 1 else []
         else:

@@ -57,6 +57,13 @@ def test_an_output_that_is_no_number_is_refused(kind: str, run: sr.Trajectory) -
         sr.sensitivity(run, sr.Integral(function), ["spring.k"])
 
 
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+def test_values_without_derivatives(method: str, run: sr.Trajectory) -> None:
+    found = sr.sensitivity(run, ["slider.x", "slider.y"], [], method=method)
+    assert found.matrix.shape == (2, 0)
+    assert found.value == pytest.approx(run["slider"].position[-1, 0], rel=1e-6)
+
+
 def test_a_constant_is_a_response_without_derivatives(run: sr.Trajectory) -> None:
     found = sr.sensitivity(run, sr.Integral(lambda o: 2), ["spring.k"])
     assert (found.value, found["spring.k"]) == (pytest.approx(0.1), 0.0)
@@ -71,6 +78,8 @@ def test_questions_that_are_none(run: sr.Trajectory) -> None:
         sr.sensitivity(run, "slider.x", ["spring.k"], method="forward")
     with pytest.raises(ValueError, match="wrt names no number"):
         sr.hessian(run, "slider.x", [])
+    with pytest.raises(ValueError, match="wrt names no number"):
+        sr.state_derivatives(run, [])
     with pytest.raises(ValueError, match="wrt names no number"):
         sr.optimize(slider_crank(), "slider.x", [], until=0.05)
     with pytest.raises(ValueError, match=r"slider\.x at 3 s: responses need times between 0 and 0\.05 s"):

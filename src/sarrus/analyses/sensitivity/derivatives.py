@@ -113,6 +113,8 @@ def state_derivatives(
     steps = kept(run)
     if isinstance(steps, Pieces):
         raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
+    if not wrt:
+        raise ValueError("wrt names no number by which the states are differentiated; name some")
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     refuse(run.system, steps, parameters)
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
@@ -201,6 +203,8 @@ def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, cho
     nodes, explicit = evaluation.gradients()
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
     total = own_parts(explicit, parameters)
+    if not chosen.any():
+        return total
     total[:, chosen] += chain.weighed(nodes, b, q, v, c) + explicit.b.T @ b + explicit.c.T @ c
     return total
 

@@ -7,8 +7,11 @@ from tests.sensitivity.test_events import BALL, BOUNCE, ball, falling
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.dynamics.stepper import Settings
+from sarrus.analyses.dynamics.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses import Response
+from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
 # of velocities, accelerations and forces of the α methods over short steps: so much forward and backward sweeps differ
@@ -219,3 +222,29 @@ def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
     assert len(pieces) > 2
     for piece in pieces:
         assert all(getattr(piece, name).base is None for name in ("t", "h", "q", "v", "a", "lam", "memory"))
+
+
+@pytest.mark.parametrize(("events", "first"), [([], 7), ([EVENTS["formula"]], 7), ([EVENTS["formula"]], 60)])
+@pytest.mark.parametrize("method", METHODS)
+def test_steps_taken_again_are_those_of_the_run_bit_by_bit(
+    method: object, events: list[sr.Event], first: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of stretches without events, with one at their end, and with some in the midst of them."""
+    monkeypatch.setattr(long_run, "FIRST", first)
+    system = slider_crank()
+    run = sr.simulate(system, until=0.8, t_eval=[0.8], keep_steps=True, method=method, events=events)
+    settings = Settings(Tolerances.of(system, 1e-6, 1e-8), keep_steps=True)
+    long = long_run.LongRun(system, sr.assemble(system), method, settings, 0.8, 1e8, 1e3, events)
+    parts: list[list[StepsTaken]] = [[] for _ in long.course.t]
+    for n in range(len(long)):
+        again = long.stretch(n).steps
+        for k, piece in enumerate(again.pieces if isinstance(again, Pieces) else (again,)):
+            parts[long.begin(n).piece + k].append(piece)
+    assert len(long) < len(parts) if first > 7 else max(map(len, parts)) > 1
+    pieces = run.steps.pieces if isinstance(run.steps, Pieces) else (run.steps,)
+    assert len(pieces) == len(parts)
+    for piece, found in zip(pieces, parts, strict=True):
+        for name in ("t", "q", "v", "a", "lam"):
+            assert np.array_equal(
+                np.concatenate([getattr(part, name)[1:] for part in found]), getattr(piece, name)[1:]
+            )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-import numpy as np
-
 from . import model_file, shared
 from .answer import Answer
 from .values import natural, refuse_unwritable
@@ -42,6 +40,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Simulate, differentiate, and list what matters most."""
+    import numpy as np
+
     from ..analyses import Problem
     from ..analyses.optimization import Infeasible
     from ..studies.differentiable import differentiable

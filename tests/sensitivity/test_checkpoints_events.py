@@ -15,7 +15,7 @@ from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
 # of velocities, accelerations and forces of the α methods over short steps: so much forward and backward sweeps differ
-ROUND_OFF = 3e-9
+ROUND_OFF = 1e-8
 SMOOTH = ("final of slider.x", "integral", "peak of pin.angle", "final of tip.x")
 AT_BOUNCES = [
     sr.AtEvent("t", event="bounce", number=2),

@@ -1,6 +1,7 @@
 """Designs and fitted parameters: a published optimum, constraints, measurements with noise, what data cannot tell."""
 
 import json
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -317,7 +318,10 @@ def test_something_else_than_a_constraint_is_refused() -> None:
         sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, constraints=[sr.Final("slider.x")])
 
 
-def test_one_constraint_and_lines_of_progress(capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_constraint_and_lines_of_progress(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logging.getLogger("sarrus"), "handlers", [])  # commands show the log there, too
     limit, options = sr.Within("slider.x", upper=10.0), {"until": 0.1, "iterations": 2, **LOOSE}
     found = sr.optimize(slider_crank(), "slider.x", ["spring.k"], constraints=limit, progress=True, **options)
     assert list(found.constraints) == ["final of slider.x 2"]  # the objective has this name, too

@@ -58,8 +58,19 @@ def test_with_exact_hessians(upper: float | None, share: float) -> None:
         assert exact.constraints["last"] == pytest.approx(upper, abs=2e-6)
 
 
-def test_hessians_that_the_method_does_not_have_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"second derivatives need a run with HHT\(\)"):
+def test_hessians_over_events_are_refused() -> None:
+    stop = sr.Event("pin.angle + slider.x - 4.4", reset=sr.Impact(0.5, along="pin.angle"), name="stop")
+    with pytest.raises(ValueError, match="second derivatives need a run without events"):
         sr.optimize(
-            slider_crank(), EFFORT, [*BOUNDS], solver="IPOPT", second_order=True, until=0.1, method=sr.Radau()
+            slider_crank(), EFFORT, [*BOUNDS], solver="IPOPT", second_order=True, until=0.4, events=stop
         )
+
+
+def test_exact_hessians_with_radau() -> None:
+    settings = {"bounds": BOUNDS, "solver": "IPOPT", "until": 0.1, "method": sr.Radau()}
+    learnt, exact = (
+        sr.optimize(slider_crank(), EFFORT, [*BOUNDS], second_order=given, **settings)
+        for given in (False, True)
+    )
+    assert exact.success
+    assert exact.value == pytest.approx(learnt.value, rel=1e-6)

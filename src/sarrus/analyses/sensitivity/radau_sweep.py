@@ -126,15 +126,16 @@ class RadauSweep:
         return loop.Beside(np.zeros((count, 6 * size, k)), np.zeros((count + 1, size, k)))
 
     def _go(self, name: str, n: int, stage: int, *arrays: Any) -> None:
-        failed = 0
+        """One sweep, begun with the pivots of a step in its midst: the first ones may be very short."""
+        failed, place = 0, (len(self.steps) + 1) // 2
         while 0 <= n <= len(self.steps):
-            if failed > 1:
+            if failed > 2:
                 raise SingularMatrix(f"the equations at t = {self.steps.t[n]:.6g} s are singular")
-            self._tables.trusted[0] = TRUSTED[failed]
-            self._step.in_blocks = not failed
-            self._choose_pivots(name, n, stage)
+            self._tables.trusted[0] = TRUSTED[min(failed, 1)]
+            self._step.in_blocks = failed < 2
+            self._choose_pivots(name, place, stage)
             before, (n, stage) = (n, stage), (int(x) for x in self._run(name, n, stage, *arrays))
-            failed = failed + 1 if (n, stage) == before else 0
+            failed, place = (failed + 1 if (n, stage) == before else 0), n
 
     def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
         scheme = self.steps.scheme

@@ -168,7 +168,8 @@ class Chain:
 
     def through_start(self, given: Nodes, bars: Bars) -> tuple[Array, Array, Array]:
         """The same, where those by the start of the first step are known."""
-        by_q, by_v, by_b = self.start.transposed(bars.a + bars.x + given.a[0], given.lam[0])
+        solved = self.start.adjoint(bars.a + bars.x + given.a[0], given.lam[0])
+        by_q, by_v, by_b = self.start.transposed(*solved)
         return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b + bars.b
 
 

@@ -92,9 +92,9 @@ class AlphaCurvedSteps:
             change = turned.start
             a_bar, lam_bar = a_bar - change.a[:, None], lam_bar - change.lam[:, None]
             q_bar, v_bar = q_bar - change.q[:, None], v_bar - change.v[:, None]
-        by_q, by_v, by_b = start.transposed(a_bar, lam_bar)
-        solved = Solved(kept, start.adjoint(a_bar, lam_bar))
-        return Back(q_bar + by_q, v_bar + by_v, b_bar + by_b, solved)
+        solved = start.adjoint(a_bar, lam_bar)
+        by_q, by_v, by_b = start.transposed(*solved)
+        return Back(q_bar + by_q, v_bar + by_v, b_bar + by_b, Solved(kept, solved))
 
     def turned(self, b_dot: Array, moved: Nodes, solved: Kept, adjoint: Solved) -> tuple[Turned, Array]:
         """See `CurvedSteps`."""

@@ -57,14 +57,17 @@ class Start:
         right = -(self._equations @ np.concatenate([q_dot, v_dot, b_dot]))
         return self._solve(right[: self._nq], right[self._nq :])
 
-    def transposed(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array, Array]:
-        """Gradients by q (nq, k), v and the numbers of what has the gradients given by a and λ."""
-        found = -self._equations.transposed(np.concatenate(self.adjoint(a_bar, lam_bar)))
+    def transposed(self, y: Array, z: Array) -> tuple[Array, Array, Array]:
+        """Gradients by q (nq, k), v and the numbers, with the adjoint variables of both equations."""
+        found = -self._equations.transposed(np.concatenate([y, z]))
         q, v, b = np.split(found, [self._nq, 2 * self._nq])
         return q, v, b
 
     def adjoint(self, a_bar: Array, lam_bar: Array) -> tuple[Array, Array]:
-        """The adjoint variables of the equations of motion (nq, k) and of the constraints (m, k)."""
+        """The adjoint variables of the equations of motion (nq, k) and of the constraints (m, k).
+
+        Of what has the gradients given by a and λ.
+        """
         return self._solve(a_bar, lam_bar)
 
     def _solve(self, f: Array, g: Array) -> tuple[Array, Array]:

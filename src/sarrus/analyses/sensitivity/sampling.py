@@ -72,8 +72,7 @@ class Sampling:
 
     @property
     def _apart(self) -> bool:
-        """Whether q and v are interpolated apart, as nodes of order two are."""
-        return not isinstance(self._steps, RadauSteps)
+        return apart(self._steps)
 
     @property
     def _by_nodes(self) -> tuple[str, ...]:
@@ -215,9 +214,14 @@ def _placed(t: Array, before: Array, times: Array) -> Places:
     return Places(first, h, np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s)))
 
 
-def interpolation(s: Array, h: Array, apart: bool) -> Weights:
-    """Weights of q, v, a, or of q and v `apart`, at parts s of steps of length h."""
-    if not apart:
+def apart(steps: StepsTaken) -> bool:
+    """Whether q and v are interpolated apart between nodes, as those of order two are."""
+    return not isinstance(steps, RadauSteps)
+
+
+def interpolation(s: Array, h: Array, separate: bool) -> Weights:
+    """Weights of q, v, a, or of q and v apart (`separate`), at parts s of steps of length h."""
+    if not separate:
         orders = _polynomial(HERMITE, s, h, 4)
         return Weights(orders[:, :3], orders[:, 1:])
     values, slopes = np.zeros((2, len(s), 3, 2, 3))

@@ -54,16 +54,17 @@ class StagesMatrix(StepMatrix):
         SingularMatrix
             If the matrix is singular.
         """
-        if not self.in_blocks:
-            return super().choose_pivots()
-        try:
-            found = self._in_order_of_one()
-        except SingularMatrix:
-            return super().choose_pivots()
-        trust = compiled_solver()["refactor"](self.numbers.values, found)
-        return found if trust > LEAST else super().choose_pivots()
+        return (self.in_blocks and self._in_order_of_one()) or super().choose_pivots()
 
-    def _in_order_of_one(self) -> Placed:
+    def _in_order_of_one(self) -> Placed | None:
+        """In the order of the last stage's pivots, if these can be trusted."""
+        try:
+            found = self._expanded()
+        except SingularMatrix:
+            return None
+        return found if compiled_solver()["refactor"](self.numbers.values, found) > LEAST else None
+
+    def _expanded(self) -> Placed:
         one, layout = self._one.choose_pivots(), self._layout
         rows = [STAGES * one.row_place.astype(np.int64) + i for i in range(STAGES)]
         columns = one.column_order.astype(np.int64)[:, None] + self._one.n * np.arange(STAGES)

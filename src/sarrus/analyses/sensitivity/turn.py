@@ -22,13 +22,13 @@ import numpy as np
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
-from ...results import RadauSteps, StepsTaken, Turn
+from ...results import StepsTaken, Turn
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..saddle import Saddle
 from .event_functions import Recorded, Slopes, recorded
 from .recording import Angles
-from .sampling import interpolation
+from .sampling import apart, interpolation
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
 SHALLOW = 1e-3
@@ -88,8 +88,7 @@ class TurnDerivatives:
         steps, n, nq = self._steps, len(self._steps) - 1, self.system.nq
         h = float(steps.h[n])
         s = (self._turn.t - float(steps.t[n])) / h
-        apart = not isinstance(steps, RadauSteps)
-        values, slopes = (x[0] for x in interpolation(np.array([s]), np.array([h]), apart))
+        values, slopes = (x[0] for x in interpolation(np.array([s]), np.array([h]), apart(steps)))
         ends = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
         q, v = (np.einsum("el,eln->n", values[k], ends) for k in (0, 1))
         q_s, v_s = (np.einsum("el,eln->n", slopes[k], ends)[:, None] for k in (0, 1))

@@ -108,10 +108,12 @@ if TYPE_CHECKING:
     from .model import RevoluteSpherical as RevoluteSpherical
     from .model import RoadTyre as RoadTyre
     from .model import SarrusError as SarrusError
+    from .model import SarrusWarning as SarrusWarning
     from .model import Screw as Screw
     from .model import Shape as Shape
     from .model import SphereContact as SphereContact
     from .model import Spherical as Spherical
+    from .model import StrictError as StrictError
     from .model import Torque as Torque
     from .model import Translational as Translational
     from .model import TravelDriver as TravelDriver
@@ -173,8 +175,8 @@ _HOMES = {
         "Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame Gear Length "
         "LengthStop Model ModelError ParallelAxes Planar Point PointCoordinate PointDriver PointForce "
         "PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
-        "SarrusError Screw Shape SphereContact Spherical TSDA Torque Translational TravelDriver "
-        "TravelFriction TravelStop Turn Tyre Universal ViscousDrag describe ground load parse_expression"
+        "SarrusError SarrusWarning Screw Shape SphereContact Spherical StrictError TSDA Torque Translational "
+        "TravelDriver TravelFriction TravelStop Turn Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (

@@ -14,6 +14,9 @@ from .drivers import PointDriver as PointDriver
 from .drivers import TravelDriver as TravelDriver
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
+from .errors import SarrusWarning as SarrusWarning
+from .errors import StrictError as StrictError
+from .errors import announce as announce
 from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load

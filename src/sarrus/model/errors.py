@@ -1,6 +1,9 @@
-"""What a wrong model raises: one sentence that names the part, the file and line, and the remedy."""
+"""Errors and warnings: one message each, with the part, the file and line, and the remedy."""
 
 from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
 
 
 class SarrusError(Exception):
@@ -37,3 +40,33 @@ class ModelError(SarrusError, ValueError):
     def __str__(self) -> str:
         told = ": ".join(text for text in (self.where, self.part, self.sentence) if text)
         return f"{told} (and {self.more} more)" if self.more else told
+
+
+class SarrusWarning(UserWarning):
+    """A result that may not mean what the user expects; its ``warnings`` hold the same messages."""
+
+
+class StrictError(SarrusError, RuntimeError):
+    """A warning of an analysis that was called with ``strict=True``."""
+
+
+def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:
+    """Issue each message once as a `SarrusWarning`, and return them for the result's ``warnings``.
+
+    Parameters
+    ----------
+    messages : in order; repeated ones are dropped
+    strict : raise the first one instead
+    stacklevel : as of `warnings.warn`; 3 points at the caller of the analysis that calls this function
+
+    Raises
+    ------
+    StrictError
+        With the first message, if `strict`.
+    """
+    unique = tuple(dict.fromkeys(messages))
+    if strict and unique:
+        raise StrictError(unique[0])
+    for message in unique:
+        warnings.warn(message, SarrusWarning, stacklevel=stacklevel)
+    return unique

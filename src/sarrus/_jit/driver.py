@@ -98,7 +98,7 @@ def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     (function,) = scope.values()
     function.__name__ = function.__qualname__ = name
     result: Any = njit(nogil=True, error_model="numpy")(function)
-    result._cache = KernelCache(function)  # type: ignore[no-untyped-call]
+    result._cache = KernelCache(function)
     return result
 
 
@@ -125,5 +125,5 @@ def _kept(function: Any, namespace: dict[str, Any], **options: Any) -> Any:
     copy.__qualname__ = name
     compiler: Any = njit
     result: Any = compiler(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(copy)
-    result._cache = KernelCache(copy)  # type: ignore[no-untyped-call]
+    result._cache = KernelCache(copy)
     return result

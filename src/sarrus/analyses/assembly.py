@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Asked, Assembly
 from ..system import System
 from .feasible import Feasible, Reached, Renormalization
@@ -28,6 +29,7 @@ SHAKE = (
 SPEED_TOLERANCE = 1e-9  # of the largest entry of |Φ_q v + Φ_t|, per unit of velocity
 
 
+@reports_warnings
 def assemble(
     system: System,
     q: ArrayLike | None = None,
@@ -41,6 +43,7 @@ def assemble(
     iterations: int = 200,
     restarts: int = 8,
     seed: int = 0,
+    strict: bool = False,
 ) -> Assembly:
     """Find consistent coordinates and velocities near given ones.
 
@@ -64,6 +67,7 @@ def assemble(
     iterations : at most so many steps of one search
     restarts : at most so many further searches
     seed : of the random numbers that shake the guess
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

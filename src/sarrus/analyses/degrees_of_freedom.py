@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Mobility
 from ..results.mobility import Kind
 from ..system import System
@@ -19,8 +20,14 @@ DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are compute
 STRAIGHT = 1e-6  # curvature, relative, that counts as zero
 
 
+@reports_warnings
 def mobility(
-    system: System, q: ArrayLike | None = None, *, t: float = 0.0, tolerance: float = TOLERANCE
+    system: System,
+    q: ArrayLike | None = None,
+    *,
+    t: float = 0.0,
+    tolerance: float = TOLERANCE,
+    strict: bool = False,
 ) -> Mobility:
     """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
 
@@ -33,6 +40,7 @@ def mobility(
     q : (nq,) a position that satisfies the constraints; by default the model's, assembled
     t : time [s]
     tolerance : relative size of a singular value that counts as zero
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Trajectory
 from ..system import System
 from .nullspace import NullSpace
@@ -46,7 +47,8 @@ def multipliers(
     return Multipliers(lam, needed - J.T @ lam)
 
 
-def inverse_dynamics(system: System, run: Trajectory) -> Trajectory:
+@reports_warnings
+def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -> Trajectory:
     """The same motion with the multipliers that it needs.
 
     Parameters
@@ -55,6 +57,7 @@ def inverse_dynamics(system: System, run: Trajectory) -> Trajectory:
         Its drivers and joints bear the motion; it may have others than the system that `run` was made with.
     run : Trajectory
         Its t, q, v and a are taken as they are.
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

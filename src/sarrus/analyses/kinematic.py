@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Trajectory
 from ..system import System
 from .branching import branching_time
@@ -20,12 +21,14 @@ from .onto import largest, onto
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 
 
+@reports_warnings
 def kinematics(
     system: System,
     times: ArrayLike,
     q: ArrayLike | None = None,
     *,
     progress: Callable[[float], None] | None = None,
+    strict: bool = False,
 ) -> Trajectory:
     """Positions, velocities and accelerations of a fully driven system, and the forces that its drivers need.
 
@@ -39,6 +42,7 @@ def kinematics(
     times : (nt,) rising times to keep [s]
     q : (nq,) where to start looking for the position at the first of them; by default the model's
     progress : called with the time reached
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

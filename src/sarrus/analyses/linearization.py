@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..system import System
 from .nullspace import NullSpace
 from .onto import largest
@@ -24,6 +25,7 @@ class Linear(NamedTuple):
     Z : (nq, d) the coordinates change by Z y
     P : (nq, d) the velocities by Z w + P y
     unsteady : largest entry of a - X v, zero in a steady motion
+    warnings : short messages about what may not be as the user expects
     """
 
     A: Array
@@ -33,6 +35,7 @@ class Linear(NamedTuple):
     Z: Array
     P: Array
     unsteady: float
+    warnings: tuple[str, ...] = ()
 
 
 class Around(NamedTuple):
@@ -46,6 +49,7 @@ class Around(NamedTuple):
     b: Array
 
 
+@reports_warnings
 def linearize(
     system: System,
     q: ArrayLike,
@@ -53,6 +57,7 @@ def linearize(
     *,
     t: float = 0.0,
     turning: ArrayLike = (0.0, 0.0, 0.0),
+    strict: bool = False,
 ) -> Linear:
     """Linearize the equations of motion along the constraints.
 
@@ -68,6 +73,7 @@ def linearize(
     q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints
     t : time [s]
     turning : (3,) angular velocity of the observer in global axes [rad/s], e.g. the precession of a top
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

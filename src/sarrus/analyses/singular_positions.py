@@ -12,6 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.sparse import csr_array, vstack
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Singularity, Trajectory
 from ..system import System
 from .degrees_of_freedom import normalizations
@@ -25,12 +26,14 @@ INWARD = 1e-5  # of an interval: how near to a grid point a minimum may be and s
 SAMPLES = 5  # positions of the grid from which the regular rank is taken
 
 
+@reports_warnings
 def singularities(
     system: System,
     motion: Trajectory | Callable[[float], ArrayLike],
     grid: ArrayLike | None = None,
     *,
     inputs: Iterable[str] = (),
+    strict: bool = False,
 ) -> tuple[Singularity, ...]:
     """Find and locate singular positions along a motion or a one-parameter family of positions.
 
@@ -47,6 +50,7 @@ def singularities(
         trajectory
     inputs : as many coordinates (``"slider.x"``) or joints (``"crank_pin"``) as there are degrees of freedom, whose
         singular positions are wanted too; without them only those of the constraints are found
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

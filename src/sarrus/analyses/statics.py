@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Equilibrium
 from ..results.equilibrium import Stability
 from ..system import System
@@ -27,6 +28,7 @@ POOR, GOOD = (
 )  # work done over work expected: below, the step is taken back; above, the next may be longer
 
 
+@reports_warnings
 def equilibrium(
     system: System,
     q: ArrayLike | None = None,
@@ -34,6 +36,7 @@ def equilibrium(
     t: float = 0.0,
     stable: bool = True,
     iterations: int = 500,
+    strict: bool = False,
 ) -> Equilibrium:
     """Find a position in which the system can rest.
 
@@ -48,6 +51,7 @@ def equilibrium(
     t : time at which drivers and forces are held [s]
     stable : go downhill to a stable equilibrium; if false, to the nearest one, be it stable or not
     iterations : at most so many steps
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import reports_warnings
 from ..results import Modes
 from ..system import System
 from .linearization import Linear, linearize
@@ -18,6 +19,7 @@ UNDAMPED = 1e-9  # a real part, relative to the largest eigenvalue, that counts 
 STEADY = 1e-6  # a - X v that counts as zero, relative to the accelerations in the system
 
 
+@reports_warnings
 def modes(
     system: System,
     q: ArrayLike,
@@ -25,6 +27,7 @@ def modes(
     *,
     t: float = 0.0,
     turning: ArrayLike = (0.0, 0.0, 0.0),
+    strict: bool = False,
 ) -> Modes:
     """Vibration modes about an equilibrium or a steady motion, from exact derivatives.
 
@@ -34,6 +37,7 @@ def modes(
     q, v : (nq,) an equilibrium (see `equilibrium`), or a state of a steady motion
     t : time [s]
     turning : (3,) angular velocity in global axes of the observer to whom the motion looks steady [rad/s]
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

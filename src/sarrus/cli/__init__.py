@@ -18,7 +18,7 @@ from importlib import import_module
 from .answer import Answer
 from .parser import VERBS as VERBS
 from .parser import Misuse, build
-from .terminal import listen, painted
+from .terminal import listen, painted, warnings_to
 
 FAILED, WRONG, DEFECT, STOPPED, NO_READER = 1, 2, 3, 130, 141
 
@@ -41,7 +41,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     try:
-        code = int(import_module(f".{chosen.verb}", __name__).run(chosen, answer))
+        with warnings_to(answer.warn):
+            code = int(import_module(f".{chosen.verb}", __name__).run(chosen, answer))
+        if chosen.strict and answer.warnings and not code:
+            code = _refuse(f"--strict does not allow warnings, and there are {len(answer.warnings)}", FAILED)
         log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)
         return code
     except KeyboardInterrupt:

@@ -24,15 +24,22 @@ class Answer:
         self.as_json = as_json
         self._facts: dict[str, Any] = {"verb": verb}
         self._files: list[str] = []
+        self.warnings: list[str] = []
 
     def say(self, text: object = "") -> None:
-        """Print a line at once, unless the answer is JSON."""
+        """Print a line at once, unless the answer is JSON; a result without its warnings, which `warn` has."""
         if not self.as_json:
-            print(text, flush=True)
+            print(text.summary() if hasattr(text, "summary") else text, flush=True)
 
     def put(self, **facts: Any) -> None:
         """Keep facts for the JSON object: plain values, arrays, and mappings and lists of them, in SI units."""
         self._facts |= facts
+
+    def warn(self, message: str) -> bool:
+        """Keep a warning; false if it is already there."""
+        new = message not in self.warnings
+        self.warnings += [message] * new
+        return new
 
     def wrote(self, file: str | Path) -> None:
         """Tell that a file was written."""
@@ -47,7 +54,12 @@ class Answer:
     def close(self, code: int) -> None:
         """Print the JSON object, with the exit code and the files written."""
         if self.as_json:
-            ending = {"success": code == 0, "exit_code": code, "files": self._files}
+            ending = {
+                "success": code == 0,
+                "exit_code": code,
+                "warnings": self.warnings,
+                "files": self._files,
+            }
             print(json.dumps(plain(self._facts | ending), ensure_ascii=False))
 
 

@@ -39,7 +39,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     model = model_file.read(chosen)
     system = System(model)
     start = assemble(system)
-    found = str(mobility(system, start.q)) if start.success else start.message
+    found = mobility(system, start.q).summary() if start.success else start.message
     told = describe(model)
     answer.say(f"{told}\n{found}\n")
     answer.put(model=system.name, description=told, mobility=found, counts=system.counts())

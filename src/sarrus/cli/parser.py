@@ -85,6 +85,7 @@ def build(wanted: Container[str]) -> Parser:
 def _common(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("options of every verb")
     group.add_argument("--json", action="store_true", help="answer with one JSON object, in SI units")
+    group.add_argument("--strict", action="store_true", help="end with exit code 1 if there are warnings")
     level = group.add_mutually_exclusive_group()
     level.add_argument(
         "-v", "--verbose", dest="level", action="store_const", const=1, default=0, help="tell more"

@@ -62,7 +62,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         log.info("%s holds the cases that are done; the same command goes on with the others", folder)
         raise
     answer.say(table)
-    answer.put(study=table.name, message=str(table).splitlines()[0], folder=folder, cases=len(table))
+    answer.put(study=table.name, message=table.summary().splitlines()[0], folder=folder, cases=len(table))
     answer.put(statistics=table.statistics(), failures=table.failures, columns=table.columns)
     answer.wrote(folder)
     if chosen.linear:
@@ -76,7 +76,7 @@ def _linear(asked: Asked, answer: Answer) -> None:
     from ..studies.first_order import uncertainty_of
 
     found = uncertainty_of(asked)
-    answer.say(f"\nto first order, by one run and its derivatives:\n{found}")
+    answer.say(f"\nto first order, by one run and its derivatives:\n{found.summary()}")
     spread = zip(found.responses, found.values, found.std, strict=True)
     answer.put(linear={name: {"mean": mean, "std": std} for name, mean, std in spread})
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from typing import TextIO
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
 
-COLOURS = {"red": "31", "green": "32", "bold": "1"}
+COLOURS = {"red": "31", "green": "32", "yellow": "33", "bold": "1"}
 LEVELS = {-1: logging.ERROR, 0: logging.INFO, 1: logging.DEBUG}
 
 
@@ -25,6 +28,25 @@ def listen(level: int) -> None:
     if not any(isinstance(handler, _ToStandardError) for handler in logger.handlers):
         logger.addHandler(_ToStandardError())
     logger.propagate = False
+
+
+@contextmanager
+def warnings_to(note: Callable[[str], bool]) -> Iterator[None]:
+    """Print warnings of analyses on standard error, in place of Python; `note` tells whether one is new."""
+    from ..model.errors import SarrusWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", SarrusWarning)
+        others = warnings.showwarning
+
+        def show(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
+            if not issubclass(category, SarrusWarning):
+                others(message, category, *where, **more)
+            elif note(str(message)):
+                print(f"{painted('warning:', 'yellow', sys.stderr)} {message}", file=sys.stderr, flush=True)
+
+        warnings.showwarning = show
+        yield
 
 
 def is_quiet() -> bool:

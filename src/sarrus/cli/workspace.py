@@ -166,7 +166,7 @@ def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer) -> Work
 
     with Bar("filling the grid", 1):
         field = workspace_field(found, chosen.inputs, turn=chosen.turn, seed=chosen.seed)
-    answer.say(f"\n{field}")
+    answer.say(f"\n{field.summary()}")
     answer.put(positions=field.positions, missed=field.missed)
     return field
 
@@ -182,7 +182,7 @@ def _singular(
         with Bar(f"singular positions of {lost}", 1):
             found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
         ax = found[-1].plot(ax, over="inputs")
-        answer.say(f"\n{found[-1]}")
+        answer.say(f"\n{found[-1].summary()}")
     answer.draw(ax.figure if ax else None, chosen.singular)
     return found
 

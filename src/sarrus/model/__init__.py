@@ -1,5 +1,9 @@
 """What a person says: bodies, points, frames, joints, drivers, forces, and the model file."""
 
+from .announcement import announce as announce
+from .announcement import collected as collected
+from .announcement import collecting as collecting
+from .announcement import reports_warnings as reports_warnings
 from .blueprint import Blueprint as Blueprint
 from .blueprint import Placed as Placed
 from .blueprint import blueprint as blueprint
@@ -16,7 +20,6 @@ from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
 from .errors import SarrusWarning as SarrusWarning
 from .errors import StrictError as StrictError
-from .errors import announce as announce
 from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load

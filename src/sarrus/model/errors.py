@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
-
 
 class SarrusError(Exception):
     """Base of every error that this library raises on purpose."""
@@ -48,25 +45,3 @@ class SarrusWarning(UserWarning):
 
 class StrictError(SarrusError, RuntimeError):
     """A warning of an analysis that was called with ``strict=True``."""
-
-
-def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:
-    """Issue each message once as a `SarrusWarning`, and return them for the result's ``warnings``.
-
-    Parameters
-    ----------
-    messages : in order; repeated ones are dropped
-    strict : raise the first one instead
-    stacklevel : as of `warnings.warn`; 3 points at the caller of the analysis that calls this function
-
-    Raises
-    ------
-    StrictError
-        With the first message, if `strict`.
-    """
-    unique = tuple(dict.fromkeys(messages))
-    if strict and unique:
-        raise StrictError(unique[0])
-    for message in unique:
-        warnings.warn(message, SarrusWarning, stacklevel=stacklevel)
-    return unique

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..algebra import Array
+from .result import Result
 
 NONE = np.zeros(0)
 
@@ -34,7 +35,7 @@ class Asked:
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class Assembly(Result):
     """Coordinates and velocities that satisfy the constraints, or the best that was found.
 
     Attributes

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
+from .result import Result
 
 Stability = Literal["stable", "neutral", "unstable", "unknown"]
 
 
 @dataclass(frozen=True)
-class Equilibrium:
+class Equilibrium(Result):
     """A position in which all forces balance, or the best that was found.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from .result import Result
 from .trajectory import place_of
 
 SHOWN = 8  # names that an error lists
@@ -28,7 +29,7 @@ def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
 
 
 @dataclass(frozen=True, eq=False)
-class Gradient:
+class Gradient(Result):
     """Values of responses and their derivatives.
 
     Attributes
@@ -95,7 +96,8 @@ class Gradient:
 
         return str(import_module("sarrus.views").gradient_table(self, response, most))
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         return "\n\n".join(self.table(response) for response in range(len(self.responses)))
 
     def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
@@ -106,7 +108,7 @@ class Gradient:
 
 
 @dataclass(frozen=True, eq=False)
-class StateDerivatives:
+class StateDerivatives(Result):
     """Derivatives of all states with respect to named numbers, at the nodes of a run.
 
     Attributes
@@ -141,7 +143,7 @@ class StateDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
-class Hessian:
+class Hessian(Result):
     """Second derivatives of one response with respect to named numbers.
 
     Attributes
@@ -169,7 +171,8 @@ class Hessian:
         found = self.matrix[row][..., column]
         return found if np.ndim(found) else float(found)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         width = max(12, *map(len, self.names)) + 2
         head = " " * width + "".join(f"{name:>{width}}" for name in self.names)
         rows = zip(self.names, self.matrix, strict=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..algebra import Array
+from .result import Result
 
 Lost = Literal["inputs", "outputs"]
 
@@ -31,7 +32,7 @@ class SingularCurve:
 
 
 @dataclass(frozen=True)
-class InputSingularities:
+class InputSingularities(Result):
     """All such curves that were found.
 
     Attributes
@@ -76,7 +77,8 @@ class InputSingularities:
 
         return import_module("sarrus.views").plot_input_singularities(self, ax, **options)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         names, what = (
             (self.inputs, "lose control") if self.lost == "inputs" else (self.outputs, "lose a direction")
         )

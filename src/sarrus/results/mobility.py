@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
+from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]
 
@@ -36,7 +37,7 @@ class Repetition:
 
 
 @dataclass(frozen=True)
-class Mobility:
+class Mobility(Result):
     """Degrees of freedom of a system at one position, and the equations that are dependent there.
 
     Attributes
@@ -73,7 +74,8 @@ class Mobility:
         """Number of dependent equations."""
         return self.equations - self.rank
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         return "\n".join([f"{self.name}: {self._motion()}", *self._counts(), *map(str, self.repetitions)])
 
     def _motion(self) -> str:

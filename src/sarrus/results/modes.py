@@ -10,6 +10,7 @@ import numpy as np
 from ..algebra import Array
 from ..euler import E
 from ..model.coordinates import coordinates_of
+from .result import Result
 
 
 class BodyShape(NamedTuple):
@@ -20,7 +21,7 @@ class BodyShape(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Result):
     """Solutions shape·exp(s t) of the linearized equations of motion; of a complex pair, the one with Im s > 0.
 
     Attributes
@@ -80,7 +81,8 @@ class Modes:
         part = self.shapes[at, mode]
         return BodyShape(part[:3], 2 * E(self.q[at][3:]) @ part[3:])
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         from importlib import import_module
 
         return str(import_module("sarrus.views").modes_table(self))

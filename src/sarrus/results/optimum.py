@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from .result import Result
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Result):
     """The best design found.
 
     Attributes
@@ -98,7 +99,8 @@ class Optimum:
 
         return str(import_module("sarrus.views").optimum_table(self))
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         return self.table()
 
     def plot(self, ax: Any = None) -> Any:

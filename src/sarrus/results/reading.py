@@ -60,6 +60,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         message=told["message"],
         events=tuple(happened_of(state)),
         singular=tuple(told.get("singular", ())),
+        warnings=tuple(told.get("warnings", ())),
         joints=None if system is None else system.joint_coordinates,
         system=system,
         **states,

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from .result import Result
+
 
 @dataclass(frozen=True)
-class ShapeDerivative:
+class ShapeDerivative(Result):
     """Derivatives of one number of a workspace, its area, its volume or an end of a range.
 
     Attributes
@@ -29,6 +31,7 @@ class ShapeDerivative:
     def __getitem__(self, name: str) -> float:
         return self.by[name]
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         lines = [f"{self.of} = {self.value:.9g}"]
         return "\n".join([*lines, *(f"  by {name:<32} {rate:+.9g}" for name, rate in self.by.items())])

@@ -17,6 +17,7 @@ from ..system import JointCoordinates
 from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
+from .result import Result
 from .solution import Solution
 from .steps import Pieces, StepsTaken
 
@@ -43,7 +44,7 @@ class BodyMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class Trajectory(Result):
     """States at the times t. Fields as SciPy's solvers name them, time along the first axis.
 
     Attributes
@@ -95,7 +96,7 @@ class Trajectory:
     system: Any = field(default=None, repr=False, compare=False)
     steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
         """What became of it, in one line."""
         reached = f"t = {self.t[-1]:g} s" if len(self.t) else "no time"
         told = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
+from .result import Result
 
 CurveKind = Literal["outer", "void", "barrier", "crossable"]
 
@@ -139,7 +140,7 @@ class Effort:
 
 
 @dataclass(frozen=True)
-class Workspace:
+class Workspace(Result):
     """What two outputs of a mechanism can reach.
 
     Attributes
@@ -227,7 +228,8 @@ class Workspace:
 
         return import_module("sarrus.views").plot_workspace(self, ax, **options)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         from importlib import import_module
 
         return str(import_module("sarrus.views").workspace_report(self))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from .netcdf import Column, write_netcdf
+from .result import Result
 from .workspace import Workspace
 
 Quantity = Literal[
@@ -30,7 +31,7 @@ MEANINGS: dict[Quantity, str] = {
 
 
 @dataclass(frozen=True)
-class WorkspaceField:
+class WorkspaceField(Result):
     """Numbers at the centres of a grid's cells, nan where the outputs cannot be.
 
     Attributes
@@ -92,7 +93,8 @@ class WorkspaceField:
 
         return import_module("sarrus.views").plot_workspace_field(self, quantity, ax)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         lines = [
             f"{self.name}: a grid of {len(self.x)} x {len(self.y)} places, {self.positions} positions of the "
             f"mechanism, on {self._cells()} places inside the boundary."

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..algebra import Array
+from .result import Result
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class CriticalValue:
 
 
 @dataclass(frozen=True)
-class WorkspaceRange:
+class WorkspaceRange(Result):
     """The values that one output can take.
 
     Attributes
@@ -61,7 +62,8 @@ class WorkspaceRange:
         """Whether nothing was lost."""
         return self.status == "mapped"
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         told = (
             " and ".join(f"{low:.9g} to {high:.9g} {self.unit}" for low, high in self.intervals) or "nowhere"
         )

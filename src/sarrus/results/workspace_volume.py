@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
+from .result import Result
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ class VolumeRates:
 
 
 @dataclass(frozen=True)
-class WorkspaceVolume:
+class WorkspaceVolume(Result):
     """What three outputs can reach.
 
     Attributes
@@ -203,7 +204,8 @@ class WorkspaceVolume:
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         heights = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in self.ranges) or "nowhere"
         return (
             f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} "

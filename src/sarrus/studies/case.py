@@ -11,19 +11,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import SarrusError
+from ..model import SarrusError, collecting
 from .responses import Response
 from .runs import Run
 from .source import Source
 
 
 class Outcome(NamedTuple):
-    """What a case gave: the responses in their order, or a sentence; and the seconds that it took."""
+    """What a case gave: the responses in their order, or a sentence; the seconds that it took; and its warnings."""
 
     success: bool
     message: str
     responses: tuple[float, ...]
     seconds: float
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,11 @@ class Task:
 
     def outcome(self, values: Mapping[str, float]) -> Outcome:
         """Run one case; whatever goes wrong is a sentence."""
+        with collecting() as found:
+            outcome = self._tried(values)
+        return outcome._replace(warnings=found.messages)
+
+    def _tried(self, values: Mapping[str, float]) -> Outcome:
         began = time.perf_counter()
         try:
             return Outcome(True, "", self._responses(values), time.perf_counter() - began)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model import Model, SarrusError
+from ..model import Model, SarrusError, announce, reports_warnings
 from ..system import System
 from . import pool
 from .case import Outcome, Task
@@ -54,6 +54,7 @@ class Asked:
         return {name: float(x) for name, x in zip(self.parameters, self.cases[case], strict=True)}
 
 
+@reports_warnings
 def study(
     model: Model | System,
     parameters: Mapping[str, Any],
@@ -68,6 +69,7 @@ def study(
     time_limit: float = np.inf,
     retry_failed: bool = False,
     progress: Progress | None = None,
+    strict: bool = False,
 ) -> StudyTable:
     """Run an analysis of a model for many values of its numbers.
 
@@ -88,6 +90,7 @@ def study(
     time_limit : clock seconds after which a simulation counts as failed
     retry_failed : run cases of the folder that failed once more
     progress : called with the number of cases that are done
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -154,7 +157,9 @@ def carry_out(
     finally:
         if ledger:
             ledger.close()
-    return table_of(told, outcomes)
+    table = table_of(told, outcomes)
+    announce(table.warnings)
+    return table
 
 
 def _run(

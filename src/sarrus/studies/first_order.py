@@ -14,7 +14,8 @@ import numpy as np
 
 from ..analyses import assemble, sensitivity, simulate
 from ..analyses.optimization.combined import Outer
-from ..model import Model, SarrusError
+from ..model import Model, SarrusError, reports_warnings
+from ..results.result import Result
 from ..system import System
 from .conduct import Asked, ask
 from .differentiable import differentiable
@@ -24,7 +25,7 @@ from .samples import Listed
 
 
 @dataclass(frozen=True, eq=False)
-class Uncertainty:
+class Uncertainty(Result):
     """Means and standard deviations of responses, to first order.
 
     Attributes
@@ -54,7 +55,8 @@ class Uncertainty:
         whole = parts.sum(axis=1, keepdims=True)
         return np.asarray(parts / np.where(whole > 0, whole, 1.0))
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         width = max([8, *(len(name) for name in self.responses)])
         lines = [f"{'response':<{width}}{'mean':>14}{'std':>14}  parts in the variance"]
         for name, mean, std, parts in zip(self.responses, self.values, self.std, self.shares, strict=True):
@@ -64,8 +66,14 @@ class Uncertainty:
         return "\n".join(lines)
 
 
+@reports_warnings
 def uncertainty(
-    model: Model | System, parameters: Mapping[str, Any], responses: Any, *, analysis: Simulation
+    model: Model | System,
+    parameters: Mapping[str, Any],
+    responses: Any,
+    *,
+    analysis: Simulation,
+    strict: bool = False,
 ) -> Uncertainty:
     """Propagate the spread of parameters to responses of a simulation, to first order, by exact derivatives.
 
@@ -73,6 +81,7 @@ def uncertainty(
     ----------
     model, parameters, responses : as for `study`; responses are formulas
     analysis : a `Simulation` by `HHT` or `GeneralizedAlpha`
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -99,7 +99,10 @@ def read_cases(folder: Path) -> list[tuple[int, Outcome]]:
     for line in lines:
         entry = json.loads(line)
         numbers = tuple(np.nan if x is None else float(x) for x in entry["responses"])
-        found[int(entry["case"])] = Outcome(entry["success"], entry["message"], numbers, entry["seconds"])
+        warned = tuple(entry.get("warnings", ()))
+        found[int(entry["case"])] = Outcome(
+            entry["success"], entry["message"], numbers, entry["seconds"], warned
+        )
     return sorted(found.items())
 
 

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from ..model import SarrusError
+from ..results.result import Result
 from .ledger import read_cases, read_study
 from .parameters import Array
 
 
 @dataclass(frozen=True, eq=False)
-class StudyTable:
+class StudyTable(Result):
     """Parameters and responses of all cases.
 
     Attributes
@@ -30,6 +31,7 @@ class StudyTable:
     messages : a sentence for each case that failed, an empty text for the others
     seconds : (n,) that each case took
     facts : what was studied: model, sample with its seed, analysis, responses, versions
+    case_warnings : the warnings of the cases that have any, by number; ``warnings`` counts the most frequent ones
     """
 
     name: str
@@ -41,6 +43,7 @@ class StudyTable:
     messages: tuple[str, ...] = field(repr=False)
     seconds: Array = field(repr=False)
     facts: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    case_warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return len(self.values)
@@ -131,7 +134,8 @@ class StudyTable:
         """Draw a response over every parameter, with its distribution; see `sarrus.views.plot_study`."""
         return import_module("sarrus.views").plot_study(self, response, axes)
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The result in words."""
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
@@ -200,6 +204,7 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
             raise SarrusError(f"{facts['name']}: the results hold a case {case}, but there are {n}")
         found[case], success[case], seconds[case] = outcome.responses, outcome.success, outcome.seconds
         messages[case] = outcome.message
+    warned = {case: outcome.warnings for case, outcome in sorted(outcomes.items()) if outcome.warnings}
     names = tuple(facts["parameters"])
     return StudyTable(
         facts["name"],
@@ -211,4 +216,16 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
         tuple(messages),
         seconds,
         facts,
+        warned,
+        warnings=tuple(_warnings(warned, n)),
     )
+
+
+def _warnings(warned: Mapping[int, tuple[str, ...]], cases: int) -> Iterator[str]:
+    """The most frequent warnings of the cases, and how many others there are."""
+    every = [message for messages in warned.values() for message in messages]
+    shown = _counted(every)
+    for message, count in shown:
+        yield f"{message} ({count} of {cases} cases)"
+    if others := len(set(every)) - len(shown):
+        yield f"{others} other warnings in {len(warned)} of {cases} cases. See `case_warnings`."

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...model import announce, collected
 from ...results import Assembly, Happened, Solution, Trajectory, load_run
 from ...results.saved import Store
 from ...results.steps import Pieces, StepsTaken, Turn
@@ -111,6 +112,7 @@ class March:
             self.watches.begin(t, q, v, event)
 
     def _resume(self, state: Mapping[str, Array]) -> None:
+        announce(json.loads(str(state["told"])).get("warnings", ()))
         self.stepper.resume(state)
         self.sampler.resume(state)
         self.watches.resume(state)
@@ -164,7 +166,8 @@ class March:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
         told = {"status": "cut short", "message": message, "t": self.stepper.t}
-        return told | {"singular": self.nearness.times, **counts}
+        told |= {"singular": self.nearness.times, "warnings": collected()}
+        return told | counts
 
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and what happened during them."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...algebra import Array
-from ...model import Model
+from ...model import Model, reports_warnings
 from ...results import Assembly, Trajectory
 from ...results.saved import Store, recipe_of
 from ...system import System
@@ -59,8 +59,12 @@ class _SystemOf:
         return System(self.model)
 
 
+@reports_warnings
 def resume(
-    path: str | os.PathLike[str], *, progress: bool | Callable[[float], None] | None = None
+    path: str | os.PathLike[str],
+    *,
+    progress: bool | Callable[[float], None] | None = None,
+    strict: bool = False,
 ) -> Trajectory:
     """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
 
@@ -71,6 +75,7 @@ def resume(
     ----------
     path : the folder that was given to ``simulate(..., save=path)``
     progress : as for `simulate`
+    strict : raise the first warning as a `StrictError`
 
     Raises
     ------
@@ -88,7 +93,8 @@ def resume(
         return recipe.march(system, store, told).go(recipe.start, state)
 
 
-def repeat(path: str | os.PathLike[str]) -> Trajectory:
+@reports_warnings
+def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
     """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
     recipe: Recipe = recipe_of(Path(path))["recipe"]
     return recipe.march(System(recipe.model), None, None).go(recipe.start)

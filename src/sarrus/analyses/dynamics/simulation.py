@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...model import reports_warnings
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
@@ -40,6 +41,7 @@ def refuse_end(until: float) -> None:
         raise ValueError(f"until must be a positive time in s, but is {until}")
 
 
+@reports_warnings
 def simulate(
     system: System,
     start: Assembly | None = None,
@@ -57,6 +59,7 @@ def simulate(
     keep_steps: bool = False,
     save: str | os.PathLike[str] | None = None,
     progress: bool | Callable[[float], None] | None = None,
+    strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
 
@@ -82,6 +85,7 @@ def simulate(
         whatever happens, memory does not grow (but by what `dense_output` and `keep_steps` keep), and `resume` goes on
         with it; `load_run` opens it
     progress : true for a bar on the terminal, or a function that is called with the time reached
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...algebra import Array
+from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
 from ..sensitivity.responses import Misfit
@@ -25,6 +26,7 @@ CONFIDENCE = 0.95
 NOTHING = 1e-13
 
 
+@reports_warnings
 def fit(
     system: System,
     misfits: Misfit | Sequence[Misfit],
@@ -39,6 +41,7 @@ def fit(
     iterations: int = 50,
     tolerance: float = 1e-10,
     progress: Progress | None = None,
+    strict: bool = False,
     **settings: Any,
 ) -> Optimum:
     """Find the parameters with which a simulation is nearest to measurements.
@@ -53,6 +56,7 @@ def fit(
         estimated from what remains
     until : end of the simulation [s]; by default the last time measured
     iterations, tolerance : when the solver ends
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -67,8 +71,6 @@ def fit(
     SarrusError
         If the first guess cannot be simulated.
     """
-    from scipy.optimize import least_squares
-
     some = [misfits] if isinstance(misfits, Misfit) else list(misfits)
     end = max(max(one.at) for one in some) if until is None else until
     problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)
@@ -77,22 +79,13 @@ def fit(
         raise ValueError(
             f"{count} measured numbers cannot determine {size} parameters; measure more, or fit fewer"
         )
-    search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
-    squares = Squares(search, some)
-    try:
-        found = least_squares(
-            squares.residuals, search.variables.z0, jac=squares.jacobian, bounds=search.variables.ends.T,
-            xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
-        )  # fmt: skip
-        answer = Answer(bool(found.success), in_words(str(found.message)))
-    except Stuck as stuck:
-        answer = Answer(
-            False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}"
-        )
-    except KeyboardInterrupt:
-        answer = Answer(False, "stopped by the user")
-    optimum = told(search, answer)
-    jacobian = squares.jacobian(optimum.x / search.variables.scale)
+    with collecting():
+        search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
+        squares = Squares(search, some)
+        answer = _answer(squares, iterations, tolerance)
+        optimum = told(search, answer)
+        jacobian = squares.jacobian(optimum.x / search.variables.scale)
+    announce(optimum.warnings)
     covariance, poor = _covariance(jacobian, search.variables.scale, problem.names)
     spare, spread = count - size, 1.0
     if noise == "estimated":
@@ -101,6 +94,22 @@ def fit(
         optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
         message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
     )  # fmt: skip
+
+
+def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
+    from scipy.optimize import least_squares
+
+    variables = squares.search.variables
+    try:
+        found = least_squares(
+            squares.residuals, variables.z0, jac=squares.jacobian, bounds=variables.ends.T,
+            xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
+        )  # fmt: skip
+        return Answer(bool(found.success), in_words(str(found.message)))
+    except Stuck as stuck:
+        return Answer(False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}")
+    except KeyboardInterrupt:
+        return Answer(False, "stopped by the user")
 
 
 def _doubt(value: float, spare: int) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import Model
+from ...model import Model, announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
 from .combined import Part
@@ -23,6 +23,7 @@ from .solvers import Answer, solver_of
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
 
 
+@reports_warnings
 def optimize(
     system: System,
     objective: Part | Sequence[Part],
@@ -42,6 +43,7 @@ def optimize(
     seed: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    strict: bool = False,
     **settings: Any,
 ) -> Optimum:
     """Change numbers of a model so that a response of its motion becomes least.
@@ -70,6 +72,7 @@ def optimize(
     executor : of ``concurrent.futures``, which runs the starts beside one another
     progress : called with the number of the simulation and the objective; True for lines on standard error
     settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -98,11 +101,15 @@ def optimize(
     task = Task(within, solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)
     if starts == 1:
-        return task.solved(problem, variables, progress)
+        best = task.solved(problem, variables, progress)
+        announce(best.warnings)
+        return best
     if starts < 1:
         raise ValueError(f"starts must be 1 at least, but is {starts}")
     found = _from_many(task, problem, variables, _designs(variables, starts, seed), executor, progress)
-    return _best(found, len(within))
+    best = _best(found, len(within))
+    announce(best.warnings)
+    return best
 
 
 @dataclass(frozen=True)
@@ -116,7 +123,11 @@ class Task:
     second_order: bool = False
 
     def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
-        """The optimum from one start."""
+        """The optimum from one start; of warnings, those of the best design."""
+        with collecting():
+            return self._searched(problem, variables, progress)
+
+    def _searched(self, problem: Problem, variables: Variables, progress: Progress | None) -> Optimum:
         search = Search(problem, variables, self.constraints, progress)
         solver = solver_of(self.solver, bool(self.constraints), self.second_order)
         try:
@@ -150,7 +161,7 @@ def told(search: Search, answer: Answer, near: float = SATISFIED) -> Optimum:
         history, np.array(search.trace),
         dict(zip(problem.titles[limited:], map(float, values[limited:]), strict=True)),
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
-        model=point.system.model, run=point.run,
+        model=point.system.model, run=point.run, warnings=(*point.start.warnings, *point.run.warnings),
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...algebra import Array
+from ...model import reports_warnings
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
 from ..assembly import assemble
@@ -45,6 +46,7 @@ LINEAR = (
 )  # responses whose derivatives need no other samples
 
 
+@reports_warnings
 def sensitivity_by_checkpoints(
     system: System,
     responses: Wanted,
@@ -60,6 +62,7 @@ def sensitivity_by_checkpoints(
     memory: float = 100e6,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    strict: bool = False,
 ) -> Gradient:
     """Simulate and differentiate with the memory of some states: see `simulate` and `sensitivity`, whose result it is.
 
@@ -68,6 +71,7 @@ def sensitivity_by_checkpoints(
     system, until, start, method, rtol, atol, max_step, events : as for `simulate`
     responses, wrt, design, formula : as for `sensitivity`
     memory : for kept states, events, and the steps between two kept states [bytes]
+    strict : raise the first warning as a `StrictError`
 
     Raises
     ------

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...model import reports_warnings
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from .chains import AnyChain, chain_of, curved_chain
@@ -27,6 +28,7 @@ class UndefinedResponse(ValueError):
     """A response of a run that is not a number."""
 
 
+@reports_warnings
 def sensitivity(
     run: Trajectory,
     responses: Wanted,
@@ -35,6 +37,7 @@ def sensitivity(
     method: Method = "adjoint",
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    strict: bool = False,
 ) -> Gradient:
     """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
 
@@ -49,6 +52,7 @@ def sensitivity(
         few numbers and many responses
     design : values of design variables by name
     formula : a function of the design variables that returns numbers of the model by name; differentiated exactly
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -94,12 +98,14 @@ def differentiated(
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
 
 
+@reports_warnings
 def state_derivatives(
     run: Trajectory,
     wrt: Sequence[str],
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    strict: bool = False,
 ) -> StateDerivatives:
     """Derivatives of all states of a run with respect to numbers of its model, at the ends of its steps.
 
@@ -122,6 +128,7 @@ def state_derivatives(
     return StateDerivatives(tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names)
 
 
+@reports_warnings
 def hessian_product(
     run: Trajectory,
     response: Response | Output,
@@ -130,6 +137,7 @@ def hessian_product(
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    strict: bool = False,
 ) -> Array:
     """The Hessian of a response times a direction, exact for the steps that were taken, in about two sweeps.
 
@@ -138,6 +146,7 @@ def hessian_product(
     run, response, design, formula : as for `sensitivity`
     direction : changes by name, of a vector its three; those left out are zero
     wrt : names of the numbers; by default those of the direction
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -161,6 +170,7 @@ def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
     return found
 
 
+@reports_warnings
 def hessian(
     run: Trajectory,
     response: Response | Output,
@@ -168,6 +178,7 @@ def hessian(
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    strict: bool = False,
 ) -> Hessian:
     """All second derivatives of a response with respect to a few numbers, by one product for each.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
+from ...model import reports_warnings
 from ...results.workspace import Workspace
 from ...system import System
 from .formulate import Limits
@@ -14,6 +15,7 @@ from .trace import LONGEST
 from .verify import verify_workspace
 
 
+@reports_warnings
 def workspace(
     system: System,
     output: Iterable[Any],
@@ -27,6 +29,7 @@ def workspace(
     repeats: int = REPEATS,
     longest: float = LONGEST,
     executor: Executor | None = None,
+    strict: bool = False,
 ) -> Workspace:
     """Map what two outputs of a mechanism can reach: boundary, voids, barriers and what can be crossed.
 
@@ -52,6 +55,7 @@ def workspace(
     repeats : starts in a row that lead to nothing new, before the map counts as complete
     longest : steps of curves, free of units; smaller ones give more points
     executor : any executor of `concurrent.futures`, on which positions and rays of the tests are drawn
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

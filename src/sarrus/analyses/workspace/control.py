@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import SarrusError, reports_warnings
 from ...results.input_singularities import InputSingularities, Lost, SingularCurve
 from ...system import System
 from .arc import DENSE, Arc
@@ -22,6 +22,7 @@ from .problem import Problem
 CROSSINGS = 100  # by random walks, in a row of known curves, until the curves count as complete
 
 
+@reports_warnings
 def input_singularities(
     system: System,
     output: Iterable[Any],
@@ -32,6 +33,7 @@ def input_singularities(
     fixed: Mapping[Any, float] | None = None,
     seed: int = 0,
     repeats: int = REPEATS,
+    strict: bool = False,
 ) -> InputSingularities:
     """Trace positions at which a motion is possible while all inputs, or all outputs, stand still.
 
@@ -46,6 +48,7 @@ def input_singularities(
     inputs : as many functions as there are degrees of freedom
     lost : what loses a direction, "inputs" or "outputs"
     fixed : values of functions, one for each degree of freedom beyond two, which choose a section
+    strict : raise the first warning as a `StrictError`
 
     Raises
     ------

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...model import reports_warnings
 from ...system import System
 from .formulate import formulate
 from .problem import Problem
@@ -35,6 +36,7 @@ class Dexterity(NamedTuple):
         return 1 / self.condition
 
 
+@reports_warnings
 def dexterity(
     system: System,
     q: ArrayLike,
@@ -42,6 +44,7 @@ def dexterity(
     inputs: Iterable[Any],
     *,
     fixed: Mapping[Any, float] | None = None,
+    strict: bool = False,
 ) -> list[Dexterity]:
     """Manipulability and dexterity at positions, such as those of a workspace's curves or of random samples.
 
@@ -51,6 +54,7 @@ def dexterity(
     q : (nq,) or (k, nq) positions that satisfy the constraints
     output, inputs : functions of the position
     fixed : functions that keep their values
+    strict : raise the first warning as a `StrictError`
     """
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
     positions = np.atleast_2d(np.asarray(q, dtype=float)) / problem.scale

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import SarrusError, reports_warnings
 from ...results.workspace_range import CriticalValue, WorkspaceRange
 from ...system import System
 from .crossing import examine
@@ -29,6 +29,7 @@ MOST_ALIKE = 8  # positions with one value and the same active limits that are k
 TRIES = 20
 
 
+@reports_warnings
 def workspace_range(
     system: System,
     output: Any,
@@ -37,6 +38,7 @@ def workspace_range(
     fixed: Mapping[Any, float] | None = None,
     seed: int = 0,
     repeats: int = REPEATS,
+    strict: bool = False,
 ) -> WorkspaceRange:
     """The values that one output can take: from where it stops to where it stops.
 
@@ -44,6 +46,7 @@ def workspace_range(
     ----------
     system, limits, fixed, seed, repeats : see `sarrus.workspace`
     output : one function of the position, such as ``"slider.x"``
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import SarrusError, reports_warnings
 from ...results.workspace import Workspace
 from ...results.workspace_field import Quantity, WorkspaceField
 from .dexterity import dexterity_at
@@ -25,6 +25,7 @@ STARTS = 200  # random positions from which ways of assembly are filled
 TRIES = 8  # known positions nearby, of a place that nothing led to
 
 
+@reports_warnings
 def workspace_field(
     found: Workspace,
     inputs: Iterable[Any] = (),
@@ -33,6 +34,7 @@ def workspace_field(
     cells: int | None = None,
     starts: int = STARTS,
     seed: int = 0,
+    strict: bool = False,
 ) -> WorkspaceField:
     """Tell how well inputs move the outputs at all places of a workspace, how many solutions and which turns there are.
 
@@ -49,6 +51,7 @@ def workspace_field(
     cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...elements.operators import Axis
-from ...model import SarrusError
+from ...model import SarrusError, reports_warnings
 from ...model.show import suggest
 from ...results.shape import ShapeDerivative
 from ...results.workspace import Workspace
@@ -38,7 +38,8 @@ SAME = 1e-9
 LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are singular there
 
 
-def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
+@reports_warnings
+def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
     """The exact derivative of the area of a workspace.
 
     Parameters
@@ -46,6 +47,7 @@ def area_gradient(found: Workspace, wrt: Iterable[str]) -> ShapeDerivative:
     found : Workspace
     wrt : names of numbers: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
         (``"link_3.x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -78,7 +80,8 @@ def area_rates(problem: Problem, region: Region) -> tuple[Array, float]:
     return total * float(units.prod()), kinked * float(units[0])
 
 
-def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str]) -> ShapeDerivative:
+@reports_warnings
+def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
     """The exact derivative of a volume, of which `workspace_volume` was asked with ``derivatives=True``.
 
     It is the integral of the derivatives of the slices' areas; where areas jump, at level parts of the boundary, their
@@ -88,6 +91,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str]) -> ShapeDerivati
     ----------
     found : WorkspaceVolume
     wrt : see `area_gradient`
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------
@@ -118,7 +122,10 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str]) -> ShapeDerivati
     return ShapeDerivative("volume", found.volume, by, rates.kinked, error)
 
 
-def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> ShapeDerivative:
+@reports_warnings
+def end_gradient(
+    found: WorkspaceRange, value: float, wrt: Iterable[str], *, strict: bool = False
+) -> ShapeDerivative:
     """The exact derivative of an end of a range, or of any critical value: how reach changes with a design.
 
     Parameters
@@ -126,6 +133,7 @@ def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> Sha
     found : WorkspaceRange
     value : one of its critical values, nearly
     wrt : see `area_gradient`
+    strict : raise the first warning as a `StrictError`
 
     Raises
     ------
@@ -152,7 +160,10 @@ def end_gradient(found: WorkspaceRange, value: float, wrt: Iterable[str]) -> Sha
     return ShapeDerivative(found.output, told, dict(zip(names, rates, strict=True)))
 
 
-def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) -> ShapeDerivative:
+@reports_warnings
+def distance_gradient(
+    found: Workspace, point: ArrayLike, wrt: Iterable[str], *, strict: bool = False
+) -> ShapeDerivative:
     """The exact derivative of the distance of a place from the boundary of a workspace: how much room is left.
 
     The foot of the perpendicular is found by Newton's method; where it lies moves to first order only along the
@@ -164,6 +175,7 @@ def distance_gradient(found: Workspace, point: ArrayLike, wrt: Iterable[str]) ->
         Both outputs are lengths, or both are angles.
     point : (2,) inside, where the distance counts positive, or outside, where it counts negative
     wrt : see `area_gradient`
+    strict : raise the first warning as a `StrictError`
 
     Raises
     ------

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...model import reports_warnings
 from ...results.workspace import Verification, Workspace
 from ...system import System
 from .change import can_change, changes_along
@@ -50,8 +51,14 @@ class Drawn(NamedTuple):
     crossings: list[Start]
 
 
+@reports_warnings
 def verify_workspace(
-    found: Workspace, samples: int = 2000, rays: int = 40, *, executor: Executor | None = None
+    found: Workspace,
+    samples: int = 2000,
+    rays: int = 40,
+    *,
+    executor: Executor | None = None,
+    strict: bool = False,
 ) -> Workspace:
     """Test a workspace, trace what was missed, and return it with a `Verification`.
 
@@ -65,6 +72,7 @@ def verify_workspace(
     found : Workspace
     samples, rays : how many of each; as many crossings as rays
     executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
+    strict : raise the first warning as a `StrictError`
     """
     map_: WorkspaceMap = found.map
     known, tests = len(map_.branches), None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import SarrusError, reports_warnings
 from ...results.workspace_volume import WorkspaceVolume
 from ...system import System
 from .extremes import workspace_range
@@ -26,6 +26,7 @@ WALK = 5  # positions of a random walk from each assembled one
 RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 
 
+@reports_warnings
 def workspace_volume(
     system: System,
     output: Iterable[Any],
@@ -40,6 +41,7 @@ def workspace_volume(
     seed: int = 0,
     longest: float = LONGEST,
     derivatives: bool = False,
+    strict: bool = False,
 ) -> WorkspaceVolume:
     """Map what three outputs can reach, by slices at values of the third.
 
@@ -58,6 +60,7 @@ def workspace_volume(
     samples : random admissible positions, which must lie inside
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
     derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

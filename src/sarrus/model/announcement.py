@@ -1,0 +1,105 @@
+"""Warnings of analyses: collected while an analysis runs, issued once at its end, and stored in its result."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import replace
+from functools import partial, wraps
+from typing import Any, ParamSpec, TypeVar, cast
+
+from .errors import SarrusWarning, StrictError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Collection:
+    """The messages of one analysis, and of those that it calls.
+
+    Parameters
+    ----------
+    strict : whether a message is raised instead
+    """
+
+    def __init__(self, strict: bool) -> None:
+        self.strict = strict
+        self.messages: tuple[str, ...] = ()
+
+    def add(self, messages: Iterable[str]) -> None:
+        """Append those that are new."""
+        self.messages = tuple(dict.fromkeys((*self.messages, *messages)))
+
+
+_collection: ContextVar[Collection | None] = ContextVar("collection", default=None)
+
+
+@contextmanager
+def collecting(strict: bool = False) -> Iterator[Collection]:
+    """Collect what is announced in this block; nothing of it leaves the block by itself."""
+    found = Collection(strict)
+    token = _collection.set(found)
+    try:
+        yield found
+    finally:
+        _collection.reset(token)
+
+
+def collected() -> tuple[str, ...]:
+    """The messages so far of the analysis that is running."""
+    found = _collection.get()
+    return found.messages if found else ()
+
+
+def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:
+    """Issue each message once as a `SarrusWarning`, and return them for the result's ``warnings``.
+
+    Inside an analysis they are handed to it, and it issues them at its end.
+
+    Parameters
+    ----------
+    messages : in order; repeated ones are dropped
+    strict : raise the first one instead
+    stacklevel : as of `warnings.warn`; 3 points at the caller of the analysis that calls this function
+
+    Raises
+    ------
+    StrictError
+        With the first message, if `strict`, or if the analysis that is running was called so.
+    """
+    unique, outer = tuple(dict.fromkeys(messages)), _collection.get()
+    if unique and (strict or (outer is not None and outer.strict)):
+        raise StrictError(unique[0])
+    if outer is not None:
+        outer.add(unique)
+        return unique
+    for message in unique:
+        warnings.warn(message, SarrusWarning, stacklevel=stacklevel)
+    return unique
+
+
+def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a public analysis: what is announced in it is issued at its end and stored in its result.
+
+    The analysis has a keyword ``strict``, with which the first message is raised where it arises.
+    """
+
+    @wraps(analysis)
+    def reporting(*args: P.args, **kwargs: P.kwargs) -> R:
+        with collecting(bool(kwargs.get("strict", False))) as found:
+            result = analysis(*args, **kwargs)
+        return with_warnings(result, announce(found.messages))
+
+    return reporting
+
+
+def with_warnings(result: R, messages: tuple[str, ...]) -> R:
+    """A result with further messages; arrays and plain tuples have no field for them."""
+    if not messages or not hasattr(result, "warnings"):
+        return result
+    found: Any = result
+    both = tuple(dict.fromkeys((*found.warnings, *messages)))
+    change = found._replace if hasattr(found, "_replace") else partial(replace, found)
+    return cast(R, change(warnings=both))

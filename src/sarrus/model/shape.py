@@ -53,7 +53,7 @@ class Look(NamedTuple):
     """Something that a body is drawn with, at a pose in body axes.
 
     ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as URDF has them [m], for a mesh the scale;
-    ``color`` is ``"#rrggbb"`` or empty.
+    ``color`` is ``"#rrggbb"`` or empty; ``wrong`` says why its file is not read.
     """
 
     body: str
@@ -62,6 +62,7 @@ class Look(NamedTuple):
     pose: Pose = GROUND_POSE
     file: Path | None = None
     color: str = ""
+    wrong: str = ""
 
 
 def _color(color: str) -> str:

@@ -34,6 +34,8 @@ def describe(path: Path, gravity: Vec3) -> Description:
     links = {name: read_link(part.element, name, part.reader) for name, part in link_parts.items()}
     edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
     start = root_of(edges, links, file)
+    wrong: list[str] = []
+    visuals = _visuals(link_parts, wrong)
     return Description(
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
@@ -43,8 +45,8 @@ def describe(path: Path, gravity: Vec3) -> Description:
         gravity=gravity,
         limits=_limits(joint_parts),
         mimics=read_mimics(joint_parts, edges),
-        visuals=_visuals(link_parts),
-        notes=notes(root),
+        visuals=visuals,
+        notes=[*notes(root), *wrong],
     )
 
 
@@ -69,5 +71,5 @@ def _limits(parts: Mapping[str, Part]) -> dict[str, Limit]:
     return {name: limit for name, limit in limits.items() if limit}
 
 
-def _visuals(parts: Mapping[str, Part]) -> list[Visual]:
-    return [seen for name, part in parts.items() for seen in read_visuals(part.element, name, part.reader)]
+def _visuals(parts: Mapping[str, Part], wrong: list[str]) -> list[Visual]:
+    return [v for name, part in parts.items() for v in read_visuals(part.element, name, part.reader, wrong)]

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...model.errors import ModelError
 from ...model.pose import Pose
 from ..robot import Inertial, Link, Visual
 from .element import Element
@@ -29,12 +30,19 @@ def read_link(element: Element, name: str, reader: Reader) -> Link:
     return Link(name, None if inertial is None else _inertial(inertial, reader), element.line)
 
 
-def read_visuals(element: Element, name: str, reader: Reader) -> Iterator[Visual]:
-    """Yield what a link looks like; shapes that are not known are left out."""
+def read_visuals(element: Element, name: str, reader: Reader, notes: list[str]) -> Iterator[Visual]:
+    """Yield what a link looks like; unknown shapes are left out, and wrong ones with a note."""
     for visual in element.all("visual"):
         for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in SIZES):
-            size, file = _size(shape, reader), shape.attributes.get("filename", "")
-            yield Visual(name, shape.tag, size, reader.pose(visual), file, _color(visual, reader))
+            try:
+                yield _visual(visual, shape, name, reader)
+            except ModelError as error:
+                notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.sentence}")
+
+
+def _visual(visual: Element, shape: Element, name: str, reader: Reader) -> Visual:
+    file = reader.text(shape, "filename") if shape.tag == "mesh" else ""
+    return Visual(name, shape.tag, _size(shape, reader), reader.pose(visual), file, _color(visual, reader))
 
 
 def _inertial(element: Element, reader: Reader) -> Inertial:

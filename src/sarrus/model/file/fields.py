@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from types import GenericAlias
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias, get_origin
 
@@ -25,12 +27,14 @@ from ..inertia import Inertia
 from ..law import Law
 from ..matrix6 import Matrix6, Vector6
 from ..measure import In
+from ..mesh_path import REMEDY, VARIABLE, inside, listed
 from ..names import find
 from ..orientation import AxisAngle, EulerAngles, Orientation
 from ..point import Point
 from ..prescribed import Motion
 from ..quantity import Vector
 from ..shape import Shape
+from ..show import quote
 from ..solid import Solid
 from .entry import Entry, said
 from .form import list_of, marked, one_of
@@ -237,10 +241,20 @@ if not TYPE_CHECKING:
     Turned = OrientationForm
 
 
+def _mesh_file(name: str) -> str:
+    """Refuse a mesh file outside of the folder that the model file is in."""
+    path = Path(os.path.normpath(name))
+    if not name:
+        raise said("must name a mesh file; give one, as in file: rod.stl")
+    if (path.is_absolute() or ".." in path.parts) and not inside(path, listed(VARIABLE)):
+        raise said(f"{quote(name)} is outside of the model's folder; {REMEDY}")
+    return name
+
+
 class ShapeEntry(Entry):
     """A mesh that a body is drawn with; its file is named from the folder of this one."""
 
-    file: StrictStr
+    file: Annotated[StrictStr, AfterValidator(_mesh_file)]
     scale: Share = 1.0
     position: Local = Field(default_factory=list)
     orientation: Turned = Field(default_factory=lambda: None)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...model.shape import Look
-from ..meshes import Colored, read_mesh
+from ..meshes import Colored, MeshError, read_mesh
 from ..shapes import Mesh, ball, box, disc
 from ..shapes.mesh import joined
 
@@ -26,7 +26,8 @@ def given_meshes(look: Look) -> Iterator[Colored]:
 
 
 def _mesh(look: Look) -> list[Colored]:
-    assert look.file is not None
+    if look.wrong or look.file is None:
+        raise MeshError(look.wrong or "a mesh has no file; name one")
     return [Colored(mesh.stretched(look.size), color) for mesh, color in read_mesh(look.file)]
 
 

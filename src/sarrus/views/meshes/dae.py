@@ -10,45 +10,53 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...algebra import Array
+from .bounds import Nodes, content
 from .colored import Colored, hexadecimal, welded
 
 POLYGONS = ("triangles", "polylist", "polygons")
 
 
-def read_dae(file: Path) -> list[Colored]:
-    """Return all triangles of the file's scene."""
+def read_dae(file: Path) -> Iterator[Colored]:
+    """Yield all triangles of the file's scene."""
     try:
-        root = ElementTree.parse(file).getroot()
+        root = ElementTree.fromstring(content(file), ElementTree.XMLParser(target=_Builder()))
     except ElementTree.ParseError as trouble:
         raise ValueError(str(trouble)) from None
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
-    return _Reader(root).pieces()
+    yield from _Reader(root).pieces()
+
+
+class _Builder(ElementTree.TreeBuilder):
+    """Accepts no document type, so that no entity can be declared."""
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        raise ValueError("it declares a document type, which could define entities")
 
 
 class _Reader:
     def __init__(self, root: Any) -> None:
         self.root = root
+        self.nodes = Nodes()
         self.by_id = {element.get("id"): element for element in root.iter() if element.get("id")}
         unit = root.find("asset/unit")
         self.meter = float(unit.get("meter", 1.0)) if unit is not None else 1.0
 
-    def pieces(self) -> list[Colored]:
+    def pieces(self) -> Iterator[Colored]:
         scale = np.diag([self.meter, self.meter, self.meter, 1.0])
-        found = [piece for scene in self.root.iter("visual_scene") for piece in self._nodes(scene, scale)]
-        if not found:
-            raise ValueError("its scene has no triangles")
-        return found
+        for scene in self.root.iter("visual_scene"):
+            yield from self._nodes(scene, scale)
 
-    def _nodes(self, parent: Any, place: Array) -> Iterator[Colored]:
+    def _nodes(self, parent: Any, place: Array, depth: int = 1) -> Iterator[Colored]:
         for node in parent.findall("node"):
+            self.nodes.place(depth)
             here = place @ _matrix(node)
             for used in node.findall("instance_geometry"):
                 yield from self._geometry(self._of(used.get("url")), here, self._materials(used))
             for used in node.findall("instance_node"):
                 inner = self._of(used.get("url"))
-                yield from self._nodes(_Parent(inner), here)
-            yield from self._nodes(node, here)
+                yield from self._nodes(_Parent(inner), here, depth + 1)
+            yield from self._nodes(node, here, depth + 1)
 
     def _of(self, reference: str) -> Any:
         return self.by_id[reference.removeprefix("#")]

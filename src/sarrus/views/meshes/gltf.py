@@ -7,11 +7,13 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
 from ...algebra import Array
 from ..shapes import Mesh
+from .bounds import Nodes, beside, content
 from .colored import Colored, hexadecimal
 
 KINDS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -19,15 +21,16 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 TRIANGLES = 4
 
 
-def read_gltf(file: Path) -> list[Colored]:
-    """Return all triangles of the file's scene."""
-    return _Reader(file).pieces()
+def read_gltf(file: Path) -> Iterator[Colored]:
+    """Yield all triangles of the file's scene."""
+    yield from _Reader(file).pieces()
 
 
 class _Reader:
     def __init__(self, file: Path) -> None:
-        data = file.read_bytes()
-        self.folder, self.embedded = file.parent, b""
+        data = content(file)
+        self.file, self.embedded, self.nodes = file, b"", Nodes()
+        self.buffers: dict[int, bytes] = {}
         if data[:4] == b"glTF":
             size = int.from_bytes(data[12:16], "little")
             self.told: dict[str, Any] = json.loads(data[20 : 20 + size])
@@ -35,20 +38,18 @@ class _Reader:
         else:
             self.told = json.loads(data)
 
-    def pieces(self) -> list[Colored]:
+    def pieces(self) -> Iterator[Colored]:
         scenes = self.told.get("scenes") or [{"nodes": range(len(self.told["nodes"]))}]
-        found = [*self._nodes(scenes[self.told.get("scene", 0)]["nodes"], np.eye(4))]
-        if not found:
-            raise ValueError("it has no triangles")
-        return found
+        yield from self._nodes(scenes[self.told.get("scene", 0)]["nodes"], np.eye(4))
 
-    def _nodes(self, numbers: Any, place: Array) -> Iterator[Colored]:
+    def _nodes(self, numbers: Any, place: Array, depth: int = 1) -> Iterator[Colored]:
         for number in numbers:
+            self.nodes.place(depth)
             node = self.told["nodes"][number]
             here = place @ _matrix(node)
             if "mesh" in node:
                 yield from self._mesh(self.told["meshes"][node["mesh"]], here)
-            yield from self._nodes(node.get("children", ()), here)
+            yield from self._nodes(node.get("children", ()), here, depth + 1)
 
     def _mesh(self, mesh: dict[str, Any], place: Array) -> Iterator[Colored]:
         for piece in mesh["primitives"]:
@@ -66,18 +67,22 @@ class _Reader:
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         stride = view.get("byteStride", kind.itemsize * width)
         data = self._buffer(view["buffer"])
+        if accessor["count"] > len(data):  # a stride of zero would need no more bytes
+            raise ValueError("it has fewer numbers than it says")
         rows = np.ndarray((accessor["count"], width), kind, data, start, (stride, kind.itemsize))
         return np.asarray(rows)
 
     def _buffer(self, number: int) -> bytes:
-        uri = self.told["buffers"][number].get("uri", "")
+        if number not in self.buffers:
+            self.buffers[number] = self._read(self.told["buffers"][number].get("uri", ""))
+        return self.buffers[number]
+
+    def _read(self, uri: str) -> bytes:
         if not uri:
             return self.embedded
-        return (
-            base64.b64decode(uri.partition(",")[2])
-            if uri.startswith("data:")
-            else (self.folder / uri).read_bytes()
-        )
+        if uri.startswith("data:"):
+            return base64.b64decode(uri.partition(",")[2])
+        return content(beside(self.file, unquote(uri)))
 
     def _color(self, piece: dict[str, Any]) -> str:
         if "material" not in piece:

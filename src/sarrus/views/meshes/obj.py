@@ -2,43 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from .bounds import beside, content
 from .colored import Colored, hexadecimal, welded
 
 Corner = tuple[int, int]  # numbers of the vertex and of its normal
 
 
-def read_obj(file: Path) -> list[Colored]:
-    """Return the polygons of an OBJ file as triangles, one mesh for each material."""
+def read_obj(file: Path) -> Iterator[Colored]:
+    """Yield the polygons of an OBJ file as triangles, one mesh for each material."""
     places: list[list[float]] = []
     normals = 0
     colors: dict[str, str] = {}
     pieces: dict[str, list[tuple[Corner, Corner, Corner]]] = {}
     material = ""
-    for words in (line.split() for line in file.read_text(encoding="utf-8", errors="replace").splitlines()):
+    for words in _lines(file):
         match words[:1]:
             case ["v"]:
                 places.append([float(x) for x in words[1:4]])
             case ["vn"]:
                 normals += 1
             case ["mtllib"]:
-                colors |= _colors(file.parent / " ".join(words[1:]))
+                colors |= _colors(beside(file, " ".join(words[1:])))
             case ["usemtl"]:
                 material = " ".join(words[1:])
             case ["f"]:
                 corners = [_corner(word, len(places), normals) for word in words[1:]]
                 fan = [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
                 pieces.setdefault(material, []).extend(fan)
-    if not pieces:
-        raise ValueError("it has no faces")
-    points = np.array(places)
-    found = {name: np.array(triangles) for name, triangles in pieces.items()}
-    return [
-        Colored(welded(points[keys[:, :, 0]], keys), colors.get(name, "")) for name, keys in found.items()
-    ]
+    points = np.array(places).reshape(-1, 3)
+    for name, triangles in pieces.items():
+        keys = np.array(triangles).reshape(-1, 3, 2)
+        if len(keys):
+            yield Colored(welded(points[keys[:, :, 0]], keys), colors.get(name, ""))
+
+
+def _lines(file: Path) -> Iterator[list[str]]:
+    text = content(file).decode("utf-8", errors="replace")
+    return (line.split() for line in text.splitlines())
 
 
 def _corner(word: str, places: int, normals: int) -> Corner:
@@ -59,7 +64,7 @@ def _colors(file: Path) -> dict[str, str]:
     """Diffuse colours by material; none if there is no such file."""
     colors: dict[str, str] = {}
     name = ""
-    for words in (line.split() for line in file.read_text().splitlines()) if file.is_file() else ():
+    for words in _lines(file) if file.is_file() else ():
         if words[:1] == ["newmtl"]:
             name = " ".join(words[1:])
         elif words[:1] == ["Kd"]:

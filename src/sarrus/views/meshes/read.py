@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
+from .bounds import bounded
 from .colored import Colored, MeshError
 from .dae import read_dae
 from .gltf import read_gltf
@@ -13,13 +16,15 @@ from .obj import read_obj
 from .stl import read_stl
 from .thin import thinned
 
-READERS: dict[str, Callable[[Path], list[Colored]]] = {
+READERS: dict[str, Callable[[Path], Iterable[Colored]]] = {
     ".stl": read_stl,
     ".obj": read_obj,
     ".gltf": read_gltf,
     ".glb": read_gltf,
     ".dae": read_dae,
 }
+
+DAMAGED = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RuntimeError, MemoryError)
 
 
 @lru_cache(maxsize=64)
@@ -35,10 +40,11 @@ def read_mesh(file: Path) -> list[Colored]:
     if reader is None:
         raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}; convert it")
     try:
-        return [Colored(thinned(mesh), color) for mesh, color in reader(file)]
+        with np.errstate(all="ignore"):
+            return [Colored(thinned(mesh), color) for mesh, color in bounded(reader(file))]
     except FileNotFoundError:
         raise MeshError(f"{file}: does not exist; check the path") from None
     except OSError as trouble:
         raise MeshError(f"{file}: {(trouble.strerror or str(trouble)).lower()}; check the path") from None
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError) as trouble:
+    except DAMAGED as trouble:
         raise MeshError(f"{file}: is no mesh that can be read ({trouble}); export it again") from None

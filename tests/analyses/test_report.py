@@ -8,7 +8,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.report import Bar, duration
+from sarrus.analyses.progress import Bar, duration
 
 
 def test_the_bar_tells_simulated_time_and_time_to_go() -> None:

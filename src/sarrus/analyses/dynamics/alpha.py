@@ -27,6 +27,7 @@ from .started import independence_at
 from .stepper import Settings, Tally
 
 ROOM = 300_000  # numbers of the record of one chunk of steps, at most
+FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half of the one before
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
 REASONS = {
@@ -315,7 +316,26 @@ class AlphaStepper(Implicit):
         jerk = self.scheme.error * (a - state.a0) / ahead / tolerances.of_q(state.q0)
         size = float(np.sqrt(np.mean(jerk**2)))
         guess = 0.4 * size ** (-1 / 3) if size > 0 else span
-        return float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
+        guess = float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
+        return max(self._within_tolerance(motion, guess), min(1e-7 * span, guess))
+
+    def _within_tolerance(self, motion: Accelerations, h: float) -> float:
+        """A first step shortened until its estimated error, h² times the change of a over it, is within the tolerance.
+
+        ȧ vanishes where a spring is released at rest: it says nothing there of the steps that follow.
+        """
+        state, tolerance = self._state, self.settings.tolerances.of_q(self._state.q0)
+        for _ in range(FIRST_TRIALS):
+            q, v = state.q0 + h * (state.v0 + 0.5 * h * state.a0), state.v0 + h * state.a0
+            try:
+                change = motion.acceleration(self.t + h, q, v)[0] - state.a0
+            except SingularSystem:
+                return h
+            error = self.scheme.error * h**2 * float(np.sqrt(np.mean((change / tolerance) ** 2)))
+            if not error > 1.0:
+                break
+            h *= min(max(0.8 * error ** (-1 / 3), 0.1), 0.5)
+        return h
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""

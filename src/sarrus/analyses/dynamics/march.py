@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,14 @@ from ...results.saved import Store
 from ...results.steps import Pieces, StepsTaken, Turn
 from ...results.steps import until as steps_until
 from ...system import System
+from ..progress import TimeLimit
 from .events import Event, Impact, Watch, Watches
 from .nearness import Nearness
 from .nodes import Nodes, joined
 from .outcome import trajectory_of
 from .sample_loop import Samples
 from .sampler import Sampler
+from .step_budget import StepBudget, StepWatch
 from .stepper import Stepper, Trouble
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
@@ -46,6 +48,7 @@ class Plan:
     dense : whether the motion is wanted at any time
     progress : called with the time reached after every chunk of steps
     store : where states are written as they are computed, instead of being kept in memory
+    budget : how many steps the run may take
     """
 
     times: Array
@@ -56,6 +59,7 @@ class Plan:
     dense: bool = False
     progress: Callable[[float], None] | None = None
     store: Store | None = None
+    budget: StepBudget = field(default_factory=StepBudget)
 
 
 class March:
@@ -73,6 +77,7 @@ class March:
         self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
         self.nearness = Nearness(system, stepper.independence)
+        self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written = 0
         self._dense: list[Nodes] = []
@@ -98,10 +103,14 @@ class March:
                 status, message = self._stretch()
                 if status == "finished":  # else the end is told with it, and until then it is found again
                     self._save()
+                    self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
         except KeyboardInterrupt:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
+        except TimeLimit as over:
+            self._save(force=True)
+            status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
         except Trouble as trouble:
             status, message = trouble.status, trouble.sentence
         return self._result(status, message)
@@ -117,6 +126,7 @@ class March:
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
+        self.step_watch.resume(state)
         self._written = int(state["written"])
         self._take_dense(state)
 
@@ -150,7 +160,7 @@ class March:
         now = time.perf_counter()
         if force or told is not None or now - self._marked > self._pause:
             state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
-            state |= self.nearness.state() | self._dense_state()
+            state |= self.nearness.state() | self.step_watch.state() | self._dense_state()
             state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
             (store.mark if told is None else store.finish)(state)
             self._marked = time.perf_counter()
@@ -258,12 +268,12 @@ class March:
             self._dense.append(nodes)
 
     def _result(self, status: str, message: str) -> Trajectory:
+        if status == "finished":
+            message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until)
         message += self.nearness.sentence() if status in ("finished", "event") else ""
         if self.plan.store:
             told = {**self._told(), "status": status, "message": message}
-            if (
-                status == "stopped"
-            ):  # in the midst of things: the last checkpoint stays, and can be gone on from
+            if status in ("stopped", "time limit"):  # the last checkpoint stays: the run can be resumed
                 self.plan.store.retell(json.dumps(told))
             else:
                 self._save(told)

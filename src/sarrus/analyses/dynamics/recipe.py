@@ -14,9 +14,9 @@ from ...model import Model, reports_warnings
 from ...results import Assembly, Trajectory
 from ...results.saved import Store, recipe_of
 from ...system import System
+from ..progress import monitor
 from .crossing import Crossing
 from .march import March, Plan
-from .report import reporter
 from .stepper import Settings
 
 
@@ -64,6 +64,7 @@ def resume(
     path: str | os.PathLike[str],
     *,
     progress: bool | Callable[[float], None] | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Trajectory:
     """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
@@ -74,7 +75,7 @@ def resume(
     Parameters
     ----------
     path : the folder that was given to ``simulate(..., save=path)``
-    progress : as for `simulate`
+    progress, time_limit : as for `simulate`
     strict : raise the first warning as a `StrictError`
 
     Raises
@@ -89,7 +90,7 @@ def resume(
     system = System(recipe.model)
     if _is_over(state):
         return recipe.march(system, store, None).over(state)
-    with reporter(progress, recipe.plan.until) as told:
+    with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
         return recipe.march(system, store, told).go(recipe.start, state)
 
 
@@ -101,4 +102,4 @@ def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
 
 
 def _is_over(state: dict[str, Array]) -> bool:
-    return json.loads(str(state["told"]))["status"] not in ("cut short", "stopped")
+    return json.loads(str(state["told"]))["status"] not in ("cut short", "stopped", "time limit")

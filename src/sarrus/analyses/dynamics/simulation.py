@@ -12,6 +12,7 @@ from ...model import reports_warnings
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
+from ..progress import monitor, refuse_time_limit
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of
@@ -22,8 +23,8 @@ from .ode import ODE
 from .outcome import nothing
 from .radau import Radau
 from .recipe import Recipe
-from .report import reporter
 from .room import refuse_too_large
+from .step_budget import StepBudget
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
 
@@ -59,6 +60,8 @@ def simulate(
     keep_steps: bool = False,
     save: str | os.PathLike[str] | None = None,
     progress: bool | Callable[[float], None] | None = None,
+    time_limit: float | None = None,
+    max_steps: int | None = None,
     strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -85,6 +88,9 @@ def simulate(
         whatever happens, memory does not grow (but by what `dense_output` and `keep_steps` keep), and `resume` goes on
         with it; `load_run` opens it
     progress : true for a bar on the terminal, or a function that is called with the time reached
+    time_limit : seconds of the clock after which the run ends with the status "time limit"
+    max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends where the
+        steps have stayed so short for 60,000 steps that five million more would follow
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -114,11 +120,14 @@ def simulate(
     begin = start if start is not None else assemble(system)
     if not begin.success:
         return nothing(system, "inconsistent", begin.message)
-    plan = Plan(times, until, stops, np.zeros(0) if keep_steps else kinks, watched, dense_output)
+    refuse_time_limit(time_limit)
+    budget = _budget(max_steps, max_step, chosen)
+    kinks = np.zeros(0) if keep_steps else kinks
+    plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
     recipe = Recipe(system.model, begin, chosen, settings, plan)
     try:
         refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
-        with reporter(progress, until) as told:
+        with monitor(progress, until, time_limit=time_limit) as told:
             return recipe.march(system, None if save is None else recipe.store(save, system), told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
@@ -128,6 +137,12 @@ def _first(step: float | None) -> float:
     if step is not None and not (np.isfinite(step) and step > 0):
         raise ValueError(f"first_step must be a positive time in s, but is {step}")
     return step or 0.0
+
+
+def _budget(max_steps: int | None, max_step: float, method: Method) -> StepBudget:
+    if max_steps is not None and not max_steps >= 1:
+        raise ValueError(f"max_steps must be 1 at least, but is {max_steps}. Leave it out for the default.")
+    return StepBudget(max_steps, min(max_step, getattr(method, "step", None) or np.inf), method)
 
 
 def _method(given: Method | None) -> Method:

@@ -1,0 +1,134 @@
+"""Progress reports and time limits of analyses that can take long: one monitor for all of them."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeAlias
+
+import numpy as np
+
+WIDTH = 28
+PAUSE = 0.1  # s between two drawings
+
+Progress: TypeAlias = Callable[[float], None]
+
+
+class TimeLimit(Exception):
+    """The time limit of an analysis has passed; its message says so. The analysis returns what it has computed."""
+
+
+class Bar:
+    """A progress bar on standard error while that is a terminal; else one line at the end.
+
+    Parameters
+    ----------
+    total : the value at which the analysis is finished; infinite where it is not known
+    done : participle of the last line, ``simulated 2 of 10 s in 3 s``
+    unit : of `total`, with a space before it
+    """
+
+    def __init__(self, total: float, done: str = "simulated", unit: str = " s") -> None:
+        self._total, self._verb, self._unit = total, done, unit
+        self._began, self._shown, self._reached = time.perf_counter(), 0.0, 0.0
+        self._live = sys.stderr.isatty()
+
+    def __call__(self, reached: float) -> None:
+        """The value reached, of `total`."""
+        self._reached = reached
+        now = time.perf_counter()
+        if self._live and now - self._shown > PAUSE:
+            self._shown = now
+            print(f"\r\033[K  {self.line(now - self._began)}", end="", file=sys.stderr, flush=True)
+
+    def line(self, taken: float) -> str:
+        """The bar after `taken` seconds."""
+        if not np.isfinite(self._total):
+            return f"{self._verb} {self._amount()}, {duration(taken)}"
+        share = min(self._reached / self._total, 1.0) if self._total > 0 else 1.0
+        full = int(WIDTH * share)
+        left = f"{duration(taken * (1 - share) / share)} to go" if share > 0 else ""
+        return f"{'█' * full}{'·' * (WIDTH - full)} {self._amount()}, {left}"
+
+    def _amount(self) -> str:
+        of = f" of {self._total:g}" if np.isfinite(self._total) else ""
+        return f"{self._reached:.4g}{of}{self._unit}"
+
+    def close(self) -> None:
+        """Print the last line."""
+        start = "\r\033[K" if self._live else ""
+        taken = duration(time.perf_counter() - self._began)
+        print(f"{start}  {self._verb} {self._amount()} in {taken}", file=sys.stderr, flush=True)
+
+
+def duration(seconds: float) -> str:
+    """A duration for people: 0.21 s, 12 s, 3 min 5 s, 2 h 10 min."""
+    if seconds < 60:
+        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def refuse_time_limit(time_limit: float | None) -> None:
+    """Refuse a time limit that is not a positive number of seconds.
+
+    Raises
+    ------
+    ValueError
+    """
+    if time_limit is not None and not time_limit > 0:
+        raise ValueError(
+            f"time_limit must be a positive time in s, but is {time_limit}. Leave it out for no limit."
+        )
+
+
+@contextmanager
+def monitor(
+    progress: bool | Progress | None,
+    total: float = np.inf,
+    *,
+    done: str = "simulated",
+    unit: str = " s",
+    time_limit: float | None = None,
+) -> Iterator[Progress]:
+    """Give a function that an analysis calls with the value reached, again and again.
+
+    It draws a bar (``progress=True``) or calls the user's function, and raises `TimeLimit` once `time_limit` seconds
+    have passed since the monitor was made. The analysis catches that, as it catches KeyboardInterrupt, and returns what
+    it has with the status "time limit".
+
+    Parameters
+    ----------
+    progress : True for a bar on standard error, a function of the value reached, or None
+    total, done, unit : as for `Bar`
+    time_limit : seconds of the clock, or None
+
+    Raises
+    ------
+    TypeError
+        If `progress` is neither a bool nor a function.
+    ValueError
+        If `time_limit` is not positive.
+    """
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(
+            f"progress must be True, or a function of the value reached, but is {progress!r}. "
+            "Pass progress=True for a bar."
+        )
+    refuse_time_limit(time_limit)
+    began, bar = time.perf_counter(), Bar(total, done, unit) if progress is True else None
+    show = bar if bar is not None else progress or None
+
+    def report(reached: float) -> None:
+        if callable(show):
+            show(reached)
+        if time_limit is not None and time.perf_counter() - began > time_limit:
+            raise TimeLimit(f"the time limit of {duration(time_limit)} has passed")
+
+    try:
+        yield report
+    finally:
+        if bar is not None:
+            bar.close()

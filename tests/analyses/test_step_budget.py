@@ -1,0 +1,96 @@
+"""Runs that crawl, and runs that may not take longer or more steps than the user says, end with what they have."""
+
+import time
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.analyses.progress import TimeLimit, monitor
+
+
+def light_cart_pole(mass: float = 1e-6) -> sr.System:
+    cart = sr.Body("cart", mass=mass, inertia=(1e-6, 1e-6, 1e-6))
+    pole = sr.Body("pole", mass=1.0, inertia=(1e-12, 1e-12, 1e-12), position=(1, 0, 0))
+    joints = [
+        sr.Translational("track", sr.ground, cart, point=(0, 0, 0), axis=(1, 0, 0)),
+        sr.Revolute("pin", cart, pole, point=(0, 0, 0), axis=(0, -1, 0)),
+    ]
+    return sr.System(sr.Model("light cart-pole", bodies=[cart, pole], joints=joints, gravity=(0, 0, -9.81)))
+
+
+def spring(k: float) -> sr.System:
+    """A mass of 1 kg on a spring at its own length plus 1 cm, without damping."""
+    body = sr.Body("b", mass=1, inertia=(1, 1, 1), position=(1.01, 0, 0))
+    return sr.System(
+        sr.Model(
+            "s",
+            bodies=[body],
+            joints=[sr.Translational("g", sr.ground, body, point=(1.01, 0, 0), axis=(1, 0, 0))],
+            forces=[sr.TSDA("t", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=k, length=1.0)],
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    "method", [sr.HHT(alpha=0, stabilized=True), sr.GeneralizedAlpha(1.0, stabilized=True)]
+)
+def test_a_run_that_crawls_ends_and_names_another_method(method: sr.HHT | sr.GeneralizedAlpha) -> None:
+    run = sr.simulate(light_cart_pole(), until=1.0, method=method, rtol=1e-8, atol=1e-10)
+    assert (run.success, run.status) == (False, "too many steps")
+    assert "sr.Radau()" in run.message
+    assert run.t[-1] > 0.4  # what was computed is there
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()])
+def test_a_limit_of_steps_ends_every_method(method: sr.HHT) -> None:
+    run = sr.simulate(spring(1e4), until=10.0, method=method, max_steps=50)
+    assert run.status == "too many steps"
+    assert "max_steps=50" in run.message
+    assert len(run.t) < 1001
+    with pytest.raises(ValueError, match="max_steps must be 1"):
+        sr.simulate(spring(1e4), until=10.0, max_steps=0)
+
+
+def test_a_fixed_step_is_the_users_choice() -> None:
+    run = sr.simulate(spring(100.0), until=1000.0, method=sr.HHT(step=1e-5), t_eval=[1000.0], time_limit=1.0)
+    assert run.status == "time limit"  # 10⁸ steps would follow, and none of them is the error control's
+
+
+@pytest.mark.parametrize("k", [1e7, 3e7, 1e8, 2e8, 5e8, 1e9])
+def test_the_first_step_sees_a_stiff_spring_released_at_rest(k: float) -> None:
+    run = sr.simulate(spring(k), until=1.0, max_steps=400)
+    assert run.history[0, 1] * np.sqrt(k) < 0.5  # ω h; it was 20 for k = 1e8
+    energy = run.kinetic_energy[: len(run.t)] + 0.5 * k * (run.coordinate("b.x") - 1.0) ** 2
+    assert energy.max() < 1.01 * 0.5 * k * 1e-4
+
+
+def test_many_steps_of_order_two_name_radau() -> None:
+    run = sr.simulate(spring(1e6), until=2.0, t_eval=[2.0])
+    assert run.nsteps > 10_000
+    assert "sr.Radau()" in run.message
+    assert "Radau" not in sr.simulate(spring(1e6), until=0.01).message
+
+
+def test_a_time_limit_keeps_what_was_computed(tmp_path: object) -> None:
+    began = time.perf_counter()
+    run = sr.simulate(spring(1e8), until=10.0, time_limit=0.3)
+    assert time.perf_counter() - began < 5.0
+    assert run.status == "time limit"
+    assert 0 < len(run.t) < 1001
+    folder = f"{tmp_path}/run"
+    cut = sr.simulate(spring(1e5), until=5.0, time_limit=0.05, save=folder)
+    assert cut.status == "time limit"
+    whole = sr.resume(folder)
+    assert whole.success
+    assert np.array_equal(whole.q, sr.simulate(spring(1e5), until=5.0).q)
+
+
+def test_the_monitor_refuses_what_is_no_progress_and_no_limit() -> None:
+    with pytest.raises(TypeError, match="progress must be True"), monitor(3):  # type: ignore[arg-type]
+        pass
+    for limit in (0.0, -1.0, float("nan")):
+        with pytest.raises(ValueError, match="time_limit must be a positive time"):
+            sr.simulate(spring(1e4), until=1.0, time_limit=limit)
+    with pytest.raises(TimeLimit, match="time limit of 1e-09 s"), monitor(None, time_limit=1e-9) as report:
+        report(0.0)

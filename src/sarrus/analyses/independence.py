@@ -8,16 +8,15 @@ shortest ones, with the least Σ λ_k² over all equations, of all that give the
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import qr
 
 from ..algebra import Array
 from ..results import Assembly
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .factored import SingularSystem
+from .minimum_norm import MinimumNorm, shortest
 from .once import once_alike
 from .rank import components, independent_rows, rank_of, row_lengths
-from .saddle import Saddle
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
 AMPLIFICATION = 10.0  # of the equations kept in those left out, above which another choice is made
@@ -54,8 +53,7 @@ class Independence:
 
     def _choose(self, null: Array) -> None:
         self.kept = independent_rows(null, self._fixed)
-        self._saddle = Saddle(self._system, "I", self.kept)
-        self._dropped = np.setdiff1d(np.arange(self._system.m), self.kept)
+        self._minimum = MinimumNorm(self._system, self.kept)
 
     def state(self) -> Array:
         """What the choice was made of, for `resume`."""
@@ -83,25 +81,16 @@ class Independence:
 
     def _poor(self, t: float, q: Array) -> bool:
         try:
-            return bool(abs(self._combinations(t, q)).max() > AMPLIFICATION)
+            combinations = self._minimum.combinations(self._system.Phi_q(q, t))
+            return bool(abs(combinations).max() > AMPLIFICATION)
         except SingularSystem:
             return True
-
-    def _combinations(self, t: float, q: Array) -> Array:
-        """For every equation left out, itself less what it follows from (m, k): nᵀΦ_q = 0."""
-        J, nothing = self._system.Phi_q(q, t), np.zeros(self._system.m)
-        self._saddle.factor(np.ones(self._system.nq), J.data)
-        left_out = J[self._dropped].toarray()
-        found = -np.array([self._saddle.solve(row, nothing)[1] for row in left_out]).T
-        found[self._dropped, np.arange(len(left_out))] = 1
-        return found
 
     def shortest(self, t: float, q: Array, lam: Array) -> Array:
         """The shortest multipliers (m,) that give the same constraint forces."""
         if self.kept is None:
             return lam
-        basis = qr(self._combinations(t, q), mode="economic")[0]
-        return np.asarray(lam - basis @ (basis.T @ lam))
+        return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
 
     def check(self, start: Assembly) -> None:
         """Refuse a start whose equations contradict each other.

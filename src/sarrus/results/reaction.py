@@ -14,6 +14,8 @@ from ..algebra import Array
 class Reaction:
     """What a joint or driver does to its second body, over the times of a trajectory.
 
+    Where constraints are redundant, it follows from the multipliers with the least sum of squares over all equations.
+
     Attributes
     ----------
     joint : its name

@@ -16,6 +16,7 @@ from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
 from .parameters import Design, Parameters
+from .reported import Reported
 from .responses import Final, Output, Response
 from .undefined import refuse, undefined
 
@@ -124,6 +125,9 @@ def state_derivatives(
     parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
     refuse(run.system, steps, parameters)
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
+    reported = Reported(run.system, steps)
+    if reported.redundant:
+        found = reported.along(found, parameters.along(np.eye(len(parameters.names)))[0])
     states = found.q, found.v, found.a, found.lam
     return StateDerivatives(tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names)
 

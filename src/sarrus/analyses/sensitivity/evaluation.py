@@ -17,6 +17,7 @@ from .outputs import Outputs
 from .parameters import Parameters
 from .pieces import Course, PieceSampling, Where, at_event, course_of, fixed, sampling_of, within
 from .recording import Angles
+from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
 
@@ -78,6 +79,10 @@ class Evaluation:
         self._system, self._steps, self._responses = system, steps, responses
         self._c_size = parameters.c_size
         self._samplings = samplings or [sampling(steps, response) for response in responses]
+        self._reported = Reported(system, steps)
+        if self._reported.redundant:
+            for one in self._samplings:
+                one.reported = self._reported
         angles = angles or Angles(system, sampling_of(steps).states)
         self._outputs = [
             Outputs(system, sampling.states, steps.b, parameters.number, angles, sampling.memory)
@@ -98,7 +103,32 @@ class Evaluation:
         nodes = Nodes.zeros(self._steps, len(self._responses))
         parts = [self._gradient(n, nodes) for n in range(len(self._responses))]
         b, c = (np.concatenate([getattr(part, name) for part in parts], axis=1) for name in ("b", "c"))
+        b = b + self._reported.pulled_back(nodes)
         return nodes, Explicit(b, c, [part.named[0] for part in parts])
+
+    def _asks_for_multipliers(self, n: int) -> bool:
+        return any(kind == "lam" for kind, _ in self._outputs[n].inputs)
+
+    def _with_reported(self, dots: Nodes, b: Array) -> Nodes:
+        """The changes of states, those of multipliers as far as responses need them as they are reported."""
+        wanted = [s for n, s in enumerate(self._samplings) if self._asks_for_multipliers(n)]
+        if not (wanted and self._reported.redundant):
+            return dots
+        rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
+        return self._reported.along(dots, b, rows)
+
+    def refuse_redundant(self, n: int) -> None:
+        """Refuse second derivatives of a response that takes reactions of redundant constraints.
+
+        Raises
+        ------
+        ValueError
+        """
+        if self._asks_for_multipliers(n) and self._reported.redundant:
+            raise ValueError(
+                f"{self._responses[n].title}: second derivatives of reactions are not supported where constraints are "
+                "redundant. Take first derivatives, or remove the redundant constraints that `mobility` names."
+            )
 
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
@@ -110,6 +140,7 @@ class Evaluation:
 
     def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
         """The change of every response's output at its times, (nt, k), with changes of states and numbers (…, k)."""
+        dots = self._with_reported(dots, b)
         return [self._signal_along(n, dots, b, c, named) for n in range(len(self._responses))]
 
     def _signal_along(self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> Array:

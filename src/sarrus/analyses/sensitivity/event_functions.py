@@ -107,8 +107,9 @@ def recorded(
 
 
 def _state(system: System, turn: Turn, copies: int) -> States:
-    one = (np.array(turn.t), turn.q, turn.v, 0 * turn.q, np.zeros(system.m))
-    return States._make(np.tile(x, (copies, *[1] * x.ndim)) for x in one)
+    one = (np.array(turn.t), turn.q, turn.v, 0 * turn.q)
+    states = (np.tile(x, (copies, *[1] * x.ndim)) for x in one)
+    return States(*states, lam=lambda: np.zeros((copies, system.m)))
 
 
 def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:

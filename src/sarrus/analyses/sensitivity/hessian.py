@@ -53,6 +53,7 @@ class Curvature:
     ) -> None:
         self._chain, self._evaluation, self._parameters = chain, evaluation, parameters
         self._response, self._system, self._steps = response, chain.system, chain.steps
+        evaluation.refuse_redundant(response)
         self._way: CurvedSteps = (
             RadauCurvedSteps(chain) if isinstance(chain, RadauChain) else AlphaCurvedSteps(chain)
         )

@@ -47,7 +47,7 @@ class PieceSampling(Sampling):
         """The times (nt,). [s]"""
         return np.asarray(self._times)
 
-    def _array(self, name: str) -> Array:
+    def _raw(self, name: str) -> Array:
         return self._all.nodes(name)
 
     def _remembered(self) -> Array:

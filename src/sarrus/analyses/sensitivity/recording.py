@@ -33,13 +33,13 @@ class UnknownOutput(SarrusError):
 
 
 class States(NamedTuple):
-    """States at some times (nt,), (nt, nq), (nt, m)."""
+    """States at some times (nt,), (nt, nq); `lam` gives the multipliers as they are reported (nt, m)."""
 
     t: Array
     q: Array
     v: Array
     a: Array
-    lam: Array
+    lam: Callable[[], Array]
 
 
 class Angles:
@@ -172,7 +172,8 @@ class Recording:
             return float(self._b[n])
         if kind == "c":
             return float(self.system.joint_coordinates.b[n])
-        return getattr(self._states, kind)[:, n]
+        states = self._states.lam() if kind == "lam" else getattr(self._states, kind)
+        return states[:, n]
 
 
 class CurveOnTape:

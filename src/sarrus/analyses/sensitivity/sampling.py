@@ -17,6 +17,7 @@ from ...algebra import Array
 from ...results import RadauSteps, StepsTaken
 from .chain import Nodes
 from .recording import States
+from .reported import Reported
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
 HERMITE = np.array([
@@ -48,6 +49,7 @@ class Sampling:
     """
 
     moves = False  # whether events move the times
+    reported: Reported | None = None  # gives multipliers, where constraints are redundant
 
     def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
         self._steps = steps
@@ -95,22 +97,43 @@ class Sampling:
         return Near(near, lagrange(ahead)[0])
 
     def _array(self, name: str) -> Array:
-        """A field at all nodes."""
+        """A field at all nodes; multipliers as they are reported, at the nodes that count."""
+        return self._multipliers if name == "lam" and self.reported else self._raw(name)
+
+    def _raw(self, name: str) -> Array:
         return np.asarray(getattr(self._steps, name))
+
+    @cached_property
+    def _multipliers(self) -> Array:
+        assert self.reported is not None
+        return self.reported.lam(self.nodes_of_multipliers)
+
+    @property
+    def nodes_of_multipliers(self) -> Array:
+        """The nodes that λ at the times is made of."""
+        return np.arange(len(self._steps.t)) if self._times is None else np.unique(self._near.nodes)
+
+    def _lam(self) -> Array:
+        """λ at the times (nt, m)."""
+        if self._times is None:
+            return self._array("lam")
+        near = self._near
+        return np.einsum("tw,twm->tm", near.shares, self._array("lam")[near.nodes])
 
     @cached_property
     def states(self) -> States:
         """The states there."""
         if self._times is None:
-            return States._make([self.t, *(self._array(name) for name in (*KINDS, "lam"))])
+            return States._make([self.t, *(self._array(name) for name in KINDS), self._lam])
         first = self._places.first
         ends = np.stack(
             [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
         )
         found = dict(zip(KINDS, np.einsum("tkel,teln->ktn", self._weights.values, ends), strict=True))
-        near = self._near
-        found |= {k: np.einsum("tw,twm->tm", near.shares, self._array(k)[near.nodes]) for k in self._by_nodes}
-        return States(t=self.t, **found)
+        if self._apart:
+            near = self._near
+            found["a"] = np.einsum("tw,twm->tm", near.shares, self._array("a")[near.nodes])
+        return States(t=self.t, **found, lam=self._lam)
 
     @property
     def memory(self) -> dict[int, Array]:

@@ -263,8 +263,8 @@ def _watch(until: float) -> Callable[[float], None]:
 def _states(result: Any) -> States:
     if isinstance(result, Equilibrium | Modes):
         q, lam = result.q[None], getattr(result, "lam", np.zeros(0))[None]
-        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lam)
-    return States(result.t, result.q, result.v, result.a, result.lam)
+        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
+    return States(result.t, result.q, result.v, result.a, lambda: np.asarray(result.lam))
 
 
 def lookup_of(system: System, result: Any) -> Callable[[str], Any]:

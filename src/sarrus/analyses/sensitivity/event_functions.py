@@ -108,8 +108,8 @@ def recorded(
 
 def _state(system: System, turn: Turn, copies: int) -> States:
     one = (np.array(turn.t), turn.q, turn.v, 0 * turn.q)
-    states = (np.tile(x, (copies, *[1] * x.ndim)) for x in one)
-    return States(*states, lam=lambda: np.zeros((copies, system.m)))
+    t, q, v, a = (np.tile(x, (copies, *[1] * x.ndim)) for x in one)
+    return States(t, q, v, a, lambda: np.zeros((copies, system.m)))
 
 
 def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:

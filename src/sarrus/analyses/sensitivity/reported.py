@@ -139,7 +139,8 @@ class Reported:
         return self._system.Phi_q(steps.q[place.node], float(steps.t[place.node]), b=self._b)
 
     def _reported(self, place: Place) -> Array:
-        lam, minimum = self._pieces[place.piece].lam[place.node], self._minimum(place)
+        lam: Array = self._pieces[place.piece].lam[place.node]
+        minimum = self._minimum(place)
         if minimum is None:
             return lam
         try:

@@ -118,7 +118,7 @@ class Sampling:
         if self._times is None:
             return self._array("lam")
         near = self._near
-        return np.einsum("tw,twm->tm", near.shares, self._array("lam")[near.nodes])
+        return np.asarray(np.einsum("tw,twm->tm", near.shares, self._array("lam")[near.nodes]))
 
     @cached_property
     def states(self) -> States:

@@ -94,3 +94,13 @@ def test_the_monitor_refuses_what_is_no_progress_and_no_limit() -> None:
             sr.simulate(spring(1e4), until=1.0, time_limit=limit)
     with pytest.raises(TimeLimit, match="time limit of 1e-09 s"), monitor(None, time_limit=1e-9) as report:
         report(0.0)
+
+
+def test_energy_that_grows_from_nothing_is_a_warning() -> None:
+    with pytest.warns(sr.SarrusWarning, match="total energy grew by .* nothing drives the mechanism"):
+        run = sr.simulate(
+            spring(1e8), until=0.1, first_step=0.002
+        )  # ω h = 20: the energy becomes 400 times as large
+    assert run.warnings
+    with pytest.raises(sr.StrictError):
+        sr.simulate(spring(1e8), until=0.1, first_step=0.002, strict=True)

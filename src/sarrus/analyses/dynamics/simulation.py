@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...model import reports_warnings
+from ...model import announce, reports_warnings
 from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
@@ -16,6 +16,7 @@ from ..progress import monitor, refuse_time_limit
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of
+from .energy_check import energy_growth
 from .events import Event
 from .ida import IDA
 from .march import Plan
@@ -128,9 +129,12 @@ def simulate(
     try:
         refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
         with monitor(progress, until, time_limit=time_limit) as told:
-            return recipe.march(system, None if save is None else recipe.store(save, system), told).go(begin)
+            march = recipe.march(system, None if save is None else recipe.store(save, system), told)
+            run = march.go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
+    announce(energy_growth(system, run))
+    return run
 
 
 def _first(step: float | None) -> float:

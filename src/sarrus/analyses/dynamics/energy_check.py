@@ -1,0 +1,64 @@
+"""A sanity check of finished runs: the energy of a mechanism that nothing drives cannot grow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...elements.bushing import Bushing
+from ...elements.drag import ViscousDrag
+from ...elements.gravity import EccentricGravity, Gravity
+from ...elements.joint_friction import AngleFriction, TravelFriction
+from ...elements.rsda import RSDA
+from ...elements.tsda import TSDA
+from ...results import Trajectory
+from ...system import System
+
+GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
+SLOW = 1e-6  # m/s and rad/s: kinetic energies of such speeds are within the tolerances of velocities
+ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
+PASSIVE = {Gravity, EccentricGravity, TSDA, RSDA, Bushing, ViscousDrag, AngleFriction, TravelFriction}
+ACTUATED = ("force", "torque")  # fields of springs that put in work
+
+
+def is_passive(system: System) -> bool:
+    """Whether all forces keep or dissipate the energy that `Trajectory.total_energy` has, and no constraint moves."""
+    return all(_passive(p) for p in system.populations if p.count)
+
+
+def _passive(population: Any) -> bool:
+    kind = population.kind
+    if not kind.family or kind.family[0].family != "force":
+        return not kind.timed
+    names = list(kind.fields)
+    return kind in PASSIVE and not any(
+        values[names.index(name)] for name in ACTUATED if name in names for values in population.values
+    )
+
+
+def energy_growth(system: System, run: Trajectory) -> list[str]:
+    """A warning where the energy of a passive mechanism grew by more than `GROWTH` of its kinetic energy."""
+    kinetic, total = run.kinetic_energy, run.total_energy
+    if not run.success or len(total) < 2 or any(np.any(event.v != event.after) for event in run.events):
+        return []
+    grown = float(np.max(total) - total[0])
+    floor = ROUND_OFF * float(np.max(abs(run.potential_energy))) + 0.5 * SLOW**2 * _inertia(system)
+    if not grown > max(GROWTH * float(np.max(kinetic)), floor) or not is_passive(system):
+        return []
+    return [
+        f"{system.name}: the total energy grew by {grown:.3g} J, the kinetic energy is {np.max(kinetic):.3g} J at most, "
+        "and nothing drives the mechanism: the run is wrong. Use smaller tolerances, above all a smaller atol, or "
+        "method=sr.Radau()."
+    ]
+
+
+def _inertia(system: System) -> float:
+    """Sum of all masses and principal moments of inertia [kg, kg m²]."""
+    found = 0.0
+    for p in system.populations:
+        names = list(p.kind.fields)
+        if p.count and "inertia" in names and "mass" in names:
+            mass, tensor = names.index("mass"), names.index("inertia")
+            found += sum(float(values[mass]) + float(np.sum(values[tensor][:3])) for values in p.values)
+    return found

@@ -39,3 +39,10 @@ def picky(system: Any) -> dict[str, float]:
     if quick(system)["k"] == 13.0:
         raise ZeroDivisionError("thirteen")
     return quick(system)
+
+
+def interrupts(system: Any) -> dict[str, float]:
+    """Presses Ctrl-C where the stiffness is 13."""
+    if quick(system)["k"] == 13.0:
+        signal.raise_signal(signal.SIGINT)
+    return quick(system)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from . import shared
 from .answer import Answer, log
 from .progress import Bar
-from .values import natural, refuse_unwritable
+from .values import natural, positive, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..studies import StudyTable
@@ -31,7 +31,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="folder for the results; a study that was stopped goes on from it (the study file's name, without ending)",
     )
-    parser.add_argument("--workers", type=natural, help="processes (as many as there are processors)")
+    parser.add_argument(
+        "--workers", type=natural, help="processes (as many as pay, measured on the first cases)"
+    )
+    parser.add_argument(
+        "--time-limit", type=positive, metavar="S", help="end after so many seconds of the clock"
+    )
     parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
     parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
     parser.add_argument(
@@ -55,12 +60,13 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     _refuse_unknown(chosen.plot, [one.name for one in asked.task.responses])
     folder = chosen.folder or chosen.study.with_suffix("")
     total = len(asked.cases)
-    try:
-        with Bar(f"{asked.name}: {total} cases", total) as bar, _executor(chosen.dask) as executor:
-            table = carry_out(asked, folder, chosen.workers, executor, chosen.retry_failed, bar.reach)
-    except KeyboardInterrupt:
+    with Bar(f"{asked.name}: {total} cases", total) as bar, _executor(chosen.dask) as executor:
+        limit = chosen.time_limit
+        table = carry_out(asked, folder, chosen.workers, executor, chosen.retry_failed, bar.reach, limit)
+    if table.status != "finished":
         log.info("%s holds the cases that are done; the same command goes on with the others", folder)
-        raise
+    if table.status == "stopped":
+        raise KeyboardInterrupt
     answer.say(table)
     answer.put(study=table.name, message=table.summary().splitlines()[0], folder=folder, cases=len(table))
     answer.put(statistics=table.statistics(), failures=table.failures, columns=table.columns)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import platform
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
 from ..model import Model, SarrusError, announce, reports_warnings
 from ..system import System
 from . import pool
@@ -22,8 +24,9 @@ from .runs import run_of
 from .samples import Sample, sample_of
 from .source import Source, facts
 from .table import StudyTable, table_of
+from .workers import run_where_it_pays
 
-Progress = Callable[[int], None]
+Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -67,8 +70,9 @@ def study(
     workers: int | None = None,
     executor: Executor | None = None,
     time_limit: float = np.inf,
+    total_time_limit: float | None = None,
     retry_failed: bool = False,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
     strict: bool = False,
 ) -> StudyTable:
     """Run an analysis of a model for many values of its numbers.
@@ -85,11 +89,14 @@ def study(
     sample : `Grid` (the default), `LatinHypercube`, `Sobol`, `MonteCarlo` or `Listed`
     name : in tables and plots; by default the model's
     folder : where results are written as they come; a study that was stopped goes on where it was
-    workers : processes; by default as many as there are processors, and 1 runs everything in this one
+    workers : processes; 1 runs everything in this one. By default the first two cases are run in this process, and the
+        others where they are done sooner by the time that these took: a new process takes seconds to start
     executor : any executor of ``concurrent.futures`` in the place of processes of our own, such as Dask's
-    time_limit : clock seconds after which a simulation counts as failed
+    time_limit : clock seconds after which a simulation or kinematic analysis of one case counts as failed
+    total_time_limit : clock seconds after which the study ends with the cases that are done: `StudyTable.status` is
+        then "time limit"; after Ctrl-C it is "stopped"
     retry_failed : run cases of the folder that failed once more
-    progress : called with the number of cases that are done
+    progress : True for a bar on standard error, or a function of the number of cases that are done
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -106,7 +113,7 @@ def study(
     asked = ask(
         model, parameters, responses, analysis=analysis, sample=sample, name=name, time_limit=time_limit
     )
-    return carry_out(asked, folder, workers, executor, retry_failed, progress)
+    return carry_out(asked, folder, workers, executor, retry_failed, progress, total_time_limit)
 
 
 def ask(
@@ -137,9 +144,10 @@ def carry_out(
     workers: int | None = None,
     executor: Executor | None = None,
     retry_failed: bool = False,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
 ) -> StudyTable:
-    """Run the cases that are not done yet. For parameters see `study`."""
+    """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
     told = asked.facts()
     ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
     outcomes = ledger.found if ledger else {}
@@ -149,31 +157,55 @@ def carry_out(
     def write(case: int, outcome: Outcome) -> None:
         ledger.write(case, outcome) if ledger else outcomes.__setitem__(case, outcome)
         done.add(case)
-        if progress:
-            progress(len(done))
+        report(len(done))
 
+    deadline = np.inf if time_limit is None else time.monotonic() + time_limit
+
+    def tick() -> float:
+        left = deadline - time.monotonic()
+        if left <= 0:
+            raise TimeLimit(f"the time limit of {duration(time_limit or 0.0)} has passed")
+        return float(left)
+
+    status, execution, ended = "finished", "", list[str]()
+    refuse_time_limit(time_limit)
     try:
-        _run(asked.task, jobs, write, workers, executor)
+        with monitor(progress, len(asked.cases), done="ran", unit=" cases") as report:
+            execution = _run(asked.task, jobs, write, workers, executor, tick)
+    except (KeyboardInterrupt, TimeLimit) as end:
+        status = "stopped" if isinstance(end, KeyboardInterrupt) else "time limit"
+        why = "stopped by the user" if isinstance(end, KeyboardInterrupt) else str(end)
+        ended = [f"{asked.name}: {why}; {len(done)} of {len(asked.cases)} cases are done."]
     finally:
         if ledger:
             ledger.close()
-    table = table_of(told, outcomes)
+    table = replace(table_of(told, outcomes), status=status, execution=execution)
+    table = replace(table, warnings=(*ended, *table.warnings))
     announce(table.warnings)
     return table
 
 
 def _run(
-    task: Task, jobs: pool.Jobs, write: pool.Write, workers: int | None, executor: Executor | None
-) -> None:
-    count = workers if workers is not None else pool.available()
-    if count < 1:
-        raise SarrusError(f"workers must be 1 at least, but is {count}")
+    task: Task,
+    jobs: pool.Jobs,
+    write: pool.Write,
+    workers: int | None,
+    executor: Executor | None,
+    tick: pool.Tick,
+) -> str:
+    """Run cases; returns where, and why there."""
+    if workers is not None and workers < 1:
+        raise SarrusError(f"workers must be 1 at least, but is {workers}")
     if executor is not None:
-        pool.run_in(executor, task, jobs, write)
-    elif min(count, len(jobs)) <= 1:
-        pool.run_here(task, jobs, write)
-    else:
-        pool.run_in_processes(task, jobs, write, count)
+        pool.run_in(executor, task, jobs, write, tick)
+        return "in the executor that was passed"
+    if workers is None:
+        return run_where_it_pays(task, jobs, write, tick)
+    if min(workers, len(jobs)) <= 1:
+        pool.run_here(task, jobs, write, tick)
+        return "in this process"
+    pool.run_in_processes(task, jobs, write, workers, tick)
+    return f"in {min(workers, len(jobs))} processes, as asked for"
 
 
 def _parameter(name: str, given: Any) -> Parameter:

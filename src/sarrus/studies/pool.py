@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
+from dataclasses import replace
 from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.process import current_process, parent_process
 from threading import Thread
@@ -18,6 +20,9 @@ from .case import Outcome, Task, outcome_of
 
 Values = dict[str, float]
 Write = Callable[[int, Outcome], None]
+Tick = Callable[
+    [], float
+]  # raises TimeLimit when the time of all cases is over; else the seconds that are left
 Jobs = dict[int, Values]
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -27,6 +32,8 @@ GUARD = (
     '"__main__":", or take workers=1'
 )
 AT_ONCE = 1000  # cases handed to an executor of the user's, which has a queue of its own
+PAUSE = 0.5  # s between two looks at the clock while cases run elsewhere
+FORGET = 0.2  # s that a pool is given to forget what is queued
 AHEAD = 3  # cases in hand for each worker, so that none waits for the next
 
 
@@ -35,13 +42,16 @@ def available() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def run_here(task: Task, jobs: Jobs, write: Write) -> None:
-    """One after the other, in this process."""
+def run_here(task: Task, jobs: Jobs, write: Write, tick: Tick) -> None:
+    """One after the other, in this process. A case that the time of all cases cuts short has no outcome."""
     for case, values in jobs.items():
-        write(case, task.outcome(values))
+        outcome = replace(task, time_limit=min(task.time_limit, tick())).outcome(values)
+        if not outcome.success:
+            tick()
+        write(case, outcome)
 
 
-def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write) -> None:
+def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write, tick: Tick) -> None:
     """In an executor of the user's.
 
     Raises
@@ -51,7 +61,7 @@ def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write) -> None:
     """
     packed, left = task.packed(), dict(jobs)
     task.prepare()
-    for case, done in _passed(executor, packed, jobs, AT_ONCE):
+    for case, done in _passed(executor, packed, jobs, AT_ONCE, tick):
         if not isinstance(done.exception(), BrokenExecutor):
             left.pop(case)
             write(case, _outcome(task, done))
@@ -61,7 +71,7 @@ def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write) -> None:
         )
 
 
-def run_in_processes(task: Task, jobs: Jobs, write: Write, workers: int) -> None:
+def run_in_processes(task: Task, jobs: Jobs, write: Write, workers: int, tick: Tick) -> None:
     """In worker processes with one thread each. Who dies is replaced, and what was in hand is run again.
 
     After a death the cases that were in hand are run one at a time, so that the one that kills its worker is known: it
@@ -77,30 +87,45 @@ def run_in_processes(task: Task, jobs: Jobs, write: Write, workers: int) -> None
     task.prepare()
     while left:
         before = len(left)
-        suspects = _until_death(task, packed, left, note, workers, AHEAD * workers)
+        suspects = _until_death(task, packed, left, note, workers, AHEAD * workers, tick)
         if suspects and before == len(left) and SCRIPT in packed:
             raise SarrusError(GUARD)
         while suspects:
-            dead = _until_death(task, packed, {case: left[case] for case in suspects}, note, 1, 1)
+            dead = _until_death(task, packed, {case: left[case] for case in suspects}, note, 1, 1, tick)
             for case in dead:
                 note(case, _lost(task, "its worker process died, twice; it may have run out of memory"))
             suspects = [case for case in suspects if case in left]
 
 
-def _until_death(task: Task, packed: bytes, jobs: Jobs, note: Write, workers: int, ahead: int) -> list[int]:
+def _until_death(
+    task: Task, packed: bytes, jobs: Jobs, note: Write, workers: int, ahead: int, tick: Tick
+) -> list[int]:
     """Run cases in a pool of its own until all are done or a worker dies; the cases that were in hand then."""
     suspects: list[int] = []
     with _one_thread(), _pool(min(workers, len(jobs)), packed) as pool:
-        for case, done in _passed(pool, packed, dict(jobs), ahead):
-            if isinstance(done.exception(), BrokenExecutor):
-                suspects.append(case)
-            else:
-                note(case, _outcome(task, done))
+        try:
+            for case, done in _passed(pool, packed, dict(jobs), ahead, tick):
+                if isinstance(done.exception(), BrokenExecutor):
+                    suspects.append(case)
+                else:
+                    note(case, _outcome(task, done))
+        except BaseException:
+            _kill(pool)  # its end would wait for the cases in hand
+            raise
     return suspects
 
 
+def _kill(pool: ProcessPoolExecutor) -> None:
+    """End the workers with what they are doing, after the pool has forgotten the cases that no worker has begun."""
+    workers = list((pool._processes or {}).values())
+    pool.shutdown(wait=False, cancel_futures=True)
+    time.sleep(FORGET)
+    for worker in workers:
+        worker.kill()
+
+
 def _passed(
-    executor: Executor, packed: bytes, jobs: Jobs, ahead: int
+    executor: Executor, packed: bytes, jobs: Jobs, ahead: int, tick: Tick
 ) -> Iterator[tuple[int, Future[Outcome]]]:
     """Hand cases to an executor, and yield them as they are done; after a death no more are handed."""
     waiting, in_hand = iter(jobs.items()), dict[Future[Outcome], int]()
@@ -114,7 +139,8 @@ def _passed(
                     alive = False
             if not in_hand:
                 return
-            for done in wait(in_hand, return_when=FIRST_COMPLETED).done:
+            tick()
+            for done in wait(in_hand, PAUSE, return_when=FIRST_COMPLETED).done:
                 alive = alive and not isinstance(done.exception(), BrokenExecutor)
                 yield in_hand.pop(done), done
     finally:

@@ -61,6 +61,8 @@ class Run(ABC):
             With its sentence, if the analysis failed.
         """
         result = self.result(system, start, times, time.monotonic() + limit)
+        if getattr(result, "status", "") == "stopped":  # by Ctrl-C, which is meant for the study
+            raise KeyboardInterrupt
         if not result.success:
             raise SarrusError(result.message)
         states = _states(result)

@@ -31,6 +31,8 @@ class StudyTable(Result):
     messages : a sentence for each case that failed, an empty text for the others
     seconds : (n,) that each case took
     facts : what was studied: model, sample with its seed, analysis, responses, versions
+    status : "finished", "time limit" or "stopped"; cases that were not run have no success and no message
+    execution : where the cases were run: in this process or in others, and why
     case_warnings : the warnings of the cases that have any, by number; ``warnings`` counts the most frequent ones
     """
 
@@ -44,6 +46,8 @@ class StudyTable(Result):
     seconds: Array = field(repr=False)
     facts: Mapping[str, Any] = field(default_factory=dict, repr=False)
     case_warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict, repr=False)
+    status: str = "finished"
+    execution: str = field(default="", repr=False)
 
     def __len__(self) -> int:
         return len(self.values)

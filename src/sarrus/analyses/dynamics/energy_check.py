@@ -47,7 +47,7 @@ def energy_growth(system: System, run: Trajectory) -> list[str]:
     if not grown > max(GROWTH * float(np.max(kinetic)), floor) or not is_passive(system):
         return []
     return [
-        f"{system.name}: the total energy grew by {grown:.3g} J, the kinetic energy is {np.max(kinetic):.3g} J at most, "
+        f"{system.name}: the total energy grew by {grown:.3g} J, its kinetic part is at most {np.max(kinetic):.3g} J, "
         "and nothing drives the mechanism: the run is wrong. Use smaller tolerances, above all a smaller atol, or "
         "method=sr.Radau()."
     ]

@@ -13,6 +13,8 @@ from tests.system.mechanisms import hmmwv, slider_crank
 import sarrus as sr
 from sarrus.analyses.held import held_coordinates
 
+pytestmark = pytest.mark.filterwarnings("ignore::sarrus.SarrusWarning")  # random velocities are projected
+
 
 def driven_pendulum() -> sr.System:
     """Two bodies on ball joints; one point is drawn near by a cylinder, one turns as prescribed: 4 freedoms."""

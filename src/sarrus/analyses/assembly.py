@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..model import reports_warnings
+from ..model import announce, reports_warnings
 from ..results import Asked, Assembly
 from ..system import System
+from .assembly_changes import position_changes, velocity_changes, warning
 from .feasible import Feasible, Reached, Renormalization
 from .held import held_coordinates
 from .least_change import LeastChange
@@ -54,6 +55,10 @@ def assemble(
 
     The guess chooses the branch: a four-bar drawn crossed is assembled crossed.
 
+    What it changes visibly is listed in ``changes``: positions by more than 1e-3 of the mechanism's size, orientations
+    by more than 1e-3 rad, and given velocities by more than 1e-3 of themselves, where zero counts as not given. It is
+    a warning where the model's own state is changed, or velocities that were given: a `q` that is given is a guess.
+
     Parameters
     ----------
     system : System
@@ -90,7 +95,12 @@ def assemble(
     reached = _search(system, asked, inverse, tolerance, iterations, restarts, seed)
     if not reached.ok:
         return _open(system, asked, reached, tolerance)
-    return _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
+    found = _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
+    moved = tuple(position_changes(system, guess, found.q))
+    turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
+    if t == 0.0:
+        announce(warning(system, (*(moved if q is None else ()), *turned)))
+    return replace(found, changes=(*moved, *turned))
 
 
 def _vector(name: str, value: ArrayLike, size: int) -> Array:

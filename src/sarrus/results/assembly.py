@@ -50,6 +50,7 @@ class Assembly(Result):
     nu : (number of rates,)
     nearest : whether q is, to round-off, as near to the guess as its neighbours on the constraints are
     asked : what it started from
+    changes : bodies whose given position or velocity was changed visibly, with both values
     """
 
     q: Array = field(repr=False)
@@ -63,3 +64,4 @@ class Assembly(Result):
     nu: Array = field(default_factory=lambda: NONE, repr=False)
     nearest: bool = False
     asked: Asked | None = field(default=None, repr=False)
+    changes: tuple[str, ...] = field(default=(), repr=False)

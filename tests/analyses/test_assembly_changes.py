@@ -1,0 +1,117 @@
+"""What assembly changes of a model's positions and velocities is reported, and nothing else is."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.cli import main
+
+RATE = 5.236
+Z = (0.0, 0.0, 1.0)
+
+
+def arm(omega: float = 0.0, place: float = 0.5, speed: float = 0.0) -> sr.System:
+    """A link that turns about a point half a metre beside its origin."""
+    link = sr.Body(
+        "crank", 1.0, (1.0, 1.0, 1.0), (place, 0.0, 0.0), velocity=(0.0, speed, 0.0), angular_velocity=(0.0, 0.0, omega)
+    )  # fmt: skip
+    pin = sr.Revolute("pin", frame_i=sr.ground.frame((0, 0, 0), z=Z), frame_j=link.frame((-0.5, 0, 0), z=Z))
+    return sr.System(sr.Model("arm", [link], [pin]))
+
+
+def test_an_angular_velocity_that_contradicts_the_joint_is_reported_with_both_values() -> None:
+    """The given ω alone makes the pin's point move; the nearest admissible motion has another ω, by least squares."""
+    system = arm(RATE)
+    J = system.Phi_q(system.q0).toarray()
+    nearest = system.v0 - J.T @ np.linalg.lstsq(J @ J.T, J @ system.v0, rcond=None)[0]
+    omega = 2 * nearest[6]
+    with pytest.warns(sr.SarrusWarning, match=f"crank: angular velocity {RATE} became {omega:.4g} rad/s"):
+        start = sr.assemble(system)
+    assert start.changes == (f"crank: angular velocity {RATE} became {omega:.4g} rad/s",)
+    assert "Correct the model" in start.warnings[0]
+    with pytest.warns(sr.SarrusWarning, match="angular velocity"):
+        assert sr.simulate(system, until=0.01).warnings == start.warnings
+    with pytest.raises(sr.StrictError, match="angular velocity"):
+        sr.assemble(system, strict=True)
+
+
+def test_a_consistent_velocity_and_one_rounded_to_four_digits_are_not_reported() -> None:
+    for speed in (0.5 * RATE, round(0.5 * RATE, 3)):
+        assert sr.assemble(arm(RATE, speed=speed)).changes == ()
+
+
+def test_velocities_of_zero_are_completed_without_a_word() -> None:
+    """Who gives the speed of one end of a chain expects that the other bodies follow."""
+    tip = sr.Body("tip", 1.0, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
+    rider = sr.Body("rider", 1e-3, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+    slide = sr.Translational("slide", sr.ground, tip, point=(0, 0, 0), axis=(0, 1, 0))
+    tie = sr.Fixed("tie", tip, rider, point=(0, 0, 0))
+    system = sr.System(sr.Model("chain", [tip, rider], [slide, tie]))
+    start = sr.assemble(system, fixed=["tip"])
+    assert start.v[8] == pytest.approx(2.0)
+    assert start.changes == ()
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e4])
+def test_positions_count_by_the_size_of_the_mechanism(scale: float) -> None:
+    def model(place: float) -> sr.System:
+        link = sr.Body("crank", 1.0, (1.0, 1.0, 1.0), (place * scale, 0.0, 0.0))
+        i, j = sr.ground.frame((0, 0, 0), z=Z), link.frame((-0.5 * scale, 0, 0), z=Z)
+        return sr.System(sr.Model("arm", [link], [sr.Revolute("pin", frame_i=i, frame_j=j)]))
+
+    assert sr.assemble(model(0.5 + 2e-4)).changes == ()
+    with pytest.warns(sr.SarrusWarning, match="crank: position"):
+        start = sr.assemble(model(0.52))
+    assert start.changes[0].startswith(f"crank: position ({0.52 * scale:.4g}, 0, 0) became (")
+
+
+def test_a_turned_body_is_reported() -> None:
+    """A driver holds the pin at 10 degrees, where the link is drawn at 0."""
+    system = arm()
+    hold = sr.AngleDriver("hold", "pin", np.radians(10))
+    driven = sr.System(replace(system.model, drivers=[hold]))
+    with pytest.warns(sr.SarrusWarning, match="orientation changed by"):
+        sr.assemble(driven)
+
+
+def test_a_guess_that_is_given_is_no_claim() -> None:
+    system = arm()
+    start = sr.assemble(system, system.q0 + 0.1)
+    assert start.changes
+    assert start.warnings == ()
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """A model file whose crank has a velocity that the pin does not allow."""
+    place = tmp_path / "arm.yaml"
+    place.write_text(
+        "name: arm\n"
+        "bodies:\n"
+        f"  crank: {{mass: 1, inertia: [1, 1, 1], position: [0.5, 0, 0], angular_velocity: [0, 0, {RATE}]}}\n"
+        "joints:\n"
+        "  pin: {type: revolute, bodies: [ground, crank], point: [0, 0, 0], axis: [0, 0, 1]}\n"
+    )
+    return place
+
+
+def test_the_shell_shows_a_warning_once(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(file), "--until", "0.01", "-q"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err.count("warning: arm: assembly changed") == 1
+    assert "warning" not in shown.out
+    assert main(["run", str(file), "--until", "0.01", "-q", "--strict", "--json"]) == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert not answer["success"]
+    assert "angular velocity" in answer["warnings"][0]
+
+
+def test_check_reports_what_assembly_changes(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["check", str(file), "-q"])
+    assert f"crank: angular velocity {RATE} became" in capsys.readouterr().err

@@ -119,3 +119,19 @@ def test_many_turns() -> None:
     run = sr.kinematics(pendulum("44*t"), t)
     assert run.success, run.message
     assert np.allclose(run.joint("pin").angle, 44 * t, atol=1e-11)
+
+
+def test_a_time_limit_and_ctrl_c_keep_the_times_before(capsys: pytest.CaptureFixture[str]) -> None:
+    system, times = turned(1.0, 0.0), np.linspace(0, 6, 601)
+    whole = sr.kinematics(system, times, progress=True)
+    assert "analysed 6 of 6 s" in capsys.readouterr().err
+
+    def stop(t: float) -> None:
+        if t > 1:
+            raise KeyboardInterrupt
+
+    for status, options in (("time limit", {"time_limit": 1e-2}), ("stopped", {"progress": stop})):
+        cut = sr.kinematics(system, times, **options)
+        assert (cut.success, cut.status) == (False, status)
+        assert 0 < len(cut.t) < 601
+        assert np.array_equal(cut.q, whole.q[: len(cut.t)])

@@ -7,7 +7,7 @@ from scipy.linalg import qr
 from scipy.sparse import csr_array
 
 from ..algebra import Array
-from .factored import Factored, SingularSystem
+from .factored import DENSE_BELOW, Factored, SingularSystem
 from .nullspace import DEPENDENT
 
 ROUNDS = 6  # of inverse iteration; the smallest singular value is needed to one digit
@@ -33,15 +33,24 @@ class Driven:
     """
 
     def __init__(self, J: csr_array, rows: Array) -> None:
-        chosen = J if len(rows) == J.shape[0] else J[rows]
+        matrix = J.toarray() if J.shape[1] < DENSE_BELOW else J
+        chosen = matrix if len(rows) == J.shape[0] else matrix[rows]
         self.rows, self._length = rows, np.sqrt((chosen * chosen).sum(axis=1))
         self._n, self._m = J.shape[1], J.shape[0]
-        self._factors = Factored(csr_array(chosen.multiply(1 / self._length[:, None])))
+        weights = 1 / self._length[:, None]
+        self._factors = Factored(
+            chosen * weights if isinstance(chosen, np.ndarray) else csr_array(chosen.multiply(weights))
+        )
         self.sign = self._factors.sign
 
     def solve(self, g: Array) -> Array:
         """x with Φ_q x = g, from the chosen rows."""
         return self._checked(self._factors.solve(g[self.rows] / self._length))
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether no row was left out."""
+        return len(self.rows) == self._m
 
     def transposed(self, f: Array) -> Array:
         """y with Φ_qᵀ y = f; zero in the rows that were not chosen."""

@@ -22,13 +22,20 @@ BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a sin
 
 
 class Instant(NamedTuple):
-    """The state at one time. `sign` is that of the Jacobian's determinant, 0 on a singular configuration."""
+    """The state at one time.
+
+    Attributes
+    ----------
+    sign : of the Jacobian's determinant, 0 on a singular configuration
+    factors : of the Jacobian, but for a state that was bridged
+    """
 
     t: float
     q: Array
     v: Array
     a: Array
     sign: float
+    factors: Driven | None = None
 
     def predicted(self, t: float) -> Array:
         """q + h v + ½ h² a."""
@@ -110,7 +117,7 @@ class Path:
         factors = self.driven(t, q)
         v = factors.solve(-self.system.Phi_t(q, t, b=self.b))
         a = factors.solve(self.system.gamma(q, v, t, b=self.b))
-        return Instant(t, q, v, a, factors.sign if factors.weakest()[0] > SINGULAR else 0.0)
+        return Instant(t, q, v, a, factors.sign if factors.weakest()[0] > SINGULAR else 0.0, factors)
 
 
 def coordinate_scale(system: System, q: Array) -> Array:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -17,6 +15,7 @@ from .inverse import multipliers
 from .lockup import fold_time, involved, last_before
 from .nullspace import NullSpace
 from .onto import largest, onto
+from .progress import Progress, TimeLimit, monitor
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 
@@ -27,7 +26,8 @@ def kinematics(
     times: ArrayLike,
     q: ArrayLike | None = None,
     *,
-    progress: Callable[[float], None] | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Trajectory:
     """Positions, velocities and accelerations of a fully driven system, and the forces that its drivers need.
@@ -41,7 +41,8 @@ def kinematics(
     system : System
     times : (nt,) rising times to keep [s]
     q : (nq,) where to start looking for the position at the first of them; by default the model's
-    progress : called with the time reached
+    progress : True for a bar on standard error, or a function of the time reached
+    time_limit : seconds of the clock after which the analysis ends with the status "time limit"
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -49,7 +50,8 @@ def kinematics(
     Trajectory
         With ``success`` false where the motion ends before the last time: ``status`` is then "lock-up", "not fully
         driven" or "not assembled", and ``message`` tells when and which equations are in it. Times at which the motion
-        passes a singular configuration, where it could branch, are in ``singular``.
+        passes a singular configuration, where it could branch, are in ``singular``. After `time_limit` and Ctrl-C the
+        status is "time limit" and "stopped"; the times before are there.
 
     Raises
     ------
@@ -60,7 +62,8 @@ def kinematics(
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers, at least one")
     run = _Run(system, grid, np.array(system.q0 if q is None else q, dtype=float))
-    run.go(progress)
+    with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
+        run.go(report)
     return run.trajectory()
 
 
@@ -74,14 +77,25 @@ class _Run:
         self.singular: list[float] = []
         self.status, self.message, self.steps = "finished", "reached the end", 0
 
-    def go(self, progress: Callable[[float], None] | None) -> None:
-        """All times, or as many as can be reached."""
+    def go(self, progress: Progress) -> None:
+        """All times, or as many as can be reached and are allowed."""
+        try:
+            self._go(progress)
+        except KeyboardInterrupt:
+            self._fail("stopped", f"stopped by the user {self._after()}")
+        except TimeLimit as over:
+            self._fail("time limit", f"{over} {self._after()}")
+
+    def _after(self) -> str:
+        return f"after t = {self.kept[-1][0].t:.6g} s" if self.kept else "at the start"
+
+    def _go(self, progress: Progress) -> None:
         now = self._start(float(self.grid[0]))
         for target in self.grid[1:]:
             if now is None:
                 return
             now = self._advance(now, float(target))
-            if progress and now is not None:
+            if now is not None:
                 progress(now.t)
 
     def _start(self, t: float) -> Instant | None:
@@ -170,9 +184,17 @@ class _Run:
         self.status, self.message = status, message
 
     def _keep(self, now: Instant) -> Instant:
-        lam = multipliers(self.system, now.q, now.v, now.a, now.t, b=self.path.b).lam
+        lam = self._multipliers(now)
         self.kept.append((now, lam, largest(self.system.Phi(now.q, now.t, b=self.path.b))))
         return now
+
+    def _multipliers(self, now: Instant) -> Array:
+        """Those that the motion needs: the only ones where no equation is redundant, else the shortest."""
+        system, b, factors = self.system, self.path.b, now.factors
+        if factors is None or now.sign == 0 or not factors.is_whole:
+            return multipliers(system, now.q, now.v, now.a, now.t, b=b).lam
+        force = system.Q(now.q, now.v, now.t, b=b) + system.S(now.q, now.v, b=b)
+        return factors.transposed(force - system.M_a(now.q, now.a, b=b))
 
     def trajectory(self) -> Trajectory:
         """All that was reached."""

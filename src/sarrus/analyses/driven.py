@@ -50,7 +50,7 @@ class Driven:
     @property
     def is_whole(self) -> bool:
         """Whether no row was left out."""
-        return len(self.rows) == self._m
+        return bool(len(self.rows) == self._m)
 
     def transposed(self, f: Array) -> Array:
         """y with Φ_qᵀ y = f; zero in the rows that were not chosen."""

@@ -1,4 +1,4 @@
-"""Where a joint or driver acts: its bodies, its point on each, its axes on the first. For reactions."""
+"""The place where a joint, coupling or driver acts: bodies, a point on each, axes on the first. For reactions."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from ..elements import Travel, TravelAngle
 from .blueprint import blueprint
 from .model import Model
 from .placement import Frames
@@ -15,13 +16,23 @@ from .solid import GROUND
 
 
 class Marker(NamedTuple):
-    """Names of body i and j, the joint's point on each in body axes [m], and its axes f, g, h on body i as columns."""
+    """Names of body i and j, the joint's point on each in body axes [m], and its axes f, g, h on body i as columns.
+
+    `joint` is the joint whose place this is. Of a coupling, which acts on the bodies of two joints, `pair` says
+    which two of its four bodies are those of this joint.
+    """
 
     body_i: str
     body_j: str
     s_i: Array
     s_j: Array
     axes_i: Array
+    joint: str
+    pair: int | None = None
+
+    def counts(self, slot: int) -> bool:
+        """Whether an element's action on a body counts here, by the body's place among those of the element."""
+        return self.pair is None or slot // 2 == self.pair
 
 
 @runtime_checkable
@@ -38,19 +49,38 @@ class OnJoint(Protocol):
     joint: str
 
 
+@runtime_checkable
+class Coupled(Protocol):
+    """A coupling, with the joint whose coordinate follows that of another."""
+
+    @property
+    def follower(self) -> str: ...
+
+
 def marker(model: Model, name: str) -> Marker:
     """The marker of a joint or driver of a model that was found to be right.
 
-    From its frames; of a driver, from the joint that it drives; of others, from the points of their first element that
-    has two, with the axes of body i.
+    From its frames; of a driver, from the joint that it drives; of a coupling, from the joint that follows; of others,
+    from the points of their first element that has two, with the axes of body i.
     """
     part = next(part for parts in model.sections().values() for part in parts if part.name == name)
     if isinstance(part, Framed):
         i, j = part.frames(_poses(model))
-        return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]))
+        return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]), name)
+    if isinstance(part, Coupled):
+        follower = marker(model, part.follower.partition(".")[0])
+        return follower._replace(pair=_pair(model, name, part.follower))
     if isinstance(part, OnJoint):
         return marker(model, part.joint.split(".")[0])
     return _from_elements(model, name)
+
+
+def _pair(model: Model, name: str, follower: str) -> int:
+    """Which pair of a coupling's bodies is that of the joint that follows: travels come before angles."""
+    plan, (joint, _, word) = blueprint(model), follower.partition(".")
+    element = next(p.element for p in plan.placed if p.owner == name)
+    own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]
+    return 0 if element is TravelAngle and Travel in own else 1
 
 
 def _poses(model: Model) -> Poses:
@@ -67,4 +97,4 @@ def _from_elements(model: Model, name: str) -> Marker:
     body_i, body_j = (0, first.bodies[0]) if len(first.bodies) == 1 else first.bodies[:2]
     values["s_j"] = values.get("s_j", values.get("s", np.zeros(3)))
     s_i, s_j = (np.array(values.get(key, np.zeros(3)), dtype=float) for key in ("s_i", "s_j"))
-    return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3))
+    return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3), name)

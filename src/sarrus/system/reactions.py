@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..algebra import Array
+from ..elements.evaluation import element_from, partition
 from ..euler import A, E
+from ..model.coordinates import WIDTH
 from ..model.marker import Marker
-
-GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])
+from .local import GROUND, firsts, local
 
 
 class Wrench(NamedTuple):
@@ -34,7 +35,7 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
     """The share of some rows of Φ_qᵀ lam as force and torque; on the ground, the opposite of that on body i."""
     share = np.zeros(system.m)
     share[rows] = np.asarray(lam, dtype=float)[rows]
-    Q = -system.Phi_qT_lam(q, share, t)
+    Q = -system.Phi_qT_lam(q, share, t) if marker.pair is None else -_of_pair(system, marker, rows, q, share)
     i, j = (_coordinates(system, body, q) for body in (marker.body_i, marker.body_j))
     point = j[:3] + A(j[3:]) @ marker.s_j
     if marker.body_j in system.bodies:
@@ -42,6 +43,26 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
     else:
         force, torque = (-x for x in _about(i, Q[system.coordinates_of(marker.body_i)], point))
     return Wrench(point, force, torque, A(i[3:]) @ marker.axes_i)
+
+
+def _of_pair(system: Any, marker: Marker, rows: Array, q: Array, lam: Array) -> Array:
+    """Φ_qᵀ lam (nq,) of a coupling on the bodies of one of its joints, which may be bodies of the other, too."""
+    found = np.zeros(system.nq)
+    for p in system.populations:
+        for k in np.flatnonzero(np.isin(p.rows, rows)).tolist() if p.kind.rows else ():
+            at, own = p.at + k * p.kind.size(), p.rows[k] + np.arange(p.kind.rows)
+            element: Any = element_from(p.kind, system.b[at : at + p.kind.size()], system.b)
+            blocks = element.Phi_qT_lam(partition(p.kind, local(p, k, q, GROUND)), lam[own])
+            for n, first in enumerate(firsts(p, k)):
+                if first >= 0 and marker.counts(n):
+                    found[first : first + WIDTH] += np.concatenate(_whole(blocks[2 * n : 2 * n + 2]))
+    return found
+
+
+def _whole(blocks: Any) -> list[Array]:
+    """The blocks of r and p, zeros where there is none."""
+    sizes = (3, 4)
+    return [np.zeros(n) if x is None else np.asarray(x) for n, x in zip(sizes, blocks, strict=True)]
 
 
 def _coordinates(system: Any, body: str, q: Array) -> Array:

@@ -11,6 +11,7 @@ from ...algebra import Array
 from ...elements import Dot1, Dot2, Heading, Normalization
 from ...euler import A, B, E
 from ...model.coordinates import WIDTH
+from ...model.marker import Marker
 from ...model.show import suggest
 from ...model.solid import GROUND
 from ...model.tape import Traced, own
@@ -184,22 +185,22 @@ class Outputs(ForceOutputs):
         marker = self.system.marker(joint)
         sign, body = (1, marker.body_j) if marker.body_j != GROUND else (-1, marker.body_i)
         members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, joint)]
-        total = np.sum([self._pull(p, k, body) for p, k in members], axis=0)
+        total = np.sum([self._pull(p, k, body, marker) for p, k in members], axis=0)
         q = self.vector("q", body)
-        arm = A(self.vector("q", marker.body_j)[3:]) @ self._joint_point(joint, marker.s_j)
+        arm = A(self.vector("q", marker.body_j)[3:]) @ self._joint_point(marker.joint, marker.s_j)
         point = self.vector("q", marker.body_j)[:3] + arm
         force = -1 * total[:3]
         torque = -0.5 * (E(q[3:]) @ total[3:]) - np.cross(point - q[:3], force)
         return sign * force, sign * torque
 
-    def _pull(self, p: Population, k: int, body: str) -> Array:
-        """Φ_qᵀλ of one element on one body (7,)."""
+    def _pull(self, p: Population, k: int, body: str, marker: Marker) -> Array:
+        """Φ_qᵀλ of one element on one body (7,), of a coupling through the joint of the marker alone."""
         rows = range(int(p.rows[k]), int(p.rows[k]) + p.kind.rows)
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
         blocks = self.element(p, k, "b").Phi_qT_lam(self.local(p, k, "q"), lam)
         total = np.array([0.0] * WIDTH, dtype=object)
         for n, first in enumerate(bodies_of(p, k)):
-            if first == self.system.coordinates_of(body).start:
+            if first == self.system.coordinates_of(body).start and marker.counts(n):
                 for at, block in ((0, blocks[2 * n]), (3, blocks[2 * n + 1])):
                     if block is not None:
                         total[at : at + len(block)] = total[at : at + len(block)] + block

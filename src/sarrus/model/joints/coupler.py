@@ -17,12 +17,20 @@ class Coupler(Coupling):
 
     Coordinates are given as ``slide.travel``, ``pin.angle``, or by the joint's name where it has only one. Left out,
     the offset is that of the initial pose.
+
+    Its reaction, `run.reaction`, is the torque or force along the coordinate of ``joint_j`` on the second body of that
+    joint; along the coordinate of ``joint_i`` it is -``ratio`` times as much. Nothing else is transmitted to bearings.
     """
 
     joint_i: str
     joint_j: str
     ratio: Ratio
     offset: Ratio | None = None
+
+    @property
+    def follower(self) -> str:
+        """The second joint."""
+        return self.joint_j
 
     def relations(self, known: Known) -> Iterator[Primitive]:
         """Yield the second coordinate - ratio · the first - offset."""

@@ -1,0 +1,106 @@
+"""Reactions of gears, racks and couplers: on the second body of the joint that follows; closed forms of the dynamics."""
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+PRECISE = {"rtol": 1e-10, "atol": 1e-12, "method": sr.Radau(), "keep_steps": True}
+X, Z = (1, 0, 0), (0, 0, 1)
+
+
+def wheel(name: str, inertia: float, position: tuple[float, ...] = (0, 0, 0), mass: float = 1.0) -> sr.Body:
+    return sr.Body(name, mass, (inertia, inertia, inertia), position=position)
+
+
+def run_of(bodies: list[sr.Body], joints: list[object], torque: sr.Torque) -> sr.Trajectory:
+    run = sr.simulate(sr.System(sr.Model("coupled", bodies, joints, [torque])), until=0.5, **PRECISE)
+    assert run.success
+    return run
+
+
+def agrees(run: sr.Trajectory, joint: str, force: object, torque: object) -> None:
+    """The reported reaction, and the responses of the same name."""
+    found = run.reaction(joint)
+    assert found.force[-1] == pytest.approx(force, abs=1e-7)
+    assert found.torque[-1] == pytest.approx(torque, abs=1e-7)
+    names = [f"{joint}.{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz"]
+    values = sr.sensitivity(run, [sr.Final(name) for name in names]).values
+    assert values == pytest.approx(np.concatenate([found.force[-1], found.torque[-1]]), abs=1e-7)
+
+
+def test_a_gear_turns_the_wheel_of_its_second_joint() -> None:
+    a, b = wheel("a", 1.0), wheel("b", 1.0, (0, 1, 0))
+    joints = [
+        sr.Revolute("A", sr.ground, a, point=(0, 0, 0), axis=X),
+        sr.Revolute("B", sr.ground, b, point=(0, 1, 0), axis=X),
+        sr.Gear("gear", "A", "B", ratio=-2),
+    ]
+    run = run_of([a, b], joints, sr.Torque("T", a, (10, 0, 0)))
+    agrees(run, "gear", (0, 0, 0), (-4, 0, 0))  # (1 + 2²) α = 10, b turns with -2 α
+    assert run.reaction("gear").joint_torque[-1] == pytest.approx((0, 0, -4), abs=1e-7)
+    assert run.reaction("gear").point[-1] == pytest.approx((0, 1, 0), abs=1e-9)
+    for bearing in ("A", "B"):
+        agrees(run, bearing, (0, 0, 0), (0, 0, 0))  # an ideal coupling of angles: no tooth forces
+
+
+@pytest.mark.parametrize("kind", ["rack", "coupler of the travel", "coupler of the angle"])
+def test_a_rack_is_pushed_and_a_pinion_turned(kind: str) -> None:
+    pinion, rack = wheel("pinion", 1.0), wheel("rack", 1.0, (0, 0.5, 0), mass=2.0)
+    couplings = {
+        "rack": sr.RackAndPinion("mesh", "K", "P", radius=0.5),
+        "coupler of the travel": sr.Coupler("mesh", "P", "K", ratio=0.5),
+        "coupler of the angle": sr.Coupler("mesh", "K", "P", ratio=2.0),
+    }
+    joints = [
+        sr.Revolute("P", sr.ground, pinion, point=(0, 0, 0), axis=Z),
+        sr.Translational("K", sr.ground, rack, point=(0, 0.5, 0), axis=X),
+        couplings[kind],
+    ]
+    run = run_of([pinion, rack], joints, sr.Torque("T", pinion, (0, 0, 3.0)))
+    if kind == "coupler of the angle":  # (1 + 2 · 0.5²) α = 3
+        agrees(run, "mesh", (0, 0, 0), (0, 0, -1))
+    else:
+        agrees(run, "mesh", (2, 0, 0), (0, 0, 0))
+    agrees(run, "P", (0, 0, 0), (0, 0, 0))
+
+
+def test_a_body_of_both_joints_is_counted_for_the_second_alone() -> None:
+    """A planet on a carrier, whose angle follows the planet's against it: the carrier is a body of both joints."""
+    carrier, planet, ratio, torque = wheel("carrier", 2.0), wheel("planet", 0.3, (1, 0, 0)), 0.25, 1.5
+    joints = [
+        sr.Revolute("arm", sr.ground, carrier, point=(0, 0, 0), axis=Z),
+        sr.Revolute("pin", carrier, planet, point=(1, 0, 0), axis=Z),
+        sr.Gear("mesh", "pin", "arm", ratio=ratio),
+    ]
+    run = run_of([carrier, planet], joints, sr.Torque("T", planet, (0, 0, torque)))
+    phi = (
+        torque * (1 + ratio) / ((2.0 + 1.0) * ratio**2 + 0.3 * (1 + ratio) ** 2)
+    )  # of the planet in the carrier
+    agrees(run, "mesh", (0, 0, 0), (0, 0, 3.0 * ratio * phi + 0.3 * (1 + ratio) * phi - torque))
+
+
+def test_where_the_second_body_is_the_ground_it_is_what_the_ground_feels() -> None:
+    a, b = wheel("a", 1.0), wheel("b", 1.0, (0, 1, 0))
+    joints = [
+        sr.Revolute("A", sr.ground, a, point=(0, 0, 0), axis=X),
+        sr.Revolute("B", b, sr.ground, point=(0, 1, 0), axis=X),
+        sr.Gear("gear", "A", "B", ratio=2),
+    ]
+    run = run_of([a, b], joints, sr.Torque("T", a, (10, 0, 0)))
+    agrees(run, "gear", (0, 0, 0), (4, 0, 0))
+
+
+def test_its_derivative_is_that_of_the_reported_value() -> None:
+    def run(mass: float) -> sr.Trajectory:
+        pinion, rack = wheel("pinion", 1.0), wheel("rack", 1.0, (0, 0.5, 0), mass=mass)
+        joints = [
+            sr.Revolute("P", sr.ground, pinion, point=(0, 0, 0), axis=Z),
+            sr.Translational("K", sr.ground, rack, point=(0, 0.5, 0), axis=X),
+            sr.Coupler("mesh", "K", "P", ratio=2.0),
+        ]
+        return run_of([pinion, rack], joints, sr.Torque("T", pinion, (0, 0, 3.0)))
+
+    found = sr.sensitivity(run(2.0), "mesh.torque.z", ["rack.mass"])["rack.mass"]
+    ends = [run(2.0 + d).reaction("mesh").torque[-1, 2] for d in (1e-3, -1e-3)]
+    assert found == pytest.approx((ends[0] - ends[1]) / 2e-3, rel=1e-6)

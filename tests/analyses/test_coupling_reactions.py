@@ -1,4 +1,4 @@
-"""Reactions of gears, racks and couplers: on the second body of the joint that follows; closed forms of the dynamics."""
+"""Reactions of gears, racks and couplers on the second body of the joint that follows; closed forms."""
 
 import numpy as np
 import pytest

@@ -14,8 +14,9 @@ from ..algebra import Array
 class Reaction:
     """What a joint or driver does to its second body, over the times of a trajectory.
 
-    Of a gear, coupler or rack and pinion: what it does through the joint that follows, `joint_j` or `rack`, on this joint's
-    second body. Where the second body is the ground, what the ground feels. Where constraints are redundant, it follows from the multipliers with the least sum of squares over all equations.
+    Of a gear, coupler or rack and pinion: what it does through the joint that follows, `joint_j` or `rack`, on this
+    joint's second body. Where the second body is the ground, what the ground feels. Where constraints are redundant, it
+    follows from the multipliers with the least sum of squares over all equations.
 
     Attributes
     ----------

@@ -19,9 +19,9 @@ from .joint import Joint
 class Coupling(Joint, abstract=True):
     """A part among the joints that couples the coordinates of two others; it has no primitives without them.
 
-    Its reaction is a generalized force along both coordinates: a torque about the axis of a joint with an angle, a force
-    along the axis of one with a travel, on the second body of each joint and with opposite sign on the first. It is
-    ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
+    Its reaction is a generalized force along both coordinates: a torque about the axis of a joint with an angle, a
+    force along the axis of one with a travel, on the second body of each joint and with opposite sign on the first.
+    It is ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
     """
 
     @property

@@ -18,9 +18,9 @@ class Gear(Coupling):
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
     that of the initial pose. Spur gears of the same sense of axes have a negative ratio.
 
-    Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body of
-    ``joint_i`` feels -``ratio`` times as much, and the first bodies the opposite. Torques are transmitted, tooth forces are
-    not: the bearings of the wheels carry no radial or tangential force of the mesh.
+    Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body
+    of ``joint_i`` feels -``ratio`` times as much, and the first bodies the opposite. Torques are transmitted, tooth
+    forces are not: the bearings of the wheels carry no radial or tangential force of the mesh.
     """
 
     joint_i: str

@@ -18,9 +18,9 @@ class RackAndPinion(Coupling):
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
     is the sense of travel. Left out, the offset is that of the initial pose.
 
-    Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the travel; the second body of ``pinion``
-    feels the torque -``radius`` times this force. The tooth force is not transmitted to bearings: the pinion's carries
-    nothing of it, and a rack feels no moment from the line on which teeth would touch.
+    Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the travel; the second body of
+    ``pinion`` feels the torque -``radius`` times this force. The tooth force is not transmitted to bearings: the
+    pinion's carries nothing of it, and a rack feels no moment from the line on which teeth would touch.
     """
 
     rack: str

@@ -14,6 +14,7 @@ from ..results import Trajectory
 from ..system import System
 from .nullspace import NullSpace
 from .onto import largest
+from .recorded_state import RecordedState, recorded_state
 
 BALANCED = 1e-7  # of the largest force: what may be missing in a motion that satisfies the equations
 
@@ -71,15 +72,20 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     """
     if run.bodies != tuple(system.bodies):
         raise ValueError(f"{run.name} has other bodies than {system.name}")
-    b, found = system.b.copy(), []
+    b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()
     for t, q, v, a in zip(run.t, run.q, run.v, run.a, strict=True):
         system.remember(q, b, t)
         found.append(multipliers(system, q, v, a, t, b=b))
+        states.append(recorded_state(system, t, q, v, b))
     lam = np.array([each.lam for each in found]).reshape(-1, system.m)
     trouble = _trouble(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
     message = trouble or "every force is borne by joints and drivers"
     status = "not balanced" if trouble else "finished"
-    return replace(run, lam=lam, system=system, success=not trouble, status=status, message=message)
+    own = dict(
+        zip(RecordedState._fields, np.array(states).reshape(-1, len(RecordedState._fields)).T, strict=True)
+    )
+    verdict = {"success": not trouble, "status": status, "message": message}
+    return replace(run, lam=lam, system=system, **own, **verdict)
 
 
 def _trouble(system: System, run: Trajectory, missing: Array) -> str:

@@ -14,8 +14,9 @@ from .driven_path import Instant, Path
 from .inverse import multipliers
 from .lockup import fold_time, involved, last_before
 from .nullspace import NullSpace
-from .onto import largest, onto
+from .onto import onto
 from .progress import Progress, TimeLimit, monitor
+from .recorded_state import RecordedState, recorded_state
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 
@@ -73,7 +74,7 @@ class _Run:
     def __init__(self, system: System, grid: Array, q: Array) -> None:
         self.system, self.grid, self.guess = system, grid, q
         self.path = Path(system, q)
-        self.kept: list[tuple[Instant, Array, float]] = []
+        self.kept: list[tuple[Instant, Array, RecordedState]] = []
         self.singular: list[float] = []
         self.status, self.message, self.steps = "finished", "reached the end", 0
 
@@ -185,7 +186,7 @@ class _Run:
 
     def _keep(self, now: Instant) -> Instant:
         lam = self._multipliers(now)
-        self.kept.append((now, lam, largest(self.system.Phi(now.q, now.t, b=self.path.b))))
+        self.kept.append((now, lam, recorded_state(self.system, now.t, now.q, now.v, self.path.b)))
         return now
 
     def _multipliers(self, now: Instant) -> Array:
@@ -199,10 +200,10 @@ class _Run:
     def trajectory(self) -> Trajectory:
         """All that was reached."""
         nq, m = self.system.nq, self.system.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,), ())
-        rows = [(*now[:4], lam, violation) for now, lam, violation in self.kept]
+        shapes = ((), (nq,), (nq,), (nq,), (m,), (), (), (), ())
+        rows = [(*now[:4], lam, *state) for now, lam, state in self.kept]
         columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
-        t, q, v, a, lam, violation = (
+        t, q, v, a, lam, *states = (
             np.array(c, dtype=float).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True)
         )
         if self.singular and self.status == "finished":
@@ -212,7 +213,8 @@ class _Run:
             self.system.name,
             tuple(self.system.bodies),
             tuple(self.system.coordinate_names),
-            *(t, q, v, a, lam, violation),
+            *(t, q, v, a, lam),
+            **dict(zip(RecordedState._fields, states, strict=True)),
             success=self.status == "finished",
             status=self.status,
             message=self.message,

@@ -1,0 +1,25 @@
+"""Constraint violations and energies of a state, as trajectories record them beside q, v, a and the multipliers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..algebra import Array
+from ..system import System
+from .onto import largest
+
+
+class RecordedState(NamedTuple):
+    """Largest entries of |Φ| and of |Φ_q v + Φ_t|, and the energies [J]; named as in `Trajectory`."""
+
+    violation: float
+    velocity_violation: float
+    kinetic_energy: float
+    potential_energy: float
+
+
+def recorded_state(system: System, t: float, q: Array, v: Array, b: Array) -> RecordedState:
+    """Those of a state, for parameters b with what elements remember in them."""
+    rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
+    energies = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
+    return RecordedState(largest(system.Phi(q, t, b=b)), largest(rate), *energies)

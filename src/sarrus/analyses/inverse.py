@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from ..results import Trajectory
 from ..system import System
 from .nullspace import NullSpace
 from .onto import largest
-from .recorded_state import RecordedState, recorded_state
+from .recorded_state import RecordedState, histories, recorded_state
 
 BALANCED = 1e-7  # of the largest force: what may be missing in a motion that satisfies the equations
 
@@ -81,11 +81,8 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     trouble = _trouble(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
     message = trouble or "every force is borne by joints and drivers"
     status = "not balanced" if trouble else "finished"
-    own = dict(
-        zip(RecordedState._fields, np.array(states).reshape(-1, len(RecordedState._fields)).T, strict=True)
-    )
-    verdict = {"success": not trouble, "status": status, "message": message}
-    return replace(run, lam=lam, system=system, **own, **verdict)
+    verdict: dict[str, Any] = {"success": not trouble, "status": status, "message": message}
+    return replace(run, lam=lam, system=system, **verdict, **histories(states))
 
 
 def _trouble(system: System, run: Trajectory, missing: Array) -> str:

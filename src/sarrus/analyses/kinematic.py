@@ -16,7 +16,7 @@ from .lockup import fold_time, involved, last_before
 from .nullspace import NullSpace
 from .onto import onto
 from .progress import Progress, TimeLimit, monitor
-from .recorded_state import RecordedState, recorded_state
+from .recorded_state import RecordedState, histories, recorded_state
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 
@@ -200,10 +200,10 @@ class _Run:
     def trajectory(self) -> Trajectory:
         """All that was reached."""
         nq, m = self.system.nq, self.system.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,), (), (), (), ())
-        rows = [(*now[:4], lam, *state) for now, lam, state in self.kept]
+        shapes = ((), (nq,), (nq,), (nq,), (m,))
+        rows = [(*now[:4], lam) for now, lam, _ in self.kept]
         columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
-        t, q, v, a, lam, *states = (
+        t, q, v, a, lam = (
             np.array(c, dtype=float).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True)
         )
         if self.singular and self.status == "finished":
@@ -214,7 +214,7 @@ class _Run:
             tuple(self.system.bodies),
             tuple(self.system.coordinate_names),
             *(t, q, v, a, lam),
-            **dict(zip(RecordedState._fields, states, strict=True)),
+            **histories([state for _, _, state in self.kept]),
             success=self.status == "finished",
             status=self.status,
             message=self.message,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..algebra import Array
 from ..system import System
@@ -23,3 +26,9 @@ def recorded_state(system: System, t: float, q: Array, v: Array, b: Array) -> Re
     rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
     energies = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
     return RecordedState(largest(system.Phi(q, t, b=b)), largest(rate), *energies)
+
+
+def histories(states: Sequence[RecordedState]) -> dict[str, Any]:
+    """The fields of a trajectory (nt,) with these states."""
+    columns = np.array(states, dtype=float).reshape(-1, len(RecordedState._fields)).T
+    return dict(zip(RecordedState._fields, columns, strict=True))

@@ -384,3 +384,47 @@ def test_the_matrix_of_an_event_is_solved_for_many_columns_at_once(name: str) ->
     for n in range(5):
         for column, alone in zip((x[:, n], y[:, n]), saddle.solve(f[:, n], g[:, n]), strict=True):
             assert column == pytest.approx(alone, rel=1e-9, abs=1e-12 * abs(alone).max())
+
+
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+def test_the_restitution_of_an_impact_that_never_happens_has_derivative_zero(method: str) -> None:
+    run = bounced(0.3)
+    assert not run.events
+    found = sr.sensitivity(run, "ball.z", ["bounce.restitution", "gravity.z"], method=method)
+    assert found["bounce.restitution"] == 0.0
+    assert found["gravity.z"] == pytest.approx(0.045)
+    by_checkpoints = sr.sensitivity_by_checkpoints(
+        ball(), "ball.z", ["bounce.restitution", "gravity.z"], until=0.3, events=BOUNCE
+    )
+    assert by_checkpoints.matrix == pytest.approx(found.matrix)
+    assert sr.hessian(run, "ball.z", ["bounce.restitution"]).matrix[0, 0] == 0.0
+
+
+def test_a_design_gives_the_restitution() -> None:
+    """Two design variables, on which the height depends through the restitution, and through the start as well."""
+    run, told = bounced(1.0), [sr.Final("ball.z"), sr.Integral("ball.z")]
+    plain = sr.sensitivity(run, told, ["bounce.restitution", "ball.position.z"])
+    design = {"softness": 0.2, "drop": 1.0}
+
+    def numbers(d):
+        return {"bounce.restitution": 1 - d["softness"] * d["drop"], "ball.position.z": d["drop"]}
+
+    for method in ("adjoint", "direct"):
+        found = sr.sensitivity(run, told, design=design, formula=numbers, method=method)
+        by_e, by_h = plain["bounce.restitution"], plain["ball.position.z"]
+        assert found["softness"] == pytest.approx(-by_e, rel=1e-12)
+        assert found["drop"] == pytest.approx(by_h - 0.2 * by_e, rel=1e-12)
+    with pytest.raises(sr.SarrusError, match="bounce.restitution"):
+        sr.sensitivity(run, told, design={"softness": 0.3, "drop": 1.0}, formula=numbers)
+
+
+def test_an_optimization_changes_a_restitution_by_a_formula() -> None:
+    """Values of the problem are those of simulations with the restitution of the design."""
+    formula = {"formula": lambda d: {"bounce.restitution": 0.5 * d["e"] + 0.4}}
+    problem = sr.Problem(ball(), sr.Final("ball.z"), until=1.0, design={"e": 0.8}, events=BOUNCE, **formula)
+    for e in (0.8, 0.9):
+        event = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5 * e + 0.4), name="bounce")
+        run = sr.simulate(ball(), until=1.0, events=event, keep_steps=True)
+        assert problem.values([e]) == pytest.approx(run["ball"].position[-1, 2:], abs=1e-12)
+        by_e = sr.sensitivity(run, "ball.z", ["bounce.restitution"])["bounce.restitution"]
+        assert problem.gradient([e])["e"] == pytest.approx(0.5 * by_e, rel=1e-12)

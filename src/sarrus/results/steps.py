@@ -151,12 +151,6 @@ class Pieces:
         return self.pieces[0].start
 
     @property
-    def restitutions(self) -> dict[str, float]:
-        """Those of the impacts, by the names that derivatives take."""
-        struck = (turn for turn in self.turns if turn.restitution is not None)
-        return {f"{turn.name}.restitution": float(turn.restitution or 0.0) for turn in struck}
-
-    @property
     def b(self) -> Array:
         """The numbers of the elements."""
         return self.pieces[0].b

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -59,6 +59,7 @@ class Trajectory(Result):
     history : (nsteps, 5) end time, length, error estimate (1 is the tolerance), Newton iterations, and steps rejected
         before it, of each step
     events : what was found on the way, in the order of time
+    restitutions : of all impacts looked for, ``bounce.restitution``, also of those that never happened
     sol : the motion at any time, where it was asked for: `Solution`
     joints : the system's angles and travels, which `joint` evaluates
     violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
@@ -87,6 +88,7 @@ class Trajectory(Result):
     nrejected: int = 0
     history: Array = field(default_factory=lambda: np.zeros((0, 5)), repr=False)
     events: tuple[Happened, ...] = ()
+    restitutions: Mapping[str, float] = field(default_factory=dict, repr=False)
     sol: Solution | None = field(default=None, repr=False, compare=False)
     velocity_violation: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     kinetic_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)

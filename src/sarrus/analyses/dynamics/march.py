@@ -18,7 +18,7 @@ from ...results.steps import Pieces, StepsTaken, Turn
 from ...results.steps import until as steps_until
 from ...system import System
 from ..progress import TimeLimit
-from .events import Event, Impact, Watch, Watches
+from .events import Event, Impact, Watch, Watches, restitutions_of
 from .nearness import Nearness
 from .nodes import Nodes, joined
 from .outcome import trajectory_of
@@ -294,6 +294,7 @@ class March:
             nrejected=tally.nrejected,
             history=tally.steps(),
             events=tuple(self.watches.happened),
+            restitutions=restitutions_of(self.plan.events),
             singular=tuple(self.nearness.times),
             sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
             steps=self._steps(),

@@ -114,6 +114,10 @@ class Problem:
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
 
+    def restitutions_at(self, x: Array) -> dict[str, float]:
+        """The restitutions of impacts of a design."""
+        return self._parameters.restitutions_at([float(value) for value in x])
+
     def at(self, x: Array) -> Point:
         """The design with the values given (p,); what was simulated lately is remembered.
 
@@ -259,7 +263,11 @@ class Point:
     @property
     def events(self) -> list[Event]:
         """What is looked for, with the restitutions of this design."""
-        return with_restitutions(self.problem.settings["events"], self.design)
+        return with_restitutions(self.problem.settings["events"], self._restitutions)
+
+    @cached_property
+    def _restitutions(self) -> dict[str, float]:
+        return self.problem.restitutions_at(self.x)
 
     @property
     def design(self) -> dict[str, float]:
@@ -273,9 +281,7 @@ class Point:
 
     @cached_property
     def _variables(self) -> Parameters:
-        own = self.design
-        struck = {name: own.get(name, value) for name, value in self.problem.restitutions.items()}
-        return Parameters(self.system, **self._named(), start=self.start, restitutions=struck)
+        return Parameters(self.system, **self._named(), start=self.start, restitutions=self._restitutions)
 
     @property
     def _steps(self) -> StepsTaken | Pieces:

@@ -70,11 +70,16 @@ def sensitivity(
     steps = kept(run)
     if method not in METHODS:
         raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
-    struck = steps.restitutions if isinstance(steps, Pieces) else None
-    parameters = Parameters(
-        run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck
-    )
+    parameters = _parameters(run, steps, wrt, design, formula)
     return differentiated(run.system, steps, as_responses(responses), parameters, method)
+
+
+def _parameters(
+    run: Trajectory, steps: StepsTaken | Pieces, wrt: Sequence[str] | None, design: Any, formula: Any
+) -> Parameters:
+    """What derivatives of a run are taken by."""
+    struck = run.restitutions
+    return Parameters(run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck)
 
 
 def differentiated(
@@ -122,7 +127,7 @@ def state_derivatives(
         raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated; name some")
-    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
     reported = Reported(run.system, steps)
@@ -199,7 +204,7 @@ def _curvature(
     run: Trajectory, response: Response | Output, wrt: Sequence[str], design: Any, formula: Any
 ) -> tuple[Curvature, Parameters]:
     steps = kept(run)
-    parameters = Parameters(run.system, wrt, design=design, formula=formula, start=steps.start)
+    parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
     wanted = as_responses(response)
     evaluation = Evaluation(run.system, steps, wanted, parameters)

@@ -145,15 +145,26 @@ class Parameters:
         ):
             note(size + 2 * system.nq + place, value)
         first = size + 2 * system.nq + len(system.joint_coordinates.b)
+        for place, name in enumerate(self.restitutions):
+            note(first + place, self._struck.get(name))
         for name, variable in self.variables.items():
-            if name in self.restitutions:
-                found.append((first + list(self.restitutions).index(name), variable.at))
-            elif name.startswith(GUESS):
+            if name.startswith(GUESS):
                 at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
                 found.append((at, variable.at))
             elif name not in self._design and name not in self._known and name in self._element_numbers:
                 found.append((self._element_numbers[name], variable.at))
         return found
+
+    @property
+    def _struck(self) -> dict[str, Any]:
+        """The restitutions that follow from the parameters, recorded."""
+        return {name: x for name, x in (self.variables | self._moving).items() if name in self.restitutions}
+
+    def restitutions_at(self, values: Sequence[float]) -> dict[str, float]:
+        """The restitutions with other values of the parameters."""
+        given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
+        moved = given | self._places(given)
+        return {name: float(moved.get(name, own)) for name, own in self.restitutions.items()}
 
     @property
     def c_size(self) -> int:
@@ -207,7 +218,7 @@ class Parameters:
         return {
             found: entry
             for name, value in numbers.items()
-            for found, entry in _entries(name, value, self._numbers)
+            for found, entry in _entries(name, value, {**self._numbers, **self.restitutions})
         }
 
     def model_at(self, values: Sequence[float]) -> Model:
@@ -231,17 +242,19 @@ class Parameters:
                 )
         model = self.system.model
         own = {name: value for name, value in given.items() if name in model.parameters}
-        return with_numbers(replace(model, formulas=model.formulas.with_values(own)), self._places(given))
+        places = {name: x for name, x in self._places(given).items() if name not in self.restitutions}
+        return with_numbers(replace(model, formulas=model.formulas.with_values(own)), places)
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""
         for name, entry in found.items():
-            if name not in self._numbers:
+            if name not in self._numbers and name not in self.restitutions:
                 told = (
                     f"{name} follows from a formula, but is no number that derivatives can be taken through"
                 )
                 raise UnknownParameter(f"{told}; leave the parameters that it depends on away")
-            given, own = float(value_of(entry)), self._numbers[name]
+            own = self.restitutions[name] if name in self.restitutions else self._numbers[name]
+            given = float(value_of(entry))
             if abs(given - own) > SAME * max(1.0, abs(own)):
                 told = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
                 raise UnknownParameter(

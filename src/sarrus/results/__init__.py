@@ -8,7 +8,7 @@ from .input_singularities import InputSingularities, SingularCurve
 from .joint_motion import JointMotion
 from .mobility import Mobility, Repetition
 from .modes import Modes
-from .optimum import Optimum
+from .optimum import Optimum, StartReport
 from .reaction import Reaction
 from .reading import load_run
 from .shape import ShapeDerivative
@@ -47,6 +47,7 @@ __all__ = [
     "Singularity",
     "Slice",
     "Solution",
+    "StartReport",
     "State",
     "StateDerivatives",
     "Steps",

@@ -14,6 +14,26 @@ from .result import Result
 
 
 @dataclass(frozen=True, eq=False)
+class StartReport:
+    """What became of one start of several.
+
+    Attributes
+    ----------
+    number : from 1, which is the system's own design
+    x0 : the design from which the search began (p,)
+    value : of the objective in the end, nan where the design cannot be simulated
+    success : whether the search converged
+    message : how it ended
+    """
+
+    number: int
+    x0: Array = field(repr=False)
+    value: float
+    success: bool
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
 class Optimum(Result):
     """The best design found.
 
@@ -22,7 +42,10 @@ class Optimum(Result):
     names : of the design variables
     x, x0 : their values, and those at the start (p,)
     value, value0 : of the objective
-    success : whether the solver says that it converged
+    success : whether all constraints hold, and the first-order optimality conditions to 0.01, see `optimality`
+    status : "converged", "not converged", "stopped" or "time limit"
+    optimality : what the multipliers of all limits leave of the objective's gradient: a relative change of the
+        objective (of 1e-4 of that at the start at least) by a relative change of the variables, 0 at an optimum
     message : one sentence: how it went
     history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
         not press against bounds, NaN where none was asked for; how far constraints are from being satisfied
@@ -32,8 +55,10 @@ class Optimum(Result):
     poor : combinations of parameters that the data hardly determine, in words
     spare : measured numbers beyond the fitted parameters
     quantile : standard deviations on both sides of a fitted parameter that hold 95 %
+    feasible : whether all constraints hold
     failures : sentences of the designs that could not be simulated
     starts : the optima from several starts, the best one first
+    start_reports : what became of every start, in their order, also of those that cannot be simulated
     seconds : that it took
     model : the model of the best design
     run : its simulation
@@ -55,6 +80,10 @@ class Optimum(Result):
     quantile: float = 0.0
     failures: tuple[str, ...] = field(default=(), repr=False)
     starts: tuple[Optimum, ...] = field(default=(), repr=False)
+    start_reports: tuple[StartReport, ...] = field(default=(), repr=False)
+    status: str = "converged"
+    optimality: float = 0.0
+    feasible: bool = True
     seconds: float = field(default=0.0, repr=False)
     model: Any = field(default=None, repr=False)
     run: Any = field(default=None, repr=False)

@@ -80,6 +80,9 @@ def optimum_table(found: Optimum) -> str:
             line += f"{found.deviations[k]:>12.3g}{told:>28}"
         lines.append(line)
     lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
+    for one in found.start_reports:
+        value = "no value" if np.isnan(one.value) else f"{one.value:.6g}"
+        lines.append(f"  start {one.number}: {value}, {one.message}")
     return "\n".join([*lines, *(f"  hardly determined: {told}" for told in found.poor)])
 
 

@@ -13,10 +13,10 @@ from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
 from ..sensitivity.responses import Misfit
-from .minimize import told
 from .problem import Infeasible, Problem
-from .search import Bounds, Progress, Search, Stuck, Variables
+from .search import Bounds, Progress, Search, Variables
 from .solvers import Answer, in_words
+from .task import guarded, optimum_of
 
 POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
 LARGE = 2.0  # [-] residuals over sigma, on the average, that noise does not explain
@@ -41,6 +41,7 @@ def fit(
     iterations: int = 50,
     tolerance: float = 1e-10,
     progress: Progress | None = None,
+    total_time_limit: float | None = None,
     strict: bool = False,
     **settings: Any,
 ) -> Optimum:
@@ -51,7 +52,7 @@ def fit(
     system : with a first guess of the parameters
     misfits : measured outputs: times, data, and their standard deviation `sigma`
     wrt : names of the parameters, see `sensitivity`
-    bounds, scale, design, formula, progress, settings : see `optimize`
+    bounds, scale, design, formula, progress, total_time_limit, settings : see `optimize`
     noise : "given": `sigma` is what it says. "estimated": only the ratios of the `sigma` are known, the noise is
         estimated from what remains
     until : end of the simulation [s]; by default the last time measured
@@ -74,6 +75,7 @@ def fit(
     some = [misfits] if isinstance(misfits, Misfit) else list(misfits)
     end = max(max(one.at) for one in some) if until is None else until
     problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)
+    problem.end_after(total_time_limit)
     count, size = sum(len(one.at) for one in some), len(problem.names)
     if count < size:
         raise ValueError(
@@ -82,8 +84,8 @@ def fit(
     with collecting():
         search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
         squares = Squares(search, some)
-        answer = _answer(squares, iterations, tolerance)
-        optimum = told(search, answer)
+        answer = guarded(lambda: _answer(squares, iterations, tolerance))
+        optimum = optimum_of(search, answer, slope_of=squares.slope)
         jacobian = squares.jacobian(optimum.x / search.variables.scale)
     announce(optimum.warnings)
     covariance, poor = _covariance(jacobian, search.variables.scale, problem.names)
@@ -100,16 +102,11 @@ def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
     from scipy.optimize import least_squares
 
     variables = squares.search.variables
-    try:
-        found = least_squares(
-            squares.residuals, variables.z0, jac=squares.jacobian, bounds=variables.ends.T,
-            xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
-        )  # fmt: skip
-        return Answer(bool(found.success), in_words(str(found.message)))
-    except Stuck as stuck:
-        return Answer(False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}")
-    except KeyboardInterrupt:
-        return Answer(False, "stopped by the user")
+    found = least_squares(
+        squares.residuals, variables.z0, jac=squares.jacobian, bounds=variables.ends.T,
+        xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
+    )  # fmt: skip
+    return Answer(bool(found.success), in_words(str(found.message)))
 
 
 def _doubt(value: float, spare: int) -> str:
@@ -147,6 +144,10 @@ class Squares:
         self.search.noted(z, scaled.T @ self._known(z))
         self.search.iterate(z)
         return scaled
+
+    def slope(self, z: Array) -> Array:
+        """The gradient of half the sum of squares by z."""
+        return np.asarray(self.jacobian(z).T @ self._known(z))
 
     def _known(self, z: Array) -> Array:
         signals = self.search.point(z).evaluation().signals

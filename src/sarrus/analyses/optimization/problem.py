@@ -20,6 +20,7 @@ from ..assembly_derivatives import NoDerivative
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events import restitutions_of, with_restitutions
 from ..dynamics.stepper import Trouble
+from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.chain import FIELDS, Nodes
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.checkpoints import LongTask
@@ -113,6 +114,23 @@ class Problem:
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
+        self._deadline, self._seconds = np.inf, 0.0
+
+    def end_after(self, seconds: float | None) -> None:
+        """Let all simulations together take so many seconds of the clock from now on."""
+        refuse_time_limit(seconds)
+        if seconds is not None:
+            self._deadline, self._seconds = time.perf_counter() + seconds, seconds
+
+    @property
+    def is_late(self) -> bool:
+        """Whether that time has passed."""
+        return time.perf_counter() > self._deadline
+
+    def refuse_late(self) -> None:
+        """Raise TimeLimit where that time has passed."""
+        if self.is_late:
+            raise TimeLimit(f"the time limit of {duration(self._seconds)} has passed")
 
     def restitutions_at(self, x: Array) -> dict[str, float]:
         """The restitutions of impacts of a design."""
@@ -185,6 +203,7 @@ class Problem:
         """What stops a simulation that takes too long."""
 
         def watch(t: float) -> None:
+            self.refuse_late()
             taken = time.perf_counter() - began
             if self.time_limit is not None and taken > self.time_limit:
                 raise Infeasible(

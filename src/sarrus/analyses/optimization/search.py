@@ -113,6 +113,11 @@ class Search:
     variables : Variables
     constraints : Within
     progress : called with the number of the simulation and the objective; True for lines on standard error
+
+    Attributes
+    ----------
+    first : the objective at the start
+    begun : the variables at the start (p,)
     """
 
     def __init__(
@@ -133,21 +138,36 @@ class Search:
         self._seen: dict[bytes, int] = {}
         self._sizes: dict[bytes, float] = {}
         self._progress, self.began = _line if progress is True else progress, time.perf_counter()
-        self.anchor = variables.z0
+        self.anchor, self.begun = variables.z0, variables.x0
         problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
         self.value(self.anchor)
-        self.size = abs(self._told[0][0]) or 1.0
+        self.first = self._told[0][0]
+        self.size = abs(self.first) or 1.0
+
+    def restart(self, size: float) -> None:
+        """Let a solver begin anew at the best design, the objective divided by another size."""
+        assert self.best is not None
+        self.variables = self.variables.beginning(self.best.x)
+        self.anchor, self.size, self._in_a_row = self.variables.z0, size, 0
 
     def point(self, z: Array) -> Point:
         """The design."""
         return self.problem.at(self.variables.of(z))
 
     def value(self, z: Array) -> float:
-        """The objective."""
+        """The objective.
+
+        Raises
+        ------
+        TimeLimit
+            If the time of the whole search has passed.
+        """
+        self.problem.refuse_late()
         try:
             point = self.point(z)
             values = point.values
         except Infeasible as trouble:
+            self.problem.refuse_late()
             self._fail(str(trouble))
             return self._wall(z)[0]
         found = float(values[: self.count].sum())

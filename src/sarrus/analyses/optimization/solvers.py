@@ -36,10 +36,15 @@ WORDS = {  # by what SciPy's messages contain
 
 
 class Answer(NamedTuple):
-    """Whether a solver converged, and what it says."""
+    """Whether a solver says that it converged, its message, and the iterations that it took.
+
+    `status` is given where the search was ended from outside: "stopped" or "time limit".
+    """
 
     success: bool
     message: str
+    iterations: int = 0
+    status: str = ""
 
 
 def solver_of(
@@ -87,7 +92,7 @@ def by_scipy(
             callback=accepted, options={"maxiter": iterations},
             hessp=(lambda z, p: search.curved(z, p) / search.size) if second_order else None,
         )  # fmt: skip
-    return Answer(bool(found.success), in_words(str(found.message)))
+    return Answer(bool(found.success), in_words(str(found.message)), int(found.nit))
 
 
 def in_words(message: str) -> str:

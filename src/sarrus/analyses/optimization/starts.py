@@ -1,0 +1,124 @@
+"""An optimization from several starts, each of which is reported."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import Model
+from ...results import Optimum, StartReport
+from ...system import System
+from .problem import Infeasible, Problem
+from .search import Progress, Variables
+from .task import Task
+
+DRAWS = 30  # random designs that are tried for one start, until one can be simulated
+SAME = 1e-3  # [-] difference of objectives below which two starts came to the same optimum
+
+
+class Begin(NamedTuple):
+    """A start: its number, the design, and the seed of those that replace it; none for the system's own."""
+
+    number: int
+    x: Array
+    seed: int | None
+
+
+class Came(NamedTuple):
+    """What came of a start: its optimum, or the message of the last design that was tried; how many were replaced."""
+
+    begin: Begin
+    optimum: Optimum | None
+    message: str
+    replaced: int
+
+
+def optimum_from_many(
+    task: Task,
+    problem: Problem,
+    variables: Variables,
+    count: int,
+    seed: int,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> Optimum:
+    """The least optimum of several starts, with the others and a report of every start.
+
+    Raises
+    ------
+    Infeasible
+        If none of them can be simulated.
+    """
+    generator = np.random.default_rng(seed)
+    begins = [Begin(0, variables.x0, None)]
+    begins += [Begin(n, variables.random(generator), seed) for n in range(1, count)]
+    if executor is None:
+        found = list[Came]()
+        for begin in begins:
+            found.append(_from(task, problem, variables, begin, progress))
+            last = found[-1].optimum
+            if problem.is_late or (last is not None and last.status == "stopped"):
+                break
+    else:
+        model, plan = problem.system.model, (problem.given, [*problem.names], problem.design, problem.formula)
+        settings = problem.settings | {"memory": problem.memory}
+        waiting = [executor.submit(_elsewhere, task, model, plan, settings, variables, x) for x in begins]
+        found = [future.result() for future in waiting]
+    return _best(found, count)
+
+
+def _from(
+    task: Task, problem: Problem, variables: Variables, begin: Begin, progress: Progress | None = None
+) -> Came:
+    """The optimum from a design, or from another one in its place where it cannot be simulated."""
+    x, generator = begin.x, np.random.default_rng([begin.seed or 0, begin.number])
+    for replaced in range(DRAWS if begin.seed is not None else 1):
+        try:
+            return Came(begin, task.solved(problem, variables.beginning(x), progress), "", replaced)
+        except Infeasible as trouble:
+            message = str(trouble)
+            if problem.is_late:
+                break
+            x = variables.random(generator)
+    return Came(begin, None, message, replaced)
+
+
+def _elsewhere(
+    task: Task, model: Model, plan: Any, settings: Mapping[str, Any], variables: Variables, begin: Begin
+) -> Came:
+    """The same in another process."""
+    responses, names, design, formula = plan
+    problem = Problem(System(model), responses, names, design=design, formula=formula, **settings)
+    return _from(task, problem, variables, begin)
+
+
+def _best(found: list[Came], count: int) -> Optimum:
+    """The least optimum, those that succeeded and keep the constraints first; the others beside it."""
+    optima = [came.optimum for came in found if came.optimum is not None]
+    if not optima:
+        raise Infeasible(
+            f"None of the designs to start from can be simulated, the first one because {found[0].message} "
+            "Choose another start or other bounds."
+        )
+    order = sorted(optima, key=lambda one: (bool(one.constraints) and not one.feasible, one.value))
+    best = order[0]
+    again = sum(abs(one.value - best.value) <= SAME * (abs(best.value) or 1.0) for one in order)
+    message = f"{best.message}; {again} of {count} starts came to it"
+    reports = tuple(_report(came) for came in found)
+    return replace(best, message=message, starts=tuple(order), start_reports=reports)
+
+
+def _report(came: Came) -> StartReport:
+    number, instead = came.begin.number + 1, came.replaced
+    one = came.optimum
+    note = (
+        f"{instead} random designs before it could not be simulated; " if one is not None and instead else ""
+    )
+    if one is None:
+        return StartReport(number, came.begin.x, np.nan, False, f"cannot be simulated: {came.message}")
+    return StartReport(number, one.x0, one.value, one.success, note + one.message)

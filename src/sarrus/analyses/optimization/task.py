@@ -1,0 +1,133 @@
+"""An optimization from one start: a solver, started again until it is done, and an independent verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import collecting
+from ...results import Optimum
+from ..progress import TimeLimit
+from .constraint import Within, gap
+from .optimality import OPTIMAL, SHARP, objective_size, optimality
+from .problem import Infeasible, Point, Problem
+from .search import Progress, Search, Stuck, Variables
+from .solvers import Answer, solver_of
+
+SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
+RESTARTS = 20  # of a solver that makes progress
+PROGRESS = 1e-6  # [-] fall of the objective that counts as progress
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is the same for all starts."""
+
+    constraints: tuple[Within, ...]
+    solver: str | None
+    iterations: int
+    tolerance: float
+    second_order: bool = False
+
+    def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
+        """The optimum from one start; of warnings, those of the best design."""
+        with collecting():
+            search = Search(problem, variables, self.constraints, progress)
+            answer = guarded(lambda: self._repeated(search))
+            return optimum_of(search, answer, max(SATISFIED, self.tolerance))
+
+    def _repeated(self, search: Search) -> Answer:
+        """Run the solver, again from where it stopped while that helps: its scales are those of the start."""
+        solver = solver_of(self.solver, bool(self.constraints), self.second_order)
+        answer = solver(search, self.iterations, self.tolerance)
+        left, best = self.iterations - answer.iterations, _merit(search)
+        for _ in range(RESTARTS):
+            size = objective_size(best[1], search.first)
+            if left < 1 or (best[0] <= SATISFIED and best_optimality(search) <= SHARP):
+                break
+            search.restart(size)
+            again = solver(search, left, self.tolerance)
+            left, before, best = left - max(again.iterations, 1), best, _merit(search)
+            if not (best[0] < before[0] - SATISFIED or before[1] - best[1] > PROGRESS * size):
+                break
+            answer = again
+        return answer
+
+
+def _merit(search: Search) -> tuple[float, float]:
+    """Of the best design: how far constraints are from being satisfied, and the objective."""
+    assert search.best is not None
+    values, count = search.best.values, search.count
+    return gap(values[count:], search.constraints), float(values[:count].sum())
+
+
+def best_optimality(search: Search, slope_of: Callable[[Array], Array] | None = None) -> float:
+    """`optimality` at the best design; infinite where it has no derivatives."""
+    assert search.best is not None
+    try:
+        return optimality(search, search.best.x / search.variables.scale, slope_of)
+    except (Infeasible, TimeLimit, ArithmeticError):
+        return np.inf
+
+
+def guarded(solve: Callable[[], Answer]) -> Answer:
+    """The answer of a solver, or of what ended it."""
+    try:
+        return solve()
+    except Stuck as stuck:
+        return Answer(False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}")
+    except KeyboardInterrupt:
+        return Answer(False, "stopped by the user", status="stopped")
+    except TimeLimit as over:
+        return Answer(False, str(over), status="time limit")
+
+
+def optimum_of(
+    search: Search,
+    answer: Answer,
+    near: float = SATISFIED,
+    slope_of: Callable[[Array], Array] | None = None,
+) -> Optimum:
+    """The best design of a search, with a verdict of its own; constraints count as satisfied if they are so near.
+
+    `slope_of` as for `optimality`.
+    """
+    point, problem = search.best, search.problem
+    assert point is not None
+    values, limited = point.values, search.count
+    short, open_by = gap(values[limited:], search.constraints), best_optimality(search, slope_of)
+    optimal = open_by <= OPTIMAL
+    success = optimal and short <= near and not answer.status
+    message = answer.message
+    if success and not answer.success:
+        message = f"converged: the optimality conditions hold to {open_by:.1e} ({message})"
+    elif answer.success and not optimal:
+        message = (
+            f"not converged: the optimality conditions are open by {open_by:.2g}, and the solver is stuck"
+        )
+    if short > near:
+        message += (
+            f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"
+        )
+    history = search.history
+    tried = f"{len(history)} simulations"
+    missed = f" and {len(search.failures)} that failed" if search.failures else ""
+    return Optimum(
+        problem.names, point.x.copy(), search.begun.copy(), float(values[:limited].sum()),
+        float(history[0, 0]), success, f"{message}, after {tried}{missed}",
+        history, np.array(search.trace),
+        dict(zip(problem.titles[limited:], map(float, values[limited:]), strict=True)),
+        status=answer.status or ("converged" if success else "not converged"), optimality=open_by,
+        feasible=short <= near,
+        failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
+        model=point.system.model, run=point.run, warnings=(*_of_start(search, point), *point.run.warnings),
+    )  # fmt: skip
+
+
+def _of_start(search: Search, point: Point) -> tuple[str, ...]:
+    """The warnings of the assembly, of the model's own design: positions of other designs are guesses."""
+    return point.start.warnings if np.array_equal(point.x, search.begun) else ()

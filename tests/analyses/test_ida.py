@@ -64,7 +64,9 @@ def test_it_is_saved_as_it_goes_but_not_gone_on_with(tmp_path: Path) -> None:
     plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
     sr.simulate(slider_crank(), save=folder, **given)
     assert np.array_equal(np.asarray(sr.load_run(folder).q), plain.q)
-    assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"
+    assert (
+        sr.simulate(slider_crank(), save=folder, overwrite=True, progress=stop, **given).status == "stopped"
+    )
     with pytest.raises(ValueError, match="cannot be gone on with: IDA keeps its past to itself"):
         sr.resume(folder)
     assert np.array_equal(sr.repeat(folder).q, plain.q)

@@ -50,7 +50,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Run what is left of the study; 1 if every case failed."""
+    """Run what is left of the study; 1 if every case failed, or the folder could not be written."""
     from ..io import load_any
     from ..studies.conduct import carry_out
     from ..studies.file import read_study_file
@@ -74,7 +74,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     if chosen.linear:
         _linear(asked, answer)
     _write(chosen, table, answer)
-    return 0 if table.success.any() else 1
+    return 0 if table.success.any() and table.status == "finished" else 1
 
 
 def _linear(asked: Asked, answer: Answer) -> None:

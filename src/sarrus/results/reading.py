@@ -19,6 +19,8 @@ COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
     """Open a run saved by ``simulate(..., save=path)``, also one that was cut short or is still going on.
 
+    What is read has the checksums with which it was written, or is refused.
+
     Parameters
     ----------
     path : the folder
@@ -33,10 +35,9 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
 
     Raises
     ------
-    FileNotFoundError
-        If there is no run.
-    ImportError
-        If zarr is not installed.
+    SarrusError
+        If there is no run (also a FileNotFoundError), or if it is damaged or in another format (also a ValueError);
+        states that are damaged are refused where they are indexed.
     """
     folder = Path(path)
     about, arrays, state = arrays_of(folder)

@@ -2,25 +2,46 @@
 
 A run is a folder in the Zarr format (version 3): every array by chunks, a file for each, with the names of its axes;
 what it is about in its attributes. Whole chunks are written once and never touched again. What does not yet fill a
-chunk lies with the state of the method in one more file, `checkpoint.npz`, that is replaced in one step: it says how
-far all else is valid.
+chunk is stored with the state of the method and the checksums of all chunks in one more file, the checkpoint, which is
+replaced in one step when the chunks are on the disk: it says how far all else is valid.
 """
 
 from __future__ import annotations
 
+import io
+import json
 import os
 import pickle
 import platform
+import shutil
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
+from types import TracebackType
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 
 from ..algebra import Array
+from . import stored_array
+from .checked_file import (
+    DRAFT,
+    FolderTakenError,
+    NoSavedDataError,
+    SavedDataError,
+    checksum,
+    damaged,
+    read_checked,
+    read_file,
+    replace_file,
+    write_checked,
+    writing,
+)
+from .folder_lock import LOCK, FolderLock, held, make_folder
+from .stored_array import METADATA, ArrayWriter, StoredArray
 
-FORMAT = 1
+FORMAT = 2
 BYTES = 1_000_000  # of a chunk of the widest array, about
 STEPS, MANY = 4096, 2**40  # rows of a chunk of the history; the rows that it may have
 COLUMNS = {
@@ -31,222 +52,337 @@ COLUMNS = {
     "violation": "kind_of_violation",
     "energy": "kind_of_energy",
 }
+OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
-
-
-def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise ImportError("saving runs needs zarr; install it with: pip install 'sarrus[save]'") from None
-    return zarr
+BEGUN = frozenset((LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT))  # the files of a run before its metadata
+UNFINISHED = ("cut short", "stopped", "time limit")
 
 
 class Store:
-    """The folder of one run, open for writing.
+    """The folder of one run, open for writing by this process alone.
 
-    Attributes
+    Parameters
     ----------
-    rows, steps : states and steps written
+    folder : Path
+    lock : of the folder
+    about : the run's attributes
+    arrays : by name
     """
 
-    def __init__(self, path: Path, group: Any) -> None:
-        self.path, self._group = path, group
-        self._chunk = int(group["t"].chunks[0])
-        self.rows, self.steps = 0, 0
-        self._pending: list[list[Array]] = []
-        self._history: list[Array] = []
+    def __init__(
+        self, folder: Path, lock: FolderLock, about: Mapping[str, Any], arrays: Mapping[str, ArrayWriter]
+    ) -> None:
+        self.path, self._lock, self._about, self._arrays = folder, lock, about, arrays
 
     @classmethod
     def create(
-        cls, path: str | os.PathLike[str], times: Array, system: Any, about: Mapping[str, Any], recipe: Any
+        cls,
+        path: str | os.PathLike[str],
+        times: Array,
+        system: Any,
+        about: Mapping[str, Any],
+        recipe: Any,
+        *,
+        overwrite: bool = False,
     ) -> Store:
-        """A new folder.
+        """A new folder, or one whose run was stopped before its first checkpoint.
+
+        Parameters
+        ----------
+        overwrite : whether a run that is there is replaced
 
         Raises
         ------
-        FileExistsError
-            If something is there that is not a run.
+        FolderTakenError
+            If something is there that is not a run, a run and not `overwrite`, or another process writes it.
+        NotSavedError
+            If it cannot be written.
         """
-        folder, zarr = Path(path), _zarr()
-        if folder.exists() and not (folder / "zarr.json").exists():
-            raise FileExistsError(f"{folder} is there and is no saved run; choose another name for save")
-        (folder / CHECKPOINT).unlink(missing_ok=True)
-        group = zarr.open_group(folder, mode="w", attributes={**_versions(), **about})
-        n, widths = (
-            len(times),
-            {"q": system.nq, "v": system.nq, "a": system.nq, "lam": system.m, "violation": 2, "energy": 2},
-        )
-        chunk = int(max(1, min(n, BYTES // (8 * max(system.nq, 1)))))
-        _array(zarr, group, "t", (n,), (chunk,), ("time",))
+        folder = Path(path)
+        with writing(folder), held(_locked(folder)) as lock:
+            if overwrite:
+                (folder / CHECKPOINT).unlink(missing_ok=True)
+                (folder / RECIPE).unlink(missing_ok=True)
+            else:
+                _refuse_run(folder)
+            _clear(folder)
+            return cls._begin(folder, lock, times, system, about, recipe)
+
+    @classmethod
+    def _begin(
+        cls, folder: Path, lock: FolderLock, times: Array, system: Any, about: Mapping[str, Any], recipe: Any
+    ) -> Store:
+        """Write the recipe, then all that is known before the first state."""
+        widths = {
+            "q": system.nq,
+            "v": system.nq,
+            "a": system.nq,
+            "lam": system.m,
+            "violation": 2,
+            "energy": 2,
+        }
+        chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
+        told = {**versions(), **about, "chunk": chunk, **_written_recipe(folder, recipe)}
+        group = {"zarr_format": 3, "node_type": "group", "attributes": told}
+        replace_file(folder / METADATA, json.dumps(group, indent=1).encode())
+        stored_array.create(folder / "t", len(times), (), chunk, ("time",))
         for name, width in widths.items():
-            _array(zarr, group, name, (n, width), (chunk, max(width, 1)), ("time", COLUMNS[name]))
-        _array(zarr, group, "history", (MANY, 5), (STEPS, 5), ("step", "kind_of_number"))
-        store = cls(folder, group)
-        try:
-            (folder / RECIPE).write_bytes(pickle.dumps(recipe))
-        except (pickle.PicklingError, AttributeError, TypeError) as trouble:
-            group.attrs["no_recipe"] = str(trouble)
-        return store
+            stored_array.create(folder / name, len(times), (width,), chunk, ("time", COLUMNS[name]))
+        stored_array.create(folder / HISTORY, MANY, (5,), STEPS, ("step", "kind_of_number"))
+        empty = {"t": np.zeros(0), HISTORY: np.zeros((0, 5))}
+        empty |= {name: np.zeros((0, width)) for name, width in widths.items()}
+        arrays = {name: ArrayWriter(folder / name, _rows(name, chunk), rest) for name, rest in empty.items()}
+        return cls(folder, lock, told, arrays)
 
     @classmethod
     def reopen(cls, path: str | os.PathLike[str]) -> tuple[Store, dict[str, Any]]:
-        """A folder whose run was cut short, and its last checkpoint."""
-        store = cls(Path(path), _zarr().open_group(Path(path), mode="r+"))
-        state = checkpoint(store.path)
-        store.rows, store.steps = int(state["rows"]), int(state["steps"])
-        pending = [state[f"pending_{name}"] for name in ("t", *COLUMNS)]
-        store._pending = [pending] if len(pending[0]) else []
-        history = state["pending_history"]
-        store._history = [history] if len(history) else []
-        return store, state
+        """A folder whose run was cut short, and its last checkpoint; all that it holds is verified.
+
+        Raises
+        ------
+        SavedDataError
+            If it is damaged.
+        FolderTakenError
+            If another process writes it.
+        NotSavedError
+            If it cannot be written.
+        """
+        folder = Path(path)
+        with writing(folder), held(_locked(folder)) as lock:
+            about, stored, state = arrays_of(folder)
+            for array in stored.values():
+                array.check()
+            arrays = {
+                name: ArrayWriter.reopen(folder / name, _rows(name, about["chunk"]), state) for name in stored
+            }
+            return cls(folder, lock, about, arrays), state
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, wrong: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self._lock.release()
 
     def write(self, samples: Any, history: Array) -> None:
-        """Take states and steps; whole chunks go to disk."""
-        if len(samples.t):
-            self._pending.append([samples.t, *(getattr(samples, name) for name in COLUMNS)])
-        if len(history):
-            self._history.append(history)
-        self._flush(whole=True)
+        """Take states and steps; whole chunks go to disk.
 
-    def _flush(self, whole: bool) -> None:
-        columns = self._joined()
-        ready = len(columns[0]) // self._chunk * self._chunk if whole else len(columns[0])
-        if ready:
-            for name, column in zip(("t", *COLUMNS), columns, strict=True):
-                self._group[name][self.rows : self.rows + ready] = column[:ready]
-            self.rows += ready
-            self._pending = [[column[ready:] for column in columns]]
-        history = np.concatenate([np.zeros((0, 5)), *self._history])
-        ready = len(history) // STEPS * STEPS if whole else len(history)
-        if ready:
-            self._group["history"][self.steps : self.steps + ready] = history[:ready]
-            self.steps += ready
-            self._history = [history[ready:]]
-
-    def _joined(self) -> list[Array]:
-        if not self._pending:
-            return [np.zeros((0, *self._group[name].shape[1:])) for name in ("t", *COLUMNS)]
-        joined = [np.concatenate(parts) for parts in zip(*self._pending, strict=True)]
-        self._pending = [joined]
-        return joined
+        Raises
+        ------
+        NotSavedError
+            If they cannot be written, as for all that follows.
+        """
+        with writing(self.path):
+            for name in OVER_TIME:
+                self._arrays[name].append(getattr(samples, name))
+            self._arrays[HISTORY].append(history)
 
     def mark(self, state: Mapping[str, Any]) -> None:
-        """Replace the checkpoint: all that was taken so far is now safe."""
-        pending = {f"pending_{n}": x for n, x in zip(("t", *COLUMNS), self._joined(), strict=True)}
-        history = np.concatenate([np.zeros((0, 5)), *self._history])
-        self._replace(
-            {"rows": self.rows, "steps": self.steps, "pending_history": history, **pending, **state}
-        )
+        """Replace the checkpoint when all chunks are on the disk: what was taken so far is now safe."""
+        found: dict[str, Any] = dict(state)
+        with writing(self.path):
+            for array in self._arrays.values():
+                array.flush()
+                found |= array.state()
+            self._replace(found)
 
-    def retell(self, told: str) -> None:
-        """Let the last checkpoint tell something else, a JSON text; all else of it stays."""
-        self._replace({**checkpoint(self.path), "told": np.array(told)})
+    def retell(self, told: str) -> bool:
+        """Let the last checkpoint tell something else, a JSON text; all else of it stays. False if there is none."""
+        if is_begun(self.path):
+            return False
+        with writing(self.path):
+            self._replace({**checkpoint(self.path), "told": np.array(told)})
+        return True
 
     def _replace(self, numbers: Mapping[str, Any]) -> None:
-        draft = self.path / f"{CHECKPOINT}.draft"
-        with draft.open("wb") as file:
-            np.savez(file, **numbers)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(self.path / CHECKPOINT)
+        content = io.BytesIO()
+        np.savez(content, **{**numbers, "about": _checksum_of(self._about)})
+        write_checked(self.path / CHECKPOINT, content.getvalue())
 
     def finish(self, state: Mapping[str, Any]) -> None:
         """Write what is left, and mark the end."""
-        self._flush(whole=False)
+        with writing(self.path):
+            for array in self._arrays.values():
+                array.finish()
         self.mark(state)
 
 
-def checkpoint(path: Path) -> dict[str, Any]:
+def _rows(name: str, chunk: int) -> int:
+    return STEPS if name == HISTORY else chunk
+
+
+def _locked(folder: Path) -> FolderLock:
+    """The right to write the folder of a run, which is made if it is not there."""
+    if folder.exists() and not _is_ours(folder):
+        told = f"{folder}: is there and is no saved run, so it is not touched."
+        raise FolderTakenError(f"{told} Choose another name for `save`.")
+    make_folder(folder)
+    return FolderLock(folder)
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether a folder is that of a run, also of one that was just begun."""
+    if not folder.is_dir():
+        return False
+    names = {place.name for place in folder.iterdir()}
+    if METADATA in names:
+        return {"format", "sarrus"} <= set(_attributes(folder))
+    return LOCK in names and names <= BEGUN and (RECIPE not in names or _is_checked(folder / RECIPE))
+
+
+def _is_checked(path: Path) -> bool:
+    try:
+        read_checked(path)
+    except SavedDataError:
+        return False
+    return True
+
+
+def _refuse_run(folder: Path) -> None:
+    """Refuse a folder that holds states."""
+    if is_begun(folder):
+        return
+    try:
+        status = json.loads(str(checkpoint(folder)["told"]))["status"]
+        held = "a run that was cut short" if status in UNFINISHED else "a finished run"
+        verb = "Continue it with sarrus.resume" if status in UNFINISHED else "Open it with sarrus.load_run"
+        remedy = f"{verb}({str(folder)!r}), or pass overwrite=True to replace it."
+    except SavedDataError:
+        held, remedy = "a damaged run", "Pass overwrite=True to replace it."
+    raise FolderTakenError(f"{folder}: holds {held}. {remedy}")
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier run wrote, but its recipe, and nothing else."""
+    for name in (CHECKPOINT, METADATA):
+        (folder / name).unlink(missing_ok=True)
+    for name in (*OVER_TIME, HISTORY):
+        for place in (folder / name).glob("c*"):
+            shutil.rmtree(place) if place.is_dir() else place.unlink()
+
+
+def _written_recipe(folder: Path, recipe: Any) -> dict[str, str]:
+    """Store model and options; the attributes that tell its checksum, or why it cannot be stored."""
+    try:
+        content = pickle.dumps(recipe)
+    except (pickle.PicklingError, AttributeError, TypeError) as trouble:
+        (folder / RECIPE).unlink(missing_ok=True)
+        return {"no_recipe": str(trouble)}
+    write_checked(folder / RECIPE, content)
+    return {"recipe": checksum(content).hex()}
+
+
+def _checksum_of(about: Mapping[str, Any]) -> Any:
+    return np.array(checksum(json.dumps(about, sort_keys=True).encode()).hex())
+
+
+def checkpoint(folder: Path) -> dict[str, Any]:
     """The last checkpoint of a run.
 
     Raises
     ------
-    FileNotFoundError
-        If there is none: the run was cut short before its first, or this is no run.
+    NoSavedDataError
+        If there is none: the run was stopped before its first, or this is no run.
+    SavedDataError
+        If it is damaged.
     """
-    file = path / CHECKPOINT
-    if not file.exists():
-        raise FileNotFoundError(
-            f"{path} holds no checkpoint of a run; it was stopped before its first, or is no run"
-        )
-    with np.load(file, allow_pickle=False) as found:
+    with np.load(io.BytesIO(read_checked(folder / CHECKPOINT)), allow_pickle=False) as found:
         return {name: found[name] for name in found.files}
 
 
-def recipe_of(path: Path) -> Any:
+def is_begun(folder: Path) -> bool:
+    """Whether a run was stopped before its first checkpoint, so that it can only be begun anew."""
+    return not (folder / CHECKPOINT).exists() and not any(folder.glob("*/c*"))
+
+
+def recipe_of(folder: Path) -> Any:
     """Model, start and options of a run, as given. Opening it runs code of the file: trust where it comes from.
 
     Raises
     ------
-    ValueError
-        If it could not be stored.
+    NoSavedDataError
+        If there is no run.
+    SavedDataError
+        If it is damaged or of another version of Sarrus, or could not be stored.
     """
-    file = path / RECIPE
-    if not file.exists():
-        reason = _zarr().open_group(path, mode="r").attrs.get("no_recipe", "the file is missing")
-        raise ValueError(
-            f"{path} does not hold its model and options ({reason}): functions must be defined in a module, "
-            "not as lambda"
+    path = folder / RECIPE
+    about = about_of(folder) if (folder / METADATA).exists() or not path.exists() else {}
+    if "no_recipe" in about:
+        told = f"{folder}: does not hold its model and options ({about['no_recipe']})."
+        raise SavedDataError(f"{told} Define the functions of a run in a module, not as lambda.")
+    if about and about["sarrus"] != _version("sarrus"):
+        told = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {_version('sarrus')}."
+        raise SavedDataError(
+            f"{told} Open it with load_run; to continue or repeat it, install Sarrus {about['sarrus']}."
         )
-    return pickle.loads(file.read_bytes())
+    content = read_checked(path)
+    if about and checksum(content).hex() != about.get("recipe"):
+        raise SavedDataError(f"{path}: belongs to another run. Restore it from a copy, or simulate anew.")
+    try:
+        return pickle.loads(content)
+    except Exception as wrong:
+        told = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
+        raise SavedDataError(f"{told} Make the modules of the run's functions importable here.") from None
 
 
-def arrays_of(path: Path) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """Attributes, arrays that are read where they are asked for, and the last checkpoint."""
-    state, group = checkpoint(path), _zarr().open_group(path, mode="r")
-    names = ("t", *COLUMNS)
-    arrays = {name: Lazy(group[name], int(state["rows"]), state[f"pending_{name}"]) for name in names}
-    arrays["history"] = Lazy(group["history"], int(state["steps"]), state["pending_history"])
-    return dict(group.attrs), arrays, state
+def about_of(folder: Path) -> dict[str, Any]:
+    """The attributes of a run; errors as `arrays_of`."""
+    if not (folder / METADATA).exists():
+        told = "holds no saved run" if folder.exists() else "there is no such folder"
+        raise NoSavedDataError(f"{folder}: {told}. Give the folder that was passed as `save`.")
+    about = _attributes(folder)
+    if "sarrus" not in about:
+        raise damaged(folder / METADATA)
+    if about.get("format") != FORMAT:
+        told = f"{folder}: was written by Sarrus {about['sarrus']} in format {about.get('format')}"
+        told += f", and Sarrus {_version('sarrus')} reads format {FORMAT}."
+        raise SavedDataError(f"{told} Open it with Sarrus {about['sarrus']}, or simulate anew.")
+    return about
 
 
-class Lazy:
-    """An array on disk and the rows behind it; what is indexed is read. ``np.asarray`` reads all.
+def _attributes(folder: Path) -> dict[str, Any]:
+    """What stands in the metadata; nothing where they are damaged."""
+    try:
+        about = json.loads(read_file(folder / METADATA))["attributes"]
+    except (ValueError, KeyError, TypeError):
+        return {}
+    return about if isinstance(about, dict) else {}
 
-    Attributes
-    ----------
-    shape : as an array's
+
+def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dict[str, Any]]:
+    """Attributes, arrays that are read and verified where they are indexed, and the last checkpoint.
+
+    Raises
+    ------
+    NoSavedDataError
+        If there is no run, or none that came to its first checkpoint.
+    SavedDataError
+        If it is damaged, or in another format.
     """
-
-    def __init__(self, stored: Any, rows: int, rest: Array) -> None:
-        self._stored, self._rows, self._rest = stored, rows, rest
-        self.shape = (rows + len(rest), *rest.shape[1:])
-
-    def __len__(self) -> int:
-        return int(self.shape[0])
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
-        return np.asarray(self[:], dtype=dtype)
-
-    def __getitem__(self, key: Any) -> Any:
-        """Rows (and columns) as arrays."""
-        row, *columns = key if isinstance(key, tuple) else (key,)
-        if isinstance(row, slice):
-            first, last, step = row.indices(len(self))
-            if step < 1:
-                return self[:][key]
-            there = self._stored[first : min(last, self._rows)] if first < self._rows else self._rest[:0]
-            behind = self._rest[max(first - self._rows, 0) : max(last - self._rows, 0)]
-            found = np.concatenate([there, behind])
-            return found[(slice(None, None, step), *columns)]
-        if np.ndim(row) > 0:
-            return self[:][key]
-        at = int(row) + (len(self) if row < 0 else 0)
-        one = self._stored[at] if at < self._rows else self._rest[at - self._rows]
-        return np.asarray(one)[tuple(columns)] if columns else np.asarray(one)[()]
+    if (folder / RECIPE).exists() and is_begun(folder):
+        told = f"{folder}: holds a run that was stopped before its first checkpoint."
+        raise NoSavedDataError(f"{told} Begin it again with sarrus.resume({str(folder)!r}).")
+    about, state = about_of(folder), checkpoint(folder)
+    if state["about"] != _checksum_of(about):
+        raise damaged(folder / METADATA)
+    arrays = {
+        name: StoredArray(folder / name, _rows(name, about["chunk"]), state) for name in (*OVER_TIME, HISTORY)
+    }
+    for array in arrays.values():
+        array.check_presence()
+    return about, arrays, state
 
 
-def _array(
-    zarr: Any, group: Any, name: str, shape: tuple[int, ...], chunks: tuple[int, ...], axes: tuple[str, ...]
-) -> None:
-    group.create_array(name, shape=shape, chunks=chunks, dtype="f8", fill_value=np.nan, dimension_names=axes,
-                       compressors=None)  # fmt: skip
-
-
-def _versions() -> dict[str, Any]:
+def versions() -> dict[str, Any]:
+    """Format, versions of all that numbers depend on, and a name that no other run has."""
     names = ("sarrus", "numpy", "numba", "scipy")
-    return {"format": FORMAT, "python": platform.python_version(), **{n: _version(n) for n in names}}
+    return {
+        "format": FORMAT,
+        "run": uuid4().hex,
+        "python": platform.python_version(),
+        **{n: _version(n) for n in names},
+    }
 
 
 def _version(name: str) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
 from ..model import Model, SarrusError, announce, reports_warnings
+from ..results.checked_file import NOT_SAVED, NotSavedError
 from ..system import System
 from . import pool
 from .case import Outcome, Task
@@ -149,7 +150,11 @@ def carry_out(
 ) -> StudyTable:
     """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
     told = asked.facts()
-    ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
+    try:
+        ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
+    except NotSavedError as wrong:
+        announce([str(wrong)])
+        return replace(table_of(told, {}), status=NOT_SAVED, warnings=(str(wrong),))
     outcomes = ledger.found if ledger else {}
     done = {case for case, outcome in outcomes.items() if outcome.success or not retry_failed}
     jobs = {case: asked.values(case) for case in range(len(asked.cases)) if case not in done}
@@ -176,6 +181,8 @@ def carry_out(
         status = "stopped" if isinstance(end, KeyboardInterrupt) else "time limit"
         why = "stopped by the user" if isinstance(end, KeyboardInterrupt) else str(end)
         ended = [f"{asked.name}: {why}; {len(done)} of {len(asked.cases)} cases are done."]
+    except NotSavedError as wrong:
+        status, ended = NOT_SAVED, [f"{wrong} Then the same call continues with the cases that are left."]
     finally:
         if ledger:
             ledger.close()

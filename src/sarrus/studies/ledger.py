@@ -1,28 +1,47 @@
 """The results of a study on disk: one line for each case, written as they come, readable after a crash at any moment.
 
-A folder holds ``study.json``, what was studied, and ``cases.jsonl``. Lines are only ever added; a last line that a
-crash cut off is dropped.
+A folder holds ``study.json``, what was studied, and ``cases.jsonl``. Lines are only ever added. Each has a checksum of
+itself and of all before it, so that lines that are changed, lost, moved or from another study are found; a last line
+that a crash cut off is dropped, and its case is run again.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..model import SarrusError
+from ..results.checked_file import (
+    DRAFT,
+    FolderTakenError,
+    NoSavedDataError,
+    SavedDataError,
+    checksum,
+    damaged,
+    read_file,
+    replace_file,
+    writing,
+)
+from ..results.folder_lock import LOCK, FolderLock, held, make_folder
 from .case import Outcome
 
 STUDY, CASES = "study.json", "cases.jsonl"
+BEGUN = {LOCK, CASES, STUDY + DRAFT}  # the files of a study before it is stored what is studied
+FORMAT = 2
 SAME = ("model", "parameters", "sample", "analysis", "responses", "cases")  # what makes a study the same one
+CHECKSUM = ', "checksum": "'  # in a line, before the last entry
+PAUSE = 1.0  # s between two times at which lines are flushed to the disk
 
 
 class Ledger:
-    """The folder of one study, open for more results.
+    """The folder of one study, open for more results of this process alone.
 
     Parameters
     ----------
@@ -37,43 +56,67 @@ class Ledger:
     Raises
     ------
     SarrusError
-        If the folder holds another study.
+        If the folder holds another study or other files, if it is damaged, or if another process writes it.
+    NotSavedError
+        If it cannot be written.
     """
 
     def __init__(self, folder: Path, facts: Mapping[str, Any], files: Mapping[str, str]) -> None:
-        self.folder = folder
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise SarrusError(f"{folder}: is a file, not a folder; choose another folder") from None
-        self._begin(facts, files)
-        self.found = dict(read_cases(folder))
-        self._file = (folder / CASES).open("ab")
+        self.folder, self.found, self._flushed = folder, dict[int, Outcome](), 0.0
+        with writing(folder):
+            self._lock = _locked(folder)
+            with held(self._lock):
+                self._open(facts, files)
 
-    def _begin(self, facts: Mapping[str, Any], files: Mapping[str, str]) -> None:
-        place = self.folder / STUDY
-        if place.exists():
-            _refuse_other(self.folder, read_study(self.folder), facts)
-            _drop_torn_line(self.folder / CASES)
-            return
-        for name, text in files.items():
-            copy = self.folder / "model" / name
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_text(text, encoding="utf-8")
-        _write_whole(place, json.dumps(facts, indent=1, ensure_ascii=False) + "\n")
+    def _open(self, facts: Mapping[str, Any], files: Mapping[str, str]) -> None:
+        place = self.folder / CASES
+        if (self.folder / STUDY).exists():
+            stored = read_study(self.folder)
+            _refuse_other(self.folder, stored, facts)
+        else:
+            stored = json.loads(json.dumps(facts))
+            place.touch()
+            whole = {"format": FORMAT, "checksum": _checksum_of(stored), **stored}
+            replace_file(
+                self.folder / STUDY, (json.dumps(whole, indent=1, ensure_ascii=False) + "\n").encode()
+            )
+        _copy(files, self.folder / "model")
+        self.found, self._last, end = _read(self.folder, stored)
+        self._file = place.open("r+b")
+        self._file.truncate(end)
+        self._file.seek(end)
 
     def write(self, case: int, outcome: Outcome) -> None:
-        """Add a line; it survives the end of this process at once, and that of the machine within moments."""
-        line = {"case": case, **outcome._asdict()}
-        line["responses"] = [x if np.isfinite(x) else None for x in outcome.responses]
-        self._file.write((json.dumps(line, ensure_ascii=False) + "\n").encode())
-        self._file.flush()
+        """Add a line; it survives the end of this process at once, and that of the machine within moments.
+
+        Raises
+        ------
+        NotSavedError
+            If it cannot be written.
+        """
         self.found[case] = outcome
+        entry = {"case": case, **outcome._asdict()}
+        entry["responses"] = [_plain(x) for x in outcome.responses]
+        text = json.dumps(entry, ensure_ascii=False)
+        self._last = _chained(self._last, text)
+        with writing(self.folder):
+            self._file.write(f'{text[:-1]}{CHECKSUM}{self._last}"}}\n'.encode())
+            self._file.flush()
+            if time.monotonic() > self._flushed + PAUSE:
+                self._flush()
+
+    def _flush(self) -> None:
+        os.fsync(self._file.fileno())
+        self._flushed = time.monotonic()
 
     def close(self) -> None:
-        """Hand everything to the disk."""
-        os.fsync(self._file.fileno())
-        self._file.close()
+        """Hand everything to the disk, and let others write."""
+        with suppress(OSError):  # what is not on the disk yet is found missing, and computed again
+            self._file.flush()
+            self._flush()
+        with suppress(OSError):
+            self._file.close()
+        self._lock.release()
 
 
 def read_study(folder: Path) -> dict[str, Any]:
@@ -82,28 +125,93 @@ def read_study(folder: Path) -> dict[str, Any]:
     Raises
     ------
     SarrusError
-        If the folder holds no study.
+        If the folder holds no study, or one that is damaged or in another format.
     """
+    place = folder / STUDY
     try:
-        found: dict[str, Any] = json.loads((folder / STUDY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise SarrusError(f"{folder}: holds no study; there is no readable {STUDY} in it") from None
+        found: dict[str, Any] = json.loads(read_file(place))
+        written, own = found.pop("checksum", None), found.pop("format", None)
+    except NoSavedDataError:
+        told = f"{folder}: holds no study; there is no readable {STUDY} in it."
+        raise NoSavedDataError(f"{told} Give the folder of a study.") from None
+    except (ValueError, AttributeError, TypeError) as wrong:
+        raise wrong if isinstance(wrong, SarrusError) else damaged(place) from None
+    if own != FORMAT:
+        told = f"{place}: is in format {own}, and this version of Sarrus reads format {FORMAT}."
+        raise SavedDataError(f"{told} Open it with the version that wrote it, or study into another folder.")
+    if written != _checksum_of(found):
+        raise damaged(place)
     return found
 
 
-def read_cases(folder: Path) -> list[tuple[int, Outcome]]:
-    """The cases that are done; a case that was run again counts with its last line."""
+def read_cases(folder: Path, facts: Mapping[str, Any]) -> list[tuple[int, Outcome]]:
+    """The cases that are done; a case that was run again counts with its last line.
+
+    Parameters
+    ----------
+    facts : what was studied, as stored
+
+    Raises
+    ------
+    SarrusError
+        If a line is damaged.
+    """
+    return sorted(_read(folder, facts)[0].items())
+
+
+def _read(folder: Path, facts: Mapping[str, Any]) -> tuple[dict[int, Outcome], str, int]:
+    """Outcomes by case, the checksum of the last line, and where it ends; what a crash cut off is left out."""
     place = folder / CASES
-    lines = place.read_bytes().split(b"\n")[:-1] if place.exists() else []
-    found = {}
-    for line in lines:
-        entry = json.loads(line)
-        numbers = tuple(np.nan if x is None else float(x) for x in entry["responses"])
-        warned = tuple(entry.get("warnings", ()))
-        found[int(entry["case"])] = Outcome(
-            entry["success"], entry["message"], numbers, entry["seconds"], warned
-        )
-    return sorted(found.items())
+    found, last, end = dict[int, Outcome](), _checksum_of(facts), 0
+    for number, line in enumerate(read_file(place).split(b"\n")[:-1], start=1):
+        end += len(line) + 1
+        if not line.strip():
+            continue
+        text, _, written = line.decode(errors="replace").rpartition(CHECKSUM)
+        last = _chained(last, text + "}")
+        if written != f'{last}"}}':
+            told = f"{place}:{number}: is damaged: its checksum is wrong. Restore the file from a copy, or delete"
+            raise SavedDataError(f"{told} this line and all below it: their cases are run again.")
+        case, outcome = _outcome(json.loads(text + "}"))
+        found[case] = outcome
+    return found, last, end
+
+
+def _outcome(entry: Mapping[str, Any]) -> tuple[int, Outcome]:
+    numbers = tuple(np.nan if x is None else float(x) for x in entry["responses"])
+    warned = tuple(entry["warnings"])
+    return int(entry["case"]), Outcome(entry["success"], entry["message"], numbers, entry["seconds"], warned)
+
+
+def _plain(number: float) -> float | str | None:
+    """A number as JSON has it."""
+    return number if np.isfinite(number) else None if np.isnan(number) else repr(float(number))
+
+
+def _chained(last: str, text: str) -> str:
+    """The checksum of a line and of all before it."""
+    return checksum((last + text).encode()).hex()
+
+
+def _checksum_of(facts: Mapping[str, Any]) -> str:
+    return checksum(json.dumps(facts, sort_keys=True).encode()).hex()
+
+
+def _locked(folder: Path) -> FolderLock:
+    """The right to write the folder of a study, which is made if it is not there."""
+    if (folder / STUDY).exists():
+        read_study(folder)
+    elif folder.is_dir() and not _is_begun(folder):
+        told = f"{folder}: holds other files and no study, so it is not touched."
+        raise FolderTakenError(f"{told} Choose another folder, or an empty one.")
+    make_folder(folder)
+    return FolderLock(folder)
+
+
+def _is_begun(folder: Path) -> bool:
+    """Whether a folder is empty, or that of a study of which nothing is stored yet."""
+    sizes = {place.name: place.stat().st_size for place in folder.iterdir()}
+    return sizes.keys() <= BEGUN and (not sizes or LOCK in sizes) and not sizes.get(CASES, 0)
 
 
 def _refuse_other(folder: Path, stored: Mapping[str, Any], facts: Mapping[str, Any]) -> None:
@@ -115,20 +223,10 @@ def _refuse_other(folder: Path, stored: Mapping[str, Any], facts: Mapping[str, A
             )
 
 
-def _drop_torn_line(place: Path) -> None:
-    """Cut off what a crash left of a line."""
-    if not place.exists():
-        return
-    with place.open("rb+") as file:
-        text = file.read()
-        file.truncate(text.rfind(b"\n") + 1)
-
-
-def _write_whole(place: Path, text: str) -> None:
-    """Write a file so that it is there as a whole or not at all."""
-    draft = place.with_suffix(".tmp")
-    with draft.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(place)
+def _copy(files: Mapping[str, str], folder: Path) -> None:
+    """Put the model's files beside the results, for people."""
+    for name, text in files.items():
+        copy = folder / name
+        if not copy.exists():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            replace_file(copy, text.encode())

@@ -31,7 +31,7 @@ class StudyTable(Result):
     messages : a sentence for each case that failed, an empty text for the others
     seconds : (n,) that each case took
     facts : what was studied: model, sample with its seed, analysis, responses, versions
-    status : "finished", "time limit" or "stopped"; cases that were not run have no success and no message
+    status : "finished", "time limit", "stopped" or "not saved"; cases that were not run have no success and no message
     execution : where the cases were run: in this process or in others, and why
     case_warnings : the warnings of the cases that have any, by number; ``warnings`` counts the most frequent ones
     """
@@ -190,10 +190,10 @@ def open_study(folder: str | Path) -> StudyTable:
     Raises
     ------
     SarrusError
-        If the folder holds no study.
+        If the folder holds no study, or one that is damaged or in another format.
     """
     facts = read_study(Path(folder))
-    return table_of(facts, dict(read_cases(Path(folder))))
+    return table_of(facts, dict(read_cases(Path(folder), facts)))
 
 
 def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTable:

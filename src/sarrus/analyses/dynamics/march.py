@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ import numpy as np
 from ...algebra import Array
 from ...model import announce, collected
 from ...results import Assembly, Happened, Solution, Trajectory, load_run
-from ...results.saved import Store
+from ...results.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
+from ...results.saved import UNFINISHED, Store
 from ...results.steps import Pieces, StepsTaken, Turn
 from ...results.steps import until as steps_until
 from ...system import System
@@ -21,7 +23,7 @@ from ..progress import TimeLimit
 from .events import Event, Impact, Watch, Watches, restitutions_of
 from .nearness import Nearness
 from .nodes import Nodes, joined
-from .outcome import trajectory_of
+from .outcome import nothing, trajectory_of
 from .sample_loop import Samples
 from .sampler import Sampler
 from .step_budget import StepBudget, StepWatch
@@ -83,7 +85,7 @@ class March:
         self._dense: list[Nodes] = []
         self._pieces: list[Any] = []
         self._turns: list[Turn] = []
-        self._marked, self._pause = time.perf_counter(), PAUSE
+        self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
 
     @property
     def portion(self) -> int:
@@ -109,10 +111,11 @@ class March:
         except KeyboardInterrupt:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
         except TimeLimit as over:
-            self._save(force=True)
             status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
         except Trouble as trouble:
             status, message = trouble.status, trouble.sentence
+        except NotSavedError as wrong:
+            return self._not_saved(str(wrong))
         return self._result(status, message)
 
     def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
@@ -128,25 +131,25 @@ class March:
         self.nearness.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
+        self._safe = float(self.stepper.t)
         self._take_dense(state)
 
     def _take_dense(self, state: Mapping[str, Array]) -> None:
         if self.plan.dense and "dense_t" in state:
             self._dense = [Nodes._make(state[f"dense_{name}"] for name in Nodes._fields)]
 
-    def over(self, state: Mapping[str, Array]) -> Trajectory:
+    def over(self, state: Mapping[str, Array], folder: Path) -> Trajectory:
         """A saved run that has come to its end, with the whole motion and the steps where they were kept."""
         self.sampler.resume(state)
         self._take_dense(state)
         if "kept_t" in state:
             self.stepper.resume(state)
-        return self._opened()
+        return self._opened(folder)
 
-    def _opened(self) -> Trajectory:
+    def _opened(self, folder: Path) -> Trajectory:
         """What is in the folder, with what is kept besides."""
-        assert self.plan.store is not None
         sol = Solution(joined(self._dense), self.sampler) if self._dense else None
-        return replace(load_run(self.plan.store.path, self.system), sol=sol, steps=self.stepper.steps())
+        return replace(load_run(folder, self.system), sol=sol, steps=self.stepper.steps())
 
     def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
         """Hand over what was computed; mark it as safe now and then, at the start, and at the end with what is told."""
@@ -163,7 +166,7 @@ class March:
             state |= self.nearness.state() | self.step_watch.state() | self._dense_state()
             state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
             (store.mark if told is None else store.finish)(state)
-            self._marked = time.perf_counter()
+            self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
 
     def _dense_state(self) -> dict[str, Array]:
@@ -272,12 +275,7 @@ class March:
             message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until)
         message += self.nearness.sentence() if status in ("finished", "event") else ""
         if self.plan.store:
-            told = {**self._told(), "status": status, "message": message}
-            if status in ("stopped", "time limit"):  # the last checkpoint stays: the run can be resumed
-                self.plan.store.retell(json.dumps(told))
-            else:
-                self._save(told)
-            return self._opened()
+            return self._saved(self.plan.store, status, message)
         samples = self.sampler.room(np.zeros(0))
         if self._samples:
             samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
@@ -299,6 +297,30 @@ class March:
             sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
             steps=self._steps(),
         )
+
+    def _saved(self, store: Store, status: str, message: str) -> Trajectory:
+        """The result of a run that is on disk."""
+        told = {**self._told(), "status": status, "message": message}
+        try:
+            if status == "time limit":
+                self._save(force=True)
+            if status not in UNFINISHED:
+                self._save(told)
+            elif not store.retell(json.dumps(told)):  # the last checkpoint stays: the run can be resumed
+                return nothing(self.system, status, message)
+        except NotSavedError as wrong:
+            return self._not_saved(str(wrong))
+        return self._opened(store.path)
+
+    def _not_saved(self, why: str) -> Trajectory:
+        """What was safe when the disk was full, a limit was reached, or the folder could not be written."""
+        assert self.plan.store is not None
+        try:
+            found = self._opened(self.plan.store.path)
+        except NoSavedDataError:
+            return nothing(self.system, NOT_SAVED, why)
+        told = f"{why} The run is safe up to t = {self._safe:.6g} s: continue it with sarrus.resume."
+        return replace(found, success=False, status=NOT_SAVED, message=told)
 
 
 def _until(nodes: Nodes, states: Samples) -> Nodes:

@@ -11,13 +11,15 @@ from typing import Any
 
 from ...algebra import Array
 from ...model import Model, reports_warnings
-from ...results import Assembly, Trajectory
-from ...results.saved import Store, recipe_of
+from ...results import Assembly, Trajectory, load_run
+from ...results.checked_file import NOT_SAVED, NotSavedError
+from ...results.saved import UNFINISHED, Store, arrays_of, is_begun, recipe_of
 from ...system import System
 from ..progress import monitor
 from .crossing import Crossing
 from .march import March, Plan
-from .stepper import Settings
+from .outcome import nothing
+from .stepper import Settings, Trouble
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,30 @@ class Recipe:
             stepper = Crossing(stepper, system, self.settings)
         return March(system, stepper, replace(self.plan, store=store, progress=progress))
 
-    def store(self, path: str | os.PathLike[str], system: System) -> Store:
-        """A folder for the run."""
+    def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
+        """A folder for the run, see `Store.create`."""
         about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
         about |= {"coordinates": list(system.coordinate_names), "method": repr(self.method)}
         about["until"] = self.plan.until
-        return Store.create(path, self.plan.times, system, about, self.as_dict())
+        return Store.create(path, self.plan.times, system, about, self.as_dict(), overwrite=overwrite)
+
+    def saved(
+        self,
+        path: str | os.PathLike[str],
+        system: System,
+        progress: Callable[[float], None] | None,
+        *,
+        overwrite: bool = False,
+    ) -> Trajectory:
+        """The run from its start, written to a folder."""
+        try:
+            store = self.store(path, system, overwrite=overwrite)
+            with store:
+                return self.march(system, store, progress).go(self.start)
+        except NotSavedError as wrong:
+            return nothing(system, NOT_SAVED, str(wrong))
+        except Trouble as trouble:
+            return nothing(system, trouble.status, trouble.sentence)
 
 
 @dataclass(frozen=True)
@@ -71,6 +91,8 @@ def resume(
 
     Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if kept.
     Model and options are read from the folder, which runs code that it holds: trust where it comes from.
+    A run that was stopped before its first checkpoint is begun again. All that was written is verified before. Where
+    the folder cannot be written, the status is "not saved", with what was computed before.
 
     Parameters
     ----------
@@ -80,17 +102,24 @@ def resume(
 
     Raises
     ------
-    FileNotFoundError
-        If there is no run.
-    ValueError
-        If the run was given functions that could not be stored.
+    SarrusError
+        If there is no run (also a FileNotFoundError), if it is damaged, of another version, or its functions could not
+        be stored (also a ValueError), or if another process writes it (also a FileExistsError).
     """
-    recipe: Recipe = recipe_of(Path(path))["recipe"]
-    store, state = Store.reopen(path)
+    folder = Path(path)
+    recipe: Recipe = recipe_of(folder)["recipe"]
     system = System(recipe.model)
+    if is_begun(folder):
+        with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
+            return recipe.saved(folder, system, told)
+    _, _, state = arrays_of(folder)
     if _is_over(state):
-        return recipe.march(system, store, None).over(state)
-    with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
+        return recipe.march(system, None, None).over(state, folder)
+    try:
+        store, state = Store.reopen(folder)
+    except NotSavedError as wrong:
+        return replace(load_run(folder, system), success=False, status=NOT_SAVED, message=str(wrong))
+    with store, monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
         return recipe.march(system, store, told).go(recipe.start, state)
 
 
@@ -102,4 +131,4 @@ def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
 
 
 def _is_over(state: dict[str, Array]) -> bool:
-    return json.loads(str(state["told"]))["status"] not in ("cut short", "stopped", "time limit")
+    return json.loads(str(state["told"]))["status"] not in UNFINISHED

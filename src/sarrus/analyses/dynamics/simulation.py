@@ -60,6 +60,7 @@ def simulate(
     dense_output: bool = False,
     keep_steps: bool = False,
     save: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     progress: bool | Callable[[float], None] | None = None,
     time_limit: float | None = None,
     max_steps: int | None = None,
@@ -87,7 +88,8 @@ def simulate(
         `GeneralizedAlpha` and `Radau`)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow (but by what `dense_output` and `keep_steps` keep), and `resume` goes on
-        with it; `load_run` opens it
+        with it; `load_run` opens it. A folder that is there is refused unless it is a run and `overwrite` is true
+    overwrite : whether a saved run that is there is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
     time_limit : seconds of the clock after which the run ends with the status "time limit"
     max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends where the
@@ -129,8 +131,10 @@ def simulate(
     try:
         refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
         with monitor(progress, until, time_limit=time_limit) as told:
-            march = recipe.march(system, None if save is None else recipe.store(save, system), told)
-            run = march.go(begin)
+            if save is not None:
+                run = recipe.saved(save, system, told, overwrite=overwrite)
+            else:
+                run = recipe.march(system, None, told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
     announce(energy_growth(system, run))

@@ -1,0 +1,493 @@
+"""What is saved cannot be lost or lie: other data, other writers, damage, crashes at any moment, and full disks."""
+
+import errno
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.dynamics import march
+from sarrus.model import SarrusError
+from sarrus.results import checked_file, saved
+
+ROOT = Path(__file__).parents[2]
+GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201)}
+STATES = ("t", "q", "v", "a", "lam", "history", "kinetic_energy", "violation")
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Chunks of 23 states, a checkpoint after every 40 steps."""
+    for owner, name, value in (
+        (march, "PAUSE", 0.0),
+        (march, "PATIENT", 0.0),
+        (march, "CHUNK", 40),
+        (saved, "BYTES", 4000),
+    ):
+        monkeypatch.setattr(owner, name, value)
+
+
+@pytest.fixture(scope="module")
+def plain() -> sr.Trajectory:
+    return sr.simulate(slider_crank(), **GIVEN)
+
+
+def stop(t: float) -> None:
+    if t > 0.5:
+        raise KeyboardInterrupt
+
+
+def same(one: sr.Trajectory, other: sr.Trajectory) -> bool:
+    return all(
+        np.array_equal(np.asarray(getattr(one, n)), np.asarray(getattr(other, n)), equal_nan=True)
+        for n in STATES
+    )
+
+
+def cut_short(folder: Path) -> sr.Trajectory:
+    return sr.simulate(slider_crank(), save=folder, progress=stop, **GIVEN)
+
+
+# ---------------------------------------------------------------------------------------------- other data
+def foreign_group(folder: Path) -> None:
+    zarr = pytest.importorskip("zarr")
+    zarr.open_group(folder, mode="w").create_array("measurements", shape=(9,), dtype="f8")[:] = 1.0
+    (folder / "notes.txt").write_text("irreplaceable")
+
+
+def foreign_names(folder: Path) -> None:
+    folder.mkdir()
+    for name in ("lock", "recipe.pickle"):
+        (folder / name).write_text("mine")
+
+
+def foreign_json(folder: Path) -> None:
+    folder.mkdir()
+    (folder / "zarr.json").write_text("[1, 2]")
+
+
+def foreign_file(folder: Path) -> None:
+    folder.write_text("mine")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p): p.read_bytes() for p in [folder, *folder.rglob("*")] if p.is_file()}
+
+
+@pytest.mark.parametrize("make", [foreign_group, foreign_names, foreign_json, foreign_file, Path.mkdir])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_what_is_no_run_is_never_touched(
+    make: Callable[[Path], None], overwrite: bool, tmp_path: Path
+) -> None:
+    folder = tmp_path / "thesis"
+    make(folder)
+    before = contents(folder)
+    with pytest.raises(SarrusError, match=r"thesis: is there and is no saved run.* Choose another name"):
+        sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
+    assert contents(folder) == before
+
+
+@pytest.mark.usefixtures("small")
+def test_a_run_is_replaced_only_where_that_is_said(tmp_path: Path, plain: sr.Trajectory) -> None:
+    folder = tmp_path / "run"
+    cut_short(folder)
+    (folder / "notes.txt").write_text("irreplaceable")
+    with pytest.raises(
+        FileExistsError, match=r"cut short. Continue it with sarrus.resume\('.*run'\), or pass"
+    ):
+        sr.simulate(slider_crank(), save=folder, **GIVEN)
+    sr.resume(folder)
+    with pytest.raises(
+        SarrusError, match=r"holds a finished run. Open it with sarrus.load_run.*overwrite=True"
+    ):
+        sr.simulate(slider_crank(), save=folder, **GIVEN)
+    assert same(sr.load_run(folder), plain)
+    (folder / saved.CHECKPOINT).unlink()
+    with pytest.raises(SarrusError, match=r"holds a damaged run. Pass overwrite=True"):
+        sr.simulate(slider_crank(), save=folder, **GIVEN)
+    with pytest.raises(SarrusError, match=r"checkpoint.npz: is missing"):
+        sr.resume(folder)
+    other = sr.simulate(slider_crank(), save=folder, overwrite=True, until=0.2)
+    assert same(sr.load_run(folder), other)
+    assert (folder / "notes.txt").read_text() == "irreplaceable"
+
+
+def test_zarr_opens_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain: sr.Trajectory) -> None:
+    zarr = pytest.importorskip("zarr")
+    monkeypatch.setattr(saved, "BYTES", 4000)
+    sr.simulate(slider_crank(), save=tmp_path / "run", **GIVEN)
+    group = zarr.open_group(tmp_path / "run", mode="r")
+    for name in ("t", "q", "v", "a", "lam"):
+        assert np.array_equal(group[name][:], getattr(plain, name)), name
+    assert np.array_equal(group["history"][: plain.nsteps], plain.history)
+    assert group["q"].metadata.dimension_names == ("time", "coordinate")
+    assert group.attrs["bodies"] == list(plain.bodies)
+
+
+# ------------------------------------------------------------------------------------------- other writers
+WRITER = """
+import sys, time, sarrus as sr
+from tests.analyses import test_saved_folders as here
+def wait(t):
+    if t > 0.2:
+        print("writing", flush=True)
+        time.sleep(100)
+here.march.PAUSE, here.march.CHUNK = 0.0, 40
+sr.simulate(here.slider_crank(), save=sys.argv[1], progress=wait, **here.GIVEN)
+"""
+
+
+def writer(code: str, *arguments: object) -> subprocess.Popen[str]:
+    """A process of its own that has begun to write."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    found = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert found.stdout is not None
+    assert found.stdout.readline() == "writing\n"
+    return found
+
+
+def test_a_second_writer_is_refused_and_a_dead_one_is_replaced(tmp_path: Path, plain: sr.Trajectory) -> None:
+    folder = tmp_path / "run"
+    first = writer(WRITER, folder)
+    try:
+        told = rf"run: is being written by process {first.pid} on {os.uname().nodename}. Wait until it ends"
+        for overwrite in (False, True):
+            with pytest.raises(SarrusError, match=told):
+                sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
+        with pytest.raises(SarrusError, match=told):
+            sr.resume(folder)
+        assert sr.load_run(folder).status == "cut short"
+    finally:
+        first.kill()
+        first.communicate()
+    assert same(sr.resume(folder), plain)
+
+
+def test_a_second_writer_in_the_same_process_is_refused(tmp_path: Path) -> None:
+    refused = []
+
+    def again(t: float) -> None:
+        with pytest.raises(SarrusError, match=f"is being written by process {os.getpid()} on"):
+            sr.simulate(slider_crank(), save=tmp_path / "run", overwrite=True, **GIVEN)
+        refused.append(t)
+
+    run = sr.simulate(slider_crank(), save=tmp_path / "run", progress=again, **GIVEN)
+    assert run.success
+    assert refused
+
+
+def test_where_files_cannot_be_locked_the_process_that_is_named_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from sarrus.results import folder_lock
+
+    def none(_: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(folder_lock, "_try_lock", none)
+    cut_short(tmp_path / "run")
+    lock = tmp_path / "run" / folder_lock.LOCK
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    for process, host in ((os.getpid(), os.uname().nodename), (1, "elsewhere")):
+        lock.write_text(json.dumps({"process": process, "host": host}))
+        with pytest.raises(SarrusError, match=f"is being written by process {process} on {host}"):
+            sr.resume(tmp_path / "run")
+    lock.write_text(json.dumps({"process": dead.pid, "host": os.uname().nodename}))
+    assert sr.resume(tmp_path / "run").success
+
+
+# -------------------------------------------------------------------------------------------------- damage
+@pytest.mark.usefixtures("small")
+def test_chunks_are_bound_to_their_places(tmp_path: Path) -> None:
+    """A chunk of another place or array, or of a run that differs in one number, is refused where it is read."""
+    folder = tmp_path / "run"
+    sr.simulate(slider_crank(), save=folder, **GIVEN)
+    chunks = sorted((folder / "q").glob("c.*"))
+    assert len(chunks) == 9
+    whole = chunks[3].read_bytes()
+    for other in (chunks[4], folder / "v" / chunks[3].name, folder / "a" / chunks[3].name):
+        chunks[3].write_bytes(other.read_bytes())
+        run = sr.load_run(folder)
+        assert np.array_equal(run.q[:60], sr.load_run(folder).q[:60])
+        for read in (
+            lambda run=run: run.q[75],
+            lambda run=run: run.q[60:80],
+            lambda run=run: np.asarray(run.q),
+        ):
+            with pytest.raises(
+                SarrusError, match=r"q/c\.3\.0: is damaged: its checksum is wrong. Restore it"
+            ):
+                read()
+    chunks[3].write_bytes(whole[:-1])
+    with pytest.raises(SarrusError, match=r"c\.3\.0: has \d+ bytes in place of \d+"):
+        sr.load_run(folder)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_run_is_verified_before_it_is_continued(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    cut_short(folder)
+    chunk = folder / "lam" / "c.1.0"
+    chunk.write_bytes(bytes(chunk.stat().st_size))
+    before = contents(folder)
+    with pytest.raises(ValueError, match=r"lam/c\.1\.0: is damaged"):
+        sr.resume(folder)
+    assert contents(folder) == before
+
+
+def change_attributes(folder: Path, **changes: Any) -> None:
+    about = json.loads((folder / "zarr.json").read_text())
+    about["attributes"] |= changes
+    (folder / "zarr.json").write_text(json.dumps(about))
+
+
+def test_format_version_and_attributes_are_checked(tmp_path: Path) -> None:
+    folder, copy = tmp_path / "run", tmp_path / "copy"
+    cut_short(folder)
+    for changes, told in (
+        ({"format": 999}, "in format 999, and Sarrus .* reads format 2. Open it with Sarrus .*, or simulate"),
+        ({"format": 1}, "in format 1, and"),
+        ({"name": "other"}, "zarr.json: is damaged"),
+        ({"bodies": ["a", "b", "c"]}, "zarr.json: is damaged"),
+        ({"chunk": 7}, "zarr.json: is damaged"),
+    ):
+        shutil.copytree(folder, copy)
+        change_attributes(copy, **changes)
+        for use in (sr.load_run, sr.resume):
+            with pytest.raises(SarrusError, match=told):
+                use(copy)
+        shutil.rmtree(copy)
+
+
+def test_another_version_opens_a_run_but_does_not_continue_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "run"
+    found = cut_short(folder)
+    monkeypatch.setattr(saved, "_version", lambda name: "9.9")
+    assert same(sr.load_run(folder), found)
+    for use in (sr.resume, sr.repeat, lambda path: sr.load_run(path, trusted=True)):
+        with pytest.raises(
+            SarrusError, match=r"was written by Sarrus .*, and this is 9.9. .* install Sarrus"
+        ):
+            use(folder)
+
+
+def test_a_foreign_recipe_is_not_opened(tmp_path: Path) -> None:
+    """Neither one without a checksum nor one of another run; what cannot be imported is a message."""
+    folder, other = tmp_path / "run", tmp_path / "other"
+    cut_short(folder)
+    sr.simulate(slider_crank(), save=other, until=0.1)
+    recipe = folder / saved.RECIPE
+    recipe.write_bytes(b"cos\nsystem\n(S'touch " + str(tmp_path / "ran").encode() + b"'\ntR.")
+    with pytest.raises(SarrusError, match=r"recipe.pickle: is damaged"):
+        sr.resume(folder)
+    assert not (tmp_path / "ran").exists()
+    shutil.copy(other / saved.RECIPE, recipe)
+    with pytest.raises(SarrusError, match=r"recipe.pickle: belongs to another run"):
+        sr.repeat(folder)
+    content = b"cnowhere_to_be_found\nfunction\n."
+    checked_file.write_checked(recipe, content)
+    change_attributes(folder, recipe=checked_file.checksum(content).hex())
+    with pytest.raises(SarrusError, match=r"cannot be opened .*nowhere_to_be_found.* Make the modules"):
+        sr.resume(folder)
+
+
+def test_random_damage_is_refused_or_harmless() -> None:
+    """Run folders and ledgers of studies; the whole attack is ``python benchmarks/attack_saving.py --damage``."""
+    script = [
+        sys.executable,
+        "benchmarks/attack_saving.py",
+        "--damage",
+        "--folders",
+        "60",
+        "--ledgers",
+        "100",
+    ]
+    done = subprocess.run(script, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "FAILED" not in done.stdout
+
+
+# ------------------------------------------------------------------------------------------------- crashes
+class Crash(BaseException):
+    """The end of a process."""
+
+
+@pytest.mark.usefixtures("small")
+def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain: sr.Trajectory
+) -> None:
+    """The process ends before each of the files that are written up to the first checkpoint."""
+    write, left = checked_file.replace_file, [0]
+
+    def crash(path: Path, data: bytes) -> None:
+        left[0] -= 1
+        if left[0] < 0:
+            path.with_name(path.name + checked_file.DRAFT).write_bytes(data[: len(data) // 2])
+            raise Crash
+        write(path, data)
+
+    modules = (checked_file, saved, saved.stored_array)
+    for count in range(20):
+        folder, left[0] = tmp_path / f"run{count}", count
+        for module in modules:
+            monkeypatch.setattr(module, "replace_file", crash)
+        with suppress(Crash):
+            sr.simulate(slider_crank(), save=folder, **GIVEN)
+        for module in modules:
+            monkeypatch.setattr(module, "replace_file", write)
+        if (folder / saved.CHECKPOINT).exists():
+            break
+        if count:
+            with pytest.raises(
+                FileNotFoundError, match=r"before its first checkpoint. Begin it again with sarrus.resume"
+            ):
+                sr.load_run(folder)
+            assert same(sr.resume(folder), plain)
+        else:
+            with pytest.raises(FileNotFoundError, match="holds no saved run"):
+                sr.resume(folder)
+            assert same(sr.simulate(slider_crank(), save=folder, **GIVEN), plain)
+    assert count == 11  # the recipe, the attributes of the group and of nine arrays, and the first checkpoint
+
+
+@pytest.mark.usefixtures("small")
+def test_chunks_are_on_the_disk_before_a_checkpoint_refers_to_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flushed, wanted = set[Path](), list[Path]()
+    fsync, write = os.fsync, checked_file.write_checked
+
+    def note(number: int) -> None:
+        flushed.add(Path(f"/proc/self/fd/{number}").readlink())
+        fsync(number)
+
+    def check(path: Path, content: bytes) -> None:
+        chunks = [p for p in path.parent.glob("*/c.*") if p.parent.name != "history"]
+        assert flushed >= {*chunks, *(p.parent for p in chunks)}
+        wanted.extend(chunks)
+        write(path, content)
+        assert path.with_name(path.name + checked_file.DRAFT) in flushed
+        assert path.parent in flushed
+
+    monkeypatch.setattr(os, "fsync", note)
+    monkeypatch.setattr(saved, "write_checked", check)
+    sr.simulate(slider_crank(), save=tmp_path / "run", **GIVEN)
+    assert len(set(wanted)) > 50
+
+
+# ---------------------------------------------------------------------------------------------- full disks
+LIMITED = """
+import resource, sys, sarrus as sr
+from tests.analyses import test_saved_folders as here
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
+here.march.PAUSE = here.march.PATIENT = 0.0
+here.march.CHUNK, here.saved.BYTES = 40, 4000
+made = sr.resume(sys.argv[1]) if sys.argv[3] == "resume" else sr.simulate(
+    here.slider_crank(), save=sys.argv[1], **here.GIVEN)
+print(made.status, len(made.t), made.success)
+print(made.message)
+"""
+
+
+def limited(folder: Path, size: int, verb: str) -> list[str]:
+    """Run with a limit of file sizes; what is printed."""
+    command = [sys.executable, "-c", LIMITED, str(folder), str(size), verb]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_a_limit_of_file_sizes_ends_in_a_result(tmp_path: Path, plain: sr.Trajectory) -> None:
+    """At 1 kB nothing can be written, at 60 kB some checkpoints can; the run is completed without a limit."""
+    folder = tmp_path / "run"
+    told, message = limited(folder, 1000, "simulate")
+    assert told == "not saved 0 False"
+    assert "cannot be written (File too large). Raise the limit of file sizes" in message
+    folder = tmp_path / "second"
+    largest = 60_000
+    told, message = limited(folder, largest, "simulate")
+    status, count, success = told.rsplit(" ", 2)
+    assert (status, success) == ("not saved", "False")
+    assert 0 < int(count) < len(plain.t)
+    assert "The run is safe up to t =" in message
+    found = sr.load_run(folder)
+    assert found.status == "cut short"
+    assert np.array_equal(np.asarray(found.q), plain.q[: int(count)])
+    assert limited(folder, largest, "resume")[0] == told
+    assert same(sr.resume(folder), plain)
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Path]:
+    """A small disk of its own, where that is allowed."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(place)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("no disk can be mounted")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_full_disk_ends_in_a_result_and_the_run_is_continued_when_there_is_space(
+    disk: Path, plain: sr.Trajectory
+) -> None:
+    folder, ballast = disk / "run", disk / "ballast"
+    ballast.write_bytes(bytes(850_000))
+    cut = sr.simulate(slider_crank(), save=folder, **GIVEN)
+    assert (cut.status, cut.success) == ("not saved", False)
+    assert "No space left on device). Free disk space" in cut.message
+    assert 0 < len(cut.t) < len(plain.t)
+    assert np.array_equal(np.asarray(sr.load_run(folder).q), plain.q[: len(cut.t)])
+    still = sr.resume(folder)
+    assert (still.status, len(still.t) >= len(cut.t)) == ("not saved", True)
+    ballast.unlink()
+    assert same(sr.resume(folder), plain)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_folder_that_cannot_be_written_ends_in_a_result(disk: Path) -> None:
+    cut = cut_short(disk / "run")
+    subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+    run = sr.simulate(slider_crank(), save=disk / "other", **GIVEN)
+    assert (run.status, run.success, len(run.t)) == ("not saved", False, 0)
+    assert "Read-only file system). Make it writable" in run.message
+    resumed = sr.resume(disk / "run")
+    assert resumed.status == "not saved"
+    assert same(resumed, cut)
+    assert same(sr.load_run(disk / "run"), cut)
+
+
+def test_a_refusal_of_the_operating_system_ends_in_a_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever it refuses, at any checkpoint, also at the last one."""
+    for count in (0, 1, 2):
+        write, left = checked_file.write_checked, [count]
+
+        def refuse(path: Path, content: bytes, left: list[int] = left, write: Any = write) -> None:
+            left[0] -= 1
+            if left[0] < 0:
+                raise OSError(errno.EIO, "Input/output error")
+            write(path, content)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(saved, "write_checked", refuse)
+            run = sr.simulate(slider_crank(), save=tmp_path / f"run{count}", **GIVEN)
+        assert run.status == "not saved"
+        assert "Input/output error" in run.message
+    assert sr.resume(tmp_path / "run2").success

@@ -74,7 +74,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     if chosen.linear:
         _linear(asked, answer)
     _write(chosen, table, answer)
-    return 0 if table.success.any() and table.status == "finished" else 1
+    return 0 if table.success.any() and table.status != "not saved" else 1
 
 
 def _linear(asked: Asked, answer: Answer) -> None:

@@ -22,7 +22,7 @@ from .started import independence_at
 from .stepper import Settings, Tally, Trouble
 from .trouble import singular, trouble_of
 
-TINY = 1e-6  # of the whole time: steps so short are given up on
+TINY = 1e-10  # of the whole time: steps so short are given up on; a light part may turn within 1e-6 of it
 PATIENCE = 20  # after so many of them in a row
 PARTS = 8  # pieces of a step between which there are nodes, if states are wanted at any time
 SOLVERS = ("DOP853", "RK45", "RK23")

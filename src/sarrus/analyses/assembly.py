@@ -19,6 +19,7 @@ from .least_change import LeastChange
 from .metric import metric as metric_of
 from .open_joints import open_joints
 from .saddle import Saddle
+from .threads import one_thread_if_small
 from .velocity import Rates, assemble_velocity
 
 SHAKE = (
@@ -31,6 +32,7 @@ SPEED_TOLERANCE = 1e-9  # of the largest entry of |Φ_q v + Φ_t|, per unit of v
 
 
 @reports_warnings
+@one_thread_if_small
 def assemble(
     system: System,
     q: ArrayLike | None = None,

@@ -15,12 +15,14 @@ from .assembly import assemble
 from .rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
 from .repetitions import repetitions
 from .second_order import common_zeros
+from .threads import one_thread_if_small
 
 DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
 STRAIGHT = 1e-6  # curvature, relative, that counts as zero
 
 
 @reports_warnings
+@one_thread_if_small
 def mobility(
     system: System,
     q: ArrayLike | None = None,

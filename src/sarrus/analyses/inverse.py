@@ -15,6 +15,7 @@ from ..system import System
 from .nullspace import NullSpace
 from .onto import largest
 from .recorded_state import RecordedState, histories, recorded_state
+from .threads import one_thread_if_small
 
 BALANCED = 1e-7  # of the largest force: what may be missing in a motion that satisfies the equations
 
@@ -49,6 +50,7 @@ def multipliers(
 
 
 @reports_warnings
+@one_thread_if_small
 def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -> Trajectory:
     """The same motion with the multipliers that it needs.
 

@@ -17,11 +17,13 @@ from .nullspace import NullSpace
 from .onto import onto
 from .progress import Progress, TimeLimit, monitor
 from .recorded_state import RecordedState, histories, recorded_state
+from .threads import one_thread_if_small
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 
 
 @reports_warnings
+@one_thread_if_small
 def kinematics(
     system: System,
     times: ArrayLike,

@@ -13,6 +13,7 @@ from ..system import System
 from .nullspace import NullSpace
 from .onto import largest
 from .steady import generator
+from .threads import one_thread_if_small
 
 
 class Linear(NamedTuple):
@@ -50,6 +51,7 @@ class Around(NamedTuple):
 
 
 @reports_warnings
+@one_thread_if_small
 def linearize(
     system: System,
     q: ArrayLike,

@@ -19,6 +19,7 @@ from .degrees_of_freedom import normalizations
 from .joint_rate import Rate, rate
 from .path import Path
 from .rank import independent_rows, rank_of, unit_rows
+from .threads import one_thread_if_small
 
 SINGULAR = 1e-6  # a smallest singular value that counts as zero, rows scaled to unit length
 SAME = 1e-7  # of the length of the path: nearer ones are the same
@@ -27,6 +28,7 @@ SAMPLES = 5  # positions of the grid from which the regular rank is taken
 
 
 @reports_warnings
+@one_thread_if_small
 def singularities(
     system: System,
     motion: Trajectory | Callable[[float], ArrayLike],

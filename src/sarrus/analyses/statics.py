@@ -15,6 +15,7 @@ from .degrees_of_freedom import mobility
 from .driven_path import coordinate_scale
 from .onto import largest, onto
 from .slide import newton_step, slide_step
+from .threads import one_thread_if_small
 
 FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
@@ -29,6 +30,7 @@ POOR, GOOD = (
 
 
 @reports_warnings
+@one_thread_if_small
 def equilibrium(
     system: System,
     q: ArrayLike | None = None,

@@ -13,6 +13,7 @@ from ..results import Modes
 from ..system import System
 from .linearization import Linear, linearize
 from .onto import largest
+from .threads import one_thread_if_small
 
 FREE = 1e-6  # an eigenvalue, relative to the largest: a free motion is a double zero, found to the root of round-off
 UNDAMPED = 1e-9  # a real part, relative to the largest eigenvalue, that counts as zero
@@ -20,6 +21,7 @@ STEADY = 1e-6  # a - X v that counts as zero, relative to the accelerations in t
 
 
 @reports_warnings
+@one_thread_if_small
 def modes(
     system: System,
     q: ArrayLike,

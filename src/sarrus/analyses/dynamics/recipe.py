@@ -16,6 +16,7 @@ from ...results.checked_file import NOT_SAVED, NotSavedError
 from ...results.saved import UNFINISHED, Store, arrays_of, is_begun, recipe_of
 from ...system import System
 from ..progress import monitor
+from ..threads import one_thread_if_small
 from .crossing import Crossing
 from .march import March, Plan
 from .outcome import nothing
@@ -80,6 +81,7 @@ class _SystemOf:
 
 
 @reports_warnings
+@one_thread_if_small
 def resume(
     path: str | os.PathLike[str],
     *,
@@ -124,6 +126,7 @@ def resume(
 
 
 @reports_warnings
+@one_thread_if_small
 def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
     """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
     recipe: Recipe = recipe_of(Path(path))["recipe"]

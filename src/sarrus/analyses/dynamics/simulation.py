@@ -13,6 +13,7 @@ from ...results import Assembly, Trajectory
 from ...system import System
 from ..assembly import assemble
 from ..progress import monitor, refuse_time_limit
+from ..threads import one_thread_if_small
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of
@@ -44,6 +45,7 @@ def refuse_end(until: float) -> None:
 
 
 @reports_warnings
+@one_thread_if_small
 def simulate(
     system: System,
     start: Assembly | None = None,

@@ -13,6 +13,7 @@ from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
 from ..sensitivity.responses import Misfit
+from ..threads import one_thread_if_small
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables
 from .solvers import Answer, in_words
@@ -27,6 +28,7 @@ NOTHING = 1e-13
 
 
 @reports_warnings
+@one_thread_if_small
 def fit(
     system: System,
     misfits: Misfit | Sequence[Misfit],

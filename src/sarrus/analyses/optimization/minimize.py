@@ -9,6 +9,7 @@ from typing import Any
 from ...model import announce, reports_warnings
 from ...results import Optimum
 from ...system import System
+from ..threads import one_thread_if_small
 from .combined import Part
 from .constraint import Within, refuse_others
 from .problem import Problem
@@ -19,6 +20,7 @@ from .task import Task
 
 
 @reports_warnings
+@one_thread_if_small
 def optimize(
     system: System,
     objective: Part | Sequence[Part],

@@ -22,6 +22,7 @@ from ..dynamics.events import restitutions_of
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
+from ..threads import one_thread_if_small
 from .chain import FIELDS, Gradients, Nodes, through
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
 from .evaluation import Evaluation, Explicit, where_of
@@ -47,6 +48,7 @@ LINEAR = (
 
 
 @reports_warnings
+@one_thread_if_small
 def sensitivity_by_checkpoints(
     system: System,
     responses: Wanted,

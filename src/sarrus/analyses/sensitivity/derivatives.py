@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import reports_warnings
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
+from ..threads import one_thread_if_small
 from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
@@ -30,6 +31,7 @@ class UndefinedResponse(ValueError):
 
 
 @reports_warnings
+@one_thread_if_small
 def sensitivity(
     run: Trajectory,
     responses: Wanted,
@@ -105,6 +107,7 @@ def differentiated(
 
 
 @reports_warnings
+@one_thread_if_small
 def state_derivatives(
     run: Trajectory,
     wrt: Sequence[str],
@@ -138,6 +141,7 @@ def state_derivatives(
 
 
 @reports_warnings
+@one_thread_if_small
 def hessian_product(
     run: Trajectory,
     response: Response | Output,
@@ -180,6 +184,7 @@ def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
 
 
 @reports_warnings
+@one_thread_if_small
 def hessian(
     run: Trajectory,
     response: Response | Output,

@@ -9,6 +9,7 @@ from typing import Any
 from ...model import reports_warnings
 from ...results.workspace import Workspace
 from ...system import System
+from ..threads import one_thread_if_small
 from .formulate import Limits
 from .mapping import REPEATS, WorkspaceMap
 from .trace import LONGEST
@@ -16,6 +17,7 @@ from .verify import verify_workspace
 
 
 @reports_warnings
+@one_thread_if_small
 def workspace(
     system: System,
     output: Iterable[Any],

@@ -11,6 +11,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.input_singularities import InputSingularities, Lost, SingularCurve
 from ...system import System
+from ..threads import one_thread_if_small
 from .arc import DENSE, Arc
 from .change import changes
 from .explore import Branch
@@ -23,6 +24,7 @@ CROSSINGS = 100  # by random walks, in a row of known curves, until the curves c
 
 
 @reports_warnings
+@one_thread_if_small
 def input_singularities(
     system: System,
     output: Iterable[Any],

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import reports_warnings
 from ...system import System
+from ..threads import one_thread_if_small
 from .formulate import formulate
 from .problem import Problem
 from .svd import singular
@@ -37,6 +38,7 @@ class Dexterity(NamedTuple):
 
 
 @reports_warnings
+@one_thread_if_small
 def dexterity(
     system: System,
     q: ArrayLike,

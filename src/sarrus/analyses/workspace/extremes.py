@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.workspace_range import CriticalValue, WorkspaceRange
 from ...system import System
+from ..threads import one_thread_if_small
 from .crossing import examine
 from .formulate import Limits, formulate
 from .mapping import CONFIDENCE, MOST_STARTS, REPEATS
@@ -30,6 +31,7 @@ TRIES = 20
 
 
 @reports_warnings
+@one_thread_if_small
 def workspace_range(
     system: System,
     output: Any,

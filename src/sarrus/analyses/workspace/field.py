@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.workspace import Workspace
 from ...results.workspace_field import Quantity, WorkspaceField
+from ..threads import one_thread_if_small
 from .dexterity import dexterity_at
 from .flood import Flood, around
 from .formulate import TURN, formulate
@@ -26,6 +27,7 @@ TRIES = 8  # known positions nearby, of a place that nothing led to
 
 
 @reports_warnings
+@one_thread_if_small
 def workspace_field(
     found: Workspace,
     inputs: Iterable[Any] = (),

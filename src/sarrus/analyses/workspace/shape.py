@@ -24,6 +24,7 @@ from ...results.workspace_range import WorkspaceRange
 from ...results.workspace_volume import WorkspaceVolume
 from ..sensitivity.chain import Gradients
 from ..sensitivity.parameters import Parameters, UnknownParameter
+from ..threads import one_thread_if_small
 from .explore import Branch
 from .extremes import ONE
 from .newton import NoPoint, Row, Tally, correct
@@ -39,6 +40,7 @@ LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are s
 
 
 @reports_warnings
+@one_thread_if_small
 def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
     """The exact derivative of the area of a workspace.
 
@@ -81,6 +83,7 @@ def area_rates(problem: Problem, region: Region) -> tuple[Array, float]:
 
 
 @reports_warnings
+@one_thread_if_small
 def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
     """The exact derivative of a volume, of which `workspace_volume` was asked with ``derivatives=True``.
 
@@ -123,6 +126,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
 
 
 @reports_warnings
+@one_thread_if_small
 def end_gradient(
     found: WorkspaceRange, value: float, wrt: Iterable[str], *, strict: bool = False
 ) -> ShapeDerivative:
@@ -161,6 +165,7 @@ def end_gradient(
 
 
 @reports_warnings
+@one_thread_if_small
 def distance_gradient(
     found: Workspace, point: ArrayLike, wrt: Iterable[str], *, strict: bool = False
 ) -> ShapeDerivative:

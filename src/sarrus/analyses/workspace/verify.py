@@ -14,6 +14,7 @@ from ...algebra import Array
 from ...model import reports_warnings
 from ...results.workspace import Verification, Workspace
 from ...system import System
+from ..threads import one_thread_if_small
 from .change import can_change, changes_along
 from .formulate import formulate
 from .mapping import Asked, WorkspaceMap
@@ -52,6 +53,7 @@ class Drawn(NamedTuple):
 
 
 @reports_warnings
+@one_thread_if_small
 def verify_workspace(
     found: Workspace,
     samples: int = 2000,

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.workspace_volume import WorkspaceVolume
 from ...system import System
+from ..threads import one_thread_if_small
 from .extremes import workspace_range
 from .formulate import Limits, formulate
 from .loft import loft
@@ -27,6 +28,7 @@ RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 
 
 @reports_warnings
+@one_thread_if_small
 def workspace_volume(
     system: System,
     output: Iterable[Any],

@@ -139,7 +139,7 @@ def simulate(
                 run = recipe.march(system, None, told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
-    announce(energy_growth(system, run))
+    announce(energy_growth(system, run, settings.tolerances))
     return run
 
 

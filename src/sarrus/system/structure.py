@@ -1,17 +1,20 @@
 """What do systems have in common that differ in numbers alone? Patterns, tables of kernels, and what is made of these.
 
 An optimization or a study makes a system for every design, nearly always with the same elements between the same
-bodies: the structure is then the same object for all of them, kept as long as one of them lives.
+bodies: the structure is then the same object for all of them, kept as long as one of them lives. The last few
+structures of small systems are kept longer: a program that makes a system, uses it and makes the next finds them.
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from threading import RLock
 from typing import Any
 from weakref import WeakValueDictionary
 
+from ..model.coordinates import WIDTH
 from .group import Group
 from .pattern import Layout, Pattern
 from .population import Population
@@ -37,6 +40,9 @@ class Structure:
         return {**self.__dict__, "groups": {}}
 
 
+RECENT = 16  # structures that are kept without a system
+SMALL = 2000  # coordinates of the systems whose structures are: larger ones take too much memory
+_recent: OrderedDict[Hashable, Structure] = OrderedDict()
 _known: WeakValueDictionary[Hashable, Structure] = WeakValueDictionary()
 _asking = RLock()
 
@@ -53,4 +59,9 @@ def structure_of(populations: Sequence[Population], bodies: int, rows: int, numb
         found = _known.get(key)
         if found is None:
             found = _known[key] = Structure(populations, bodies, rows, numbers)
+        if bodies * WIDTH <= SMALL:
+            _recent[key] = found
+            _recent.move_to_end(key)
+            if len(_recent) > RECENT:
+                _recent.popitem(last=False)
         return found

@@ -13,9 +13,11 @@ from ..model import announce, reports_warnings
 from ..results import Asked, Assembly
 from ..system import System
 from .assembly_changes import position_changes, velocity_changes, warning
+from .closure import allowed
 from .feasible import Feasible, Reached, Renormalization
 from .held import held_coordinates
 from .least_change import LeastChange
+from .length import extent, lever, units
 from .metric import metric as metric_of
 from .open_joints import open_joints
 from .saddle import Saddle
@@ -28,7 +30,6 @@ SHAKE = (
     0.2,
     0.3,
 )  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
-SPEED_TOLERANCE = 1e-9  # of the largest entry of |Φ_q v + Φ_t|, per unit of velocity
 
 
 @reports_warnings
@@ -70,7 +71,8 @@ def assemble(
     rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: those of any angle [rad/s] or travel [m/s],
         ``"pin"`` where the joint has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
     metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.metric.metric`
-    tolerance : of the largest entry of |Φ|, not below round-off
+    tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
+        the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
     iterations : at most so many steps of one search
     restarts : at most so many further searches
     seed : of the random numbers that shake the guess
@@ -118,20 +120,20 @@ def _search(
     """The first search that reaches the constraints, or the one that came nearest."""
     search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
     best, steps = search(asked.q, tolerance, iterations), 0
+    between = float(np.ptp(asked.q.reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
+    size = units(system.nq, between or extent(system, asked.q))
     for n in range(restarts):
         if best.ok or not np.any(inverse):
             break
-        found = search(_shaken(asked, SHAKE[min(n // 2, len(SHAKE) - 1)], random), tolerance, iterations)
+        guess = _shaken(asked, size, SHAKE[min(n // 2, len(SHAKE) - 1)], random)
+        found = search(guess, tolerance, iterations)
         steps += found.steps
         best = found if found.residual < best.residual else best
     return replace(best, steps=best.steps + steps)
 
 
-def _shaken(asked: Asked, part: float, random: np.random.Generator) -> Array:
-    positions = asked.q.reshape(-1, 7)[:, :3]
-    scale = np.ones((len(positions), 7))
-    scale[:, :3] = max(float(np.ptp(positions, axis=0).max()), 0.1)
-    shake = part * scale.reshape(-1) * random.normal(size=len(asked.q))
+def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator) -> Array:
+    shake = part * size * random.normal(size=len(asked.q))
     return asked.q + np.where(asked.held, 0.0, shake)
 
 
@@ -153,14 +155,16 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     assert asked is not None
     speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held, rates, asked.t)
     done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
-    limit = SPEED_TOLERANCE * max(1.0, float(abs(speed.v).max(initial=0.0)))
-    if abs(speed.gap).max(initial=0.0) <= limit:
+    open_rows = abs(speed.gap) > speed.allowed
+    if not np.any(open_rows):
         return done
-    opening = open_joints(system, found.q, speed.gap[: system.m], limit, asked.t, per_second=True)
+    opening = open_joints(
+        system, found.q, speed.gap[: system.m], speed.allowed[: system.m], asked.t, per_second=True
+    )
     missed = [
         f"{name} by {gap:.3g}"
-        for name, gap in zip(asked.rates, speed.gap[system.m :], strict=True)
-        if abs(gap) > limit
+        for name, gap, is_open in zip(asked.rates, speed.gap[system.m :], open_rows[system.m :], strict=True)
+        if is_open
     ]
     told = ", ".join(filter(None, [opening, *missed]))
     message = (
@@ -171,9 +175,10 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
 
 
 def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
+    J = system.Phi_q(reached.q, asked.t)
+    limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
     told = (
-        open_joints(system, reached.q, reached.Phi, tolerance, asked.t)
-        or "the unit length of Euler parameters"
+        open_joints(system, reached.q, reached.Phi, limits, asked.t) or "the unit length of Euler parameters"
     )
     message = (
         f"{system.name} could not be assembled; still open after {reached.steps} steps: {told}; "

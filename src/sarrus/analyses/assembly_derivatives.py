@@ -245,7 +245,7 @@ class _Block:
         self._weight, free = asked.weight, self._free
         self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
         own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
-        self._kkt = KKT(*own)
+        self._kkt = KKT(*own, asked.weight[free])
 
     def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held

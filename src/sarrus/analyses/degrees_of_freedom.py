@@ -12,13 +12,14 @@ from ..results import Mobility
 from ..results.mobility import Kind
 from ..system import System
 from .assembly import assemble
+from .length import lever, scaled, units
 from .rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
 from .repetitions import repetitions
 from .second_order import common_zeros
 from .threads import one_thread_if_small
 
 DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
-STRAIGHT = 1e-6  # curvature, relative, that counts as zero
+STRAIGHT = 1e-6  # curvature that counts as zero, relative to the largest before contributions cancel
 
 
 @reports_warnings
@@ -56,17 +57,20 @@ def mobility(
     """
     at = _assembled(system, t) if q is None else np.asarray(q, dtype=float)
     J = system.Phi_q(at, t)
-    found = rank_of(J, tolerance)
-    null = found.null / row_lengths(J)[:, None]
-    motions = _motions(J, found)
-    kind, finite = _kind(system, at, t, null, motions)
+    length = lever(system, at, J)
+    unitless = scaled(J, length)
+    found = rank_of(unitless, tolerance)
+    rows, unit = row_lengths(unitless), units(system.nq, length)
+    null, motions = found.null / rows[:, None], unit[:, None] * _motions(unitless, found)
+    curvature = _largest_curvature(system, at, t, rows, unit)
+    kind, finite = _kind(system, at, t, null, motions, curvature)
     return Mobility(
         system.name,
         *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
         repetitions=repetitions(system, at, J, found.null),
         kept=independent_rows(found.null, normalizations(system)),
         null_vectors=null,
-        motions=motions,
+        motions=np.linalg.qr(motions)[0],
         smallest=found.smallest,
     )
 
@@ -93,14 +97,25 @@ def _motions(J: csr_array, found: Rank) -> Array:
     return np.asarray(right[found.rank :].T)
 
 
-def _kind(system: System, q: Array, t: float, null: Array, motions: Array) -> tuple[Kind, int | None]:
+def _largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Array) -> float:
+    """Largest entry of (Φ_qᵀ n)_q, before the elements' contributions cancel, for n of any equation at unit length."""
+    terms = system.magnitude("Phi_qT_lam_q", q=q, lam=1 / rows, t=t)
+    row = np.repeat(np.arange(system.nq), np.diff(terms.indptr))
+    return float((terms.data * unit[row] * unit[terms.indices]).max(initial=0.0))
+
+
+def _kind(
+    system: System, q: Array, t: float, null: Array, motions: Array, curvature: float
+) -> tuple[Kind, int | None]:
     """Which motions go on, by second order, and how many degrees of freedom they have."""
     freedom, repeated = motions.shape[1], null.shape[1]
     if system.nq > DENSE_UP_TO:
         return "untested", None
     if not repeated or not freedom:
         return "redundant" if repeated else "regular", freedom
-    forms = _independent(np.array([_form(system, q, t, null[:, n], motions) for n in range(repeated)]))
+    forms = _independent(
+        np.array([_form(system, q, t, null[:, n], motions) / (curvature or 1.0) for n in range(repeated)])
+    )
     if not len(forms):
         return "redundant", freedom
     return ("branching", None) if common_zeros(forms) else ("shaky", 0)
@@ -114,7 +129,5 @@ def _independent(forms: Array) -> Array:
 
 
 def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:
-    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z, relative to the size of the matrix in the middle."""
-    H = system.Phi_qT_lam_q(q, n, t)
-    size = abs(H).max() or 1.0
-    return np.asarray(motions.T @ (H @ motions)) / size
+    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z."""
+    return np.asarray(motions.T @ (system.Phi_qT_lam_q(q, n, t) @ motions))

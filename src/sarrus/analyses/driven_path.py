@@ -8,8 +8,10 @@ import numpy as np
 
 from ..algebra import Array
 from ..system import System
+from .closure import allowed
 from .driven import Driven, independent_rows
 from .factored import SingularSystem
+from .length import extent, lever, units
 from .nullspace import NullSpace
 from .onto import ACCEPTED, TOLERANCE, largest
 
@@ -56,6 +58,7 @@ class Path:
     def __init__(self, system: System, q: Array) -> None:
         self.system, self.b, self.iterations = system, system.b.copy(), 0
         self._scale = coordinate_scale(system, q)
+        self._length = lever(system, q, system.Phi_q(q))
         self.rows = np.arange(system.m)
 
     def choose_rows(self, t: float, q: Array) -> int:
@@ -87,9 +90,9 @@ class Path:
         """The state on a singular configuration that the motion passes: what is undetermined follows the predictor."""
         system, q, h = self.system, before.predicted(t), t - before.t
         for _ in range(ITERATIONS):
-            solver = NullSpace(system.Phi_q(q, t, b=self.b), BRIDGED)
+            solver = NullSpace(system.Phi_q(q, t, b=self.b), self._length, BRIDGED)
             q = q + solver.change(-system.Phi(q, t, b=self.b))
-        missed = largest(system.Phi(q, t, b=self.b)) > ACCEPTED
+        missed = not self._accepted(t, q)
         if missed or solver.rank == system.nq or largest((q - before.q) / self._scale) > JUMP:
             return None
         v = before.v + h * before.a
@@ -99,10 +102,10 @@ class Path:
         return Instant(t, q, v, a, 0.0)
 
     def _position(self, t: float, q: Array) -> Array | None:
-        before = np.inf
+        before, limits = np.inf, self._limits(t, q, TOLERANCE)
         for _ in range(ITERATIONS):
             residual = self.system.Phi(q, t, b=self.b)
-            if largest(residual) <= TOLERANCE:
+            if np.all(abs(residual) <= limits):
                 return q
             step = self.driven(t, q).solve(-residual)
             self.iterations += 1
@@ -110,7 +113,14 @@ class Path:
             if size <= SETTLED or size > CONTRACTION * before:
                 break
             before = size
-        return q if largest(self.system.Phi(q, t, b=self.b)) <= ACCEPTED else None
+        return q if self._accepted(t, q) else None
+
+    def _limits(self, t: float, q: Array, tolerance: float) -> Array:
+        """What |Φ| may be."""
+        return allowed(self.system.Phi_q(q, t, b=self.b), q, self._length, tolerance)
+
+    def _accepted(self, t: float, q: Array) -> bool:
+        return bool(np.all(abs(self.system.Phi(q, t, b=self.b)) <= self._limits(t, q, ACCEPTED)))
 
     def _rates(self, t: float, q: Array) -> Instant:
         """Φ_q v = -Φ_t and Φ_q a = γ. Eqs. (3), (4)."""
@@ -122,7 +132,4 @@ class Path:
 
 def coordinate_scale(system: System, q: Array) -> Array:
     """What counts as far: the model's size for r, 1 for p (nq,)."""
-    positions = q.reshape(-1, 7)[:, :3]
-    scale = np.ones((len(positions), 7))
-    scale[:, :3] = float(np.ptp(positions, axis=0).max(initial=0.0)) or 1.0
-    return scale.reshape(-1)
+    return units(system.nq, extent(system, q))

@@ -9,14 +9,16 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..system import System
+from .closure import allowed
+from .length import extent, lever, row_sizes, thousands
 from .minimum_step import MinimumStep
+from .rank import divided
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
 LARGEST_DAMPING = 1e8
 GOOD, POOR = 0.75, 0.25  # parts of the predicted fall that change the damping
 STALL = 1e-3  # the relative fall of |Φ| within `PATIENCE` steps that still counts as progress
 PATIENCE = 8
-ROUND_OFF = 16 * np.finfo(float).eps
 
 
 @dataclass
@@ -32,11 +34,6 @@ class Reached:
     def residual(self) -> float:
         """Largest entry of |Φ|."""
         return float(abs(self.Phi).max(initial=0.0))
-
-
-def attainable(tolerance: float, q: Array) -> float:
-    """The tolerance, but no less than the round-off of coordinates as large as these."""
-    return max(tolerance, ROUND_OFF * float(abs(q).max(initial=1.0)))
 
 
 class Feasible:
@@ -55,32 +52,41 @@ class Feasible:
 
     def __init__(self, system: System, inverse_weight: Array, t: float = 0.0) -> None:
         self.system, self.inverse_weight, self.t = system, inverse_weight, t
-        self.unit = Renormalization(inverse_weight)
+        self.renormalized = Renormalization(inverse_weight)
+        self.length = lever(system, system.q0, system.Phi_q(system.q0, t))
+        self.unit = float(thousands(extent(system, system.q0)))
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> Reached:
         """Search from q (nq,)."""
-        at = self._at(self.unit(q), 0, tolerance)
+        at = self._at(self.renormalized(q), 0, tolerance)
+        rows = thousands(row_sizes(self.system.Phi_q(at.q, self.t), self.unit))
         strength, history = FIRST_DAMPING, [np.inf]
         while not at.ok and at.steps < iterations and strength < LARGEST_DAMPING:
-            at, strength = self._step(at, strength, tolerance)
-            history.append(float(np.linalg.norm(at.Phi)))
+            at, strength = self._step(at, strength, tolerance, rows)
+            history.append(float(np.linalg.norm(at.Phi / rows)))
             if len(history) > PATIENCE and history[-1] > (1 - STALL) * history[-1 - PATIENCE]:
                 break
         return at
 
     def _at(self, q: Array, steps: int, tolerance: float) -> Reached:
-        Phi = self.system.Phi(q, self.t)
-        return Reached(q, Phi, steps, bool(abs(Phi).max(initial=0.0) <= attainable(tolerance, q)))
+        Phi, J = self.system.Phi(q, self.t), self.system.Phi_q(q, self.t)
+        return Reached(q, Phi, steps, bool(np.all(abs(Phi) <= allowed(J, q, self.length, tolerance))))
 
-    def _step(self, at: Reached, strength: float, tolerance: float) -> tuple[Reached, float]:
-        """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with."""
-        P, size = self.unit.tangent(at.q), float(at.Phi @ at.Phi)
-        step = MinimumStep(csr_array(self.system.Phi_q(at.q, self.t) @ P), self.inverse_weight)
+    def _step(self, at: Reached, strength: float, tolerance: float, rows: Array) -> tuple[Reached, float]:
+        """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with.
+
+        Equations are divided by powers of 1000 near their sizes: they are then in mm, m or km, as the system's size.
+        """
+        P, before = self.renormalized.tangent(at.q), at.Phi / rows
+        size = float(before @ before)
+        J = csr_array(self.system.Phi_q(at.q, self.t) @ P)
+        step = MinimumStep(divided(J, rows), self.inverse_weight)
         while strength < LARGEST_DAMPING:
-            change = P @ step(at.Phi, strength * step.scale * min(size, 1.0))
-            there = self._at(self.unit(at.q + change), at.steps + 1, tolerance)
-            predicted = size - float(np.sum((at.Phi + self.system.Phi_q_xi(at.q, change, self.t)) ** 2))
-            ratio = (size - float(there.Phi @ there.Phi)) / max(predicted, np.finfo(float).tiny)
+            change = P @ step(before, strength * step.scale * min(size, 1.0))
+            there = self._at(self.renormalized(at.q + change), at.steps + 1, tolerance)
+            linear = (at.Phi + self.system.Phi_q_xi(at.q, change, self.t)) / rows
+            fall = size - float(np.sum((there.Phi / rows) ** 2))
+            ratio = fall / max(size - float(linear @ linear), np.finfo(float).tiny)
             if ratio > GOOD:
                 strength = max(strength / 10, 1e-10)
             elif ratio < POOR:

@@ -8,12 +8,14 @@ shortest ones, with the least Σ λ_k² over all equations, of all that give the
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..results import Assembly
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .factored import SingularSystem
+from .length import lever, scaled
 from .minimum_norm import MinimumNorm, shortest
 from .once import once_alike
 from .rank import components, independent_rows, rank_of, row_lengths
@@ -39,17 +41,23 @@ class Independence:
     ----------
     kept : places in Φ of the equations chosen, or None where all are independent
     known : how many equations depend on others
+    length : by which displacements are measured, in all positions
     smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
     """
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
-        rank = rank_of(system.Phi_q(q, t), parts=_components(system))
+        self.length = lever(system, q, system.Phi_q(q, t))
+        rank = rank_of(self.scaled_Phi_q(q, t), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
         self.kept: Array | None = None
         self.known = self._null.shape[1]
         if self._null.shape[1]:
             self._choose(self._null)
+
+    def scaled_Phi_q(self, q: Array, t: float) -> csr_array:
+        """Φ_q by coordinates without unit, as `rank_of` wants it."""
+        return scaled(self._system.Phi_q(q, t), self.length)
 
     def _choose(self, null: Array) -> None:
         self.kept = independent_rows(null, self._fixed)
@@ -72,7 +80,7 @@ class Independence:
         """
         if self.kept is None or not self._poor(t, q):
             return False
-        null = rank_of(self._system.Phi_q(q, t), parts=_components(self._system)).null
+        null = rank_of(self.scaled_Phi_q(q, t), parts=_components(self._system)).null
         if null.shape != self._null.shape:
             return False
         self._null = null
@@ -105,7 +113,7 @@ class Independence:
         if self.kept is None:
             return
         t = start.asked.t if start.asked else 0.0
-        lengths = row_lengths(self._system.Phi_q(start.q, t))
+        lengths = row_lengths(self.scaled_Phi_q(start.q, t))
         scaled = self._system.gamma(start.q, start.v, t) / lengths
         missing = self._null @ (self._null.T @ scaled)
         if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):

@@ -12,12 +12,13 @@ from ..algebra import Array
 from ..model import reports_warnings
 from ..results import Trajectory
 from ..system import System
+from .length import lever
 from .nullspace import NullSpace
 from .onto import largest
 from .recorded_state import RecordedState, histories, recorded_state
 from .threads import one_thread_if_small
 
-BALANCED = 1e-7  # of the largest force: what may be missing in a motion that satisfies the equations
+BALANCED = 1e-7  # of the largest force on a body before forces cancel: what a motion may miss
 
 
 class Multipliers(NamedTuple):
@@ -45,7 +46,7 @@ def multipliers(
     """
     J = system.Phi_q(q, t, b=b)
     needed = system.Q(q, v, t, b=b) + system.S(q, v, b=b) - system.M_a(q, a, b=b)
-    lam = NullSpace(J).multipliers(needed)
+    lam = NullSpace(J, lever(system, np.asarray(q), J)).multipliers(needed)
     return Multipliers(lam, needed - J.T @ lam)
 
 
@@ -91,7 +92,8 @@ def _trouble(system: System, run: Trajectory, missing: Array) -> str:
     """A sentence about the largest force that is missing (nt, nq), or nothing."""
     states = list(zip(run.t, run.q, run.v, run.a, strict=True))
     scale = max(
-        (largest(system.M_a(q, a)) + largest(system.Q(q, v, t)) for t, q, v, a in states), default=0.0
+        (largest(system.M_a(q, a)) + largest(system.magnitude("Q", q=q, v=v, t=t)) for t, q, v, a in states),
+        default=0.0,
     )
     if largest(missing.reshape(-1)) <= BALANCED * max(scale, 1e-300):
         return ""

@@ -12,6 +12,7 @@ from ..system import System
 from .branching import branching_time
 from .driven_path import Instant, Path
 from .inverse import multipliers
+from .length import lever
 from .lockup import fold_time, involved, last_before
 from .nullspace import NullSpace
 from .onto import onto
@@ -125,7 +126,8 @@ class _Run:
         )
 
     def _free(self, t: float, q: Array) -> str:
-        Z = NullSpace(self.system.Phi_q(q, t)).Z
+        J = self.system.Phi_q(q, t)
+        Z = NullSpace(J, lever(self.system, q, J)).Z
         most = self.system.coordinate_names[int(np.argmax((Z * Z).sum(axis=1)))]
         count = f"{Z.shape[1]} degree{'s' if Z.shape[1] > 1 else ''} of freedom"
         return (

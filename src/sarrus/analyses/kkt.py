@@ -10,8 +10,9 @@ from scipy.sparse import csc_array, csr_array
 from ..algebra import Array
 from .factored import DENSE_BELOW, Factored
 from .linear import compiled
+from .rank import row_lengths
 
-PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL times the scale of J A⁻¹ Jᵀ
+PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
 REFINEMENTS = 12
 SMALL = 1e-15  # correction, relative, at which refinement ends
 
@@ -20,26 +21,31 @@ class KKT:
     """Solves A x + Jᵀ y = f, J x = g, factored once for any number of right sides; A is symmetric.
 
     With -δI in the place of 0 the matrix is regular whatever the rank of J, if A is positive on the null space of J.
-    Refining the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers.
+    Refining the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers,
+    those of equations scaled to unit length in the metric. In that metric all is computed, so that no unit matters.
 
     Parameters
     ----------
     A : (n, n) by rows, or its diagonal (n,)
     J : (m, n)
+    weight : (n,) diagonal of the metric; by default A
     """
 
-    def __init__(self, A: Any, J: csr_array) -> None:
-        self._A: csr_array = diagonal(A) if isinstance(A, np.ndarray) else A
-        self._J, self._JT = J, J.T
+    def __init__(self, A: Any, J: csr_array, weight: Array | None = None) -> None:
+        matrix: csr_array = diagonal(A) if isinstance(A, np.ndarray) else A
+        self._column = 1 / np.sqrt(matrix.diagonal() if weight is None else weight)
+        self._row = 1 / row_lengths(_scaled(J, np.ones(J.shape[0]), self._column))
+        self._A = _scaled(matrix, self._column, self._column)
+        self._J = _scaled(J, self._row, self._column)
+        self._JT = self._J.T
         self.n = J.shape[1]
-        self._delta = PROXIMAL * _scale(self._A, J)
         self._factors = Factored(self._matrix())
 
     def _matrix(self) -> Any:
         m, n = self._J.shape
         if m + n >= DENSE_BELOW:
             (i, j), (row, column), corner = _places(self._A), _places(self._J), np.arange(n, n + m)
-            numbers = np.concatenate([self._A.data, self._J.data, self._J.data, np.full(m, -self._delta)])
+            numbers = np.concatenate([self._A.data, self._J.data, self._J.data, np.full(m, -PROXIMAL)])
             rows, columns = (
                 np.concatenate([i, n + row, column, corner]),
                 np.concatenate([j, column, n + row, corner]),
@@ -53,23 +59,31 @@ class KKT:
         matrix = np.zeros((n + m, n + m))
         matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
         matrix[:n, n:] = matrix[n:, :n].T
-        matrix[range(n, n + m), range(n, n + m)] = -self._delta
+        matrix[range(n, n + m), range(n, n + m)] = -PROXIMAL
         return matrix
 
     def step(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x and y without refinement, for the directions of iterations."""
-        found = self._factors.solve(np.concatenate([f, g]))
-        return found[: self.n], found[self.n :]
+        x, y = self._step(_times(self._column, f), _times(self._row, g))
+        return _times(self._column, x), _times(self._row, y)
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x and y (n,), (m,), or one column for each of f and g (n, k), (m, k).
 
-        Where g is not in the range of J, J x is as near to g as can be reached; see `gap`.
+        Where g is not in the range of J, J x is as near to g as can be reached.
         """
-        x, y = self.step(f, g)
+        x, y = self._refined(_times(self._column, f), _times(self._row, g))
+        return _times(self._column, x), _times(self._row, y)
+
+    def _step(self, f: Array, g: Array) -> tuple[Array, Array]:
+        found = self._factors.solve(np.concatenate([f, g]))
+        return found[: self.n], found[self.n :]
+
+    def _refined(self, f: Array, g: Array) -> tuple[Array, Array]:
+        x, y = self._step(f, g)
         size, before = abs(x).max(initial=0.0), np.inf
         for _ in range(REFINEMENTS):
-            dx, dy = self.step(f - self._A @ x - self._JT @ y, g - self._J @ x)
+            dx, dy = self._step(f - self._A @ x - self._JT @ y, g - self._J @ x)
             change = abs(dx).max(initial=0.0)
             if change >= before:
                 break
@@ -78,16 +92,14 @@ class KKT:
                 break
         return x, y
 
-    def gap(self, x: Array, g: Array) -> float:
-        """Largest entry of |J x - g|: not round-off where no x exists."""
-        return float(abs(self._J @ x - g).max(initial=0.0))
+
+def _times(factors: Array, columns: Array) -> Array:
+    return np.asarray((factors * columns.T).T)
 
 
-def _scale(A: csr_array, J: csr_array) -> float:
-    weight = np.maximum(abs(A.diagonal()), 1e-300)
-    weight = np.maximum(weight, 1e-6 * weight.max(initial=0.0))
-    squares = csr_array((J.data**2, J.indices, J.indptr), shape=J.shape)
-    return float((squares @ (1 / weight)).max(initial=0.0)) or 1.0
+def _scaled(matrix: csr_array, rows: Array, columns: Array) -> csr_array:
+    i, j = _places(matrix)
+    return csr_array((rows[i] * matrix.data * columns[j], matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def diagonal(weight: Array) -> csr_array:

@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..model import reports_warnings
 from ..system import System
+from .length import lever
 from .nullspace import NullSpace
 from .onto import largest
 from .steady import generator
@@ -37,6 +39,15 @@ class Linear(NamedTuple):
     P: Array
     unsteady: float
     warnings: tuple[str, ...] = ()
+
+
+class Terms(NamedTuple):
+    """Sizes of what M, D, K and the forces consist of, before the elements' contributions cancel, full (nq, nq)."""
+
+    M: csr_array
+    D: csr_array
+    K: csr_array
+    force: Array
 
 
 class Around(NamedTuple):
@@ -81,17 +92,17 @@ def linearize(
     -------
     Linear
     """
-    at, space = _around(system, np.asarray(q, dtype=float), v, t)
-    X = generator(at.q, at.v, np.asarray(turning, dtype=float))
-    return _reduced(system, at, space, X)
+    at, space = around(system, np.asarray(q, dtype=float), v, t)
+    return reduced(system, at, space, np.asarray(turning, dtype=float))
 
 
-def _around(system: System, q: Array, v: ArrayLike | None, t: float) -> tuple[Around, NullSpace]:
+def around(system: System, q: Array, v: ArrayLike | None, t: float) -> tuple[Around, NullSpace]:
     """Accelerations along and across the free directions, then the shortest multipliers."""
     speed = np.zeros(system.nq) if v is None else np.asarray(v, dtype=float)
     b = system.b.copy()
     system.remember(q, b, t)
-    space, M = NullSpace(system.Phi_q(q, t, b=b)), system.M(q, b=b)
+    J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
+    space = NullSpace(J, lever(system, q, J))
     force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
     across = space.change(system.gamma(q, speed, t, b=b))
     along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
@@ -99,8 +110,10 @@ def _around(system: System, q: Array, v: ArrayLike | None, t: float) -> tuple[Ar
     return Around(t, q, speed, a, space.multipliers(force - M @ a), b), space
 
 
-def _reduced(system: System, at: Around, space: NullSpace, X: Array) -> Linear:
+def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Linear:
+    """The linear equations along the free directions."""
     t, q, v, a, lam, b = at
+    X = generator(q, v, turning)
     Z, M = space.Z, system.M(q, b=b)
     K = system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b)
     K = K - system.Q_q(q, v, t, b=b) - system.S_q(q, v, b=b)
@@ -114,5 +127,18 @@ def _reduced(system: System, at: Around, space: NullSpace, X: Array) -> Linear:
     acceleration = across - Z @ np.linalg.solve(left, right)
     d = Z.shape[1]
     speed = np.hstack([P, Z])
-    A = np.vstack([Z.T @ (speed - X @ np.hstack([Z, 0 * Z])), Z.T @ (acceleration - X @ speed)])
+    A = np.vstack(
+        [space.share @ (speed - X @ np.hstack([Z, 0 * Z])), space.share @ (acceleration - X @ speed)]
+    )
     return Linear(A, left, right[:, d:], right[:, :d], Z, P, largest(a - X @ v))
+
+
+def terms_of(system: System, at: Around) -> Terms:
+    """The sizes of the terms at a state."""
+    t, q, v, a, lam, b = at
+    K = system.magnitude("Phi_qT_lam_q", q=q, lam=lam, t=t, b=b) + system.magnitude("Q_q", q=q, v=v, t=t, b=b)
+    K = K + system.magnitude("M_a_q", q=q, a=a, b=b) + system.magnitude("S_q", q=q, v=v, b=b)
+    D = system.magnitude("Q_v", q=q, v=v, t=t, b=b) + system.magnitude("S_v", q=q, v=v, b=b)
+    M = system.magnitude("M", q=q, b=b)
+    force = system.magnitude("Q", q=q, v=v, t=t, b=b) + system.magnitude("Phi_qT_lam", q=q, lam=lam, t=t, b=b)
+    return Terms(M, D, K, force + system.magnitude("S", q=q, v=v, b=b) + M @ abs(a))

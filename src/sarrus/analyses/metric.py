@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..system import System
+from .length import extent, thousands, units
 
 
 def metric(system: System, given: str | ArrayLike) -> Array:
@@ -15,7 +16,8 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     Parameters
     ----------
     system : System
-    given : "unit": 1 m counts like 1 in p, that is like 2 rad. "mass": of every body its mass for r, and 4/3 of the
+    given : "unit": 1 m counts like 1 in p, that is like 2 rad; in systems smaller than 3.2 cm 1 mm, in those larger
+        than 32 m 1 km, and so on. "mass": of every body its mass for r, and 4/3 of the
         trace of its inertia about the body's origin for p, so that heavy bodies move less. Or (nq,) positive numbers.
 
     Raises
@@ -28,11 +30,15 @@ def metric(system: System, given: str | ArrayLike) -> Array:
             raise ValueError(
                 f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}'
             )
-        return np.ones(system.nq) if given == "unit" else _mass(system)
+        return _unit(system) if given == "unit" else _mass(system)
     weight = np.array(given, dtype=float)
     if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
         raise ValueError(f"a metric must be {system.nq} positive numbers, one for each coordinate")
     return weight
+
+
+def _unit(system: System) -> Array:
+    return 1 / units(system.nq, float(thousands(extent(system, system.q0)))) ** 2
 
 
 def _mass(system: System) -> Array:

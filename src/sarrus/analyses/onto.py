@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..algebra import Array
 from ..system import System
+from .closure import allowed
+from .length import lever
 from .nullspace import NullSpace
 
-TOLERANCE = 1e-13  # of the largest entry of |Φ|; round-off is a few times smaller
-ACCEPTED = 1e-10  # where round-off, in a model of large numbers, ends the improvement earlier
+TOLERANCE = 1e-13  # of |Φ|, relative to the gradient of each equation; round-off is a few times smaller
+ACCEPTED = 1e-10  # the same, where the improvement ends earlier
 
 
 def onto(
@@ -23,17 +27,17 @@ def onto(
     b : (nb,) other numbers than the model's
     steps : at most so many Gauss-Newton steps, each halved while it makes |Φ| larger
     """
-    residual = system.Phi(q, t, b=b)
+    J, residual = system.Phi_q(q, t, b=b), system.Phi(q, t, b=b)
+    length = lever(system, q, J)
     for _ in range(steps):
-        size = largest(residual)
-        if size <= TOLERANCE:
+        if np.all(abs(residual) <= allowed(J, q, length, TOLERANCE)):
             return q, True
-        step = NullSpace(system.Phi_q(q, t, b=b)).change(-residual)
-        there, after = _shortened(system, q, t, b, step, size)
-        if largest(after) >= size:
+        space = NullSpace(J, length)
+        there, after = _shortened(system, q, t, b, space.change(-residual), space.lengths)
+        if largest(after / space.lengths) >= largest(residual / space.lengths):
             break
-        q, residual = there, after
-    return q, largest(residual) <= ACCEPTED
+        q, residual, J = there, after, system.Phi_q(there, t, b=b)
+    return q, bool(np.all(abs(residual) <= allowed(J, q, length, ACCEPTED)))
 
 
 def largest(vector: Array) -> float:
@@ -42,12 +46,13 @@ def largest(vector: Array) -> float:
 
 
 def _shortened(
-    system: System, q: Array, t: float, b: Array | None, step: Array, before: float
+    system: System, q: Array, t: float, b: Array | None, step: Array, rows: Array
 ) -> tuple[Array, Array]:
     there, after = q, system.Phi(q, t, b=b)
+    before = largest(after / rows)
     for halvings in range(10):
         there = q + step * 0.5**halvings
         after = system.Phi(there, t, b=b)
-        if largest(after) < before:
+        if largest(after / rows) < before:
             break
     return there, after

@@ -13,7 +13,7 @@ PART = 1e-3  # of the largest gap, below which a joint is not worth a word
 
 
 def open_joints(
-    system: System, q: Array, residual: Array, tolerance: float, t: float, per_second: bool = False
+    system: System, q: Array, residual: Array, allowed: Array, t: float, per_second: bool = False
 ) -> str:
     """For example "post by 0.02 m, hinge by 0.013 rad"; the widest gap first, nothing if all are closed.
 
@@ -22,13 +22,13 @@ def open_joints(
     system : System
     q : (nq,)
     residual : (m,) Φ, or Φ_q v + Φ_t for gaps that open `per_second`
-    tolerance : equations that hold so well are closed
+    allowed : (m,) equations that hold so well are closed
     t : time [s]
     """
     J, found = system.Phi_q(q, t), []
     for joint, rows in system.rows.items():
         gaps: dict[str, float] = {}
-        for row in rows[abs(residual[rows]) > tolerance]:
+        for row in rows[abs(residual[rows]) > allowed[rows]]:
             there = restraint(J, int(row), q)
             xi = there.displacement(system.nq)
             curvature = 0.0 if per_second else float((system.Phi_q_xi_q(q, xi, t) @ xi)[row])

@@ -69,7 +69,12 @@ def rank_of(J: csr_array, tolerance: float = TOLERANCE, parts: tuple[Array, int]
 
 def unit_rows(J: csr_array) -> csr_array:
     """J with every row scaled to unit length; rows of zeros stay."""
-    return csr_array((J.data / row_lengths(J)[_rows(J)], J.indices, J.indptr), shape=J.shape)
+    return divided(J, row_lengths(J))
+
+
+def divided(J: csr_array, rows: Array) -> csr_array:
+    """J with every row divided by a number."""
+    return csr_array((J.data / rows[_rows(J)], J.indices, J.indptr), shape=J.shape)
 
 
 def row_lengths(J: csr_array) -> Array:

@@ -17,6 +17,7 @@ from ..results import Singularity, Trajectory
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .joint_rate import Rate, rate
+from .length import lever, scaled, units
 from .path import Path
 from .rank import independent_rows, rank_of, unit_rows
 from .threads import one_thread_if_small
@@ -79,6 +80,8 @@ class _Watch:
     def __init__(self, system: System, path: Path, names: tuple[str, ...]) -> None:
         self.system, self.path = system, path
         self.inputs: list[Rate] = [rate(system, name) for name in names]
+        first, t = self.path(self.path.grid[0]), self.path.time(self.path.grid[0])
+        self.length = lever(system, first, system.Phi_q(first, t))
         self.kept = self._regular()
         self.freedom = system.nq - len(self.kept)
         if names and len(names) != self.freedom:
@@ -88,8 +91,8 @@ class _Watch:
         self.motions = [] if names else list(self._directions())
 
     def rows(self, s: float) -> csr_array:
-        """Φ_q with rows of unit length."""
-        return unit_rows(self.system.Phi_q(self.path(s), self.path.time(s)))
+        """Φ_q with rows of unit length, where displacements are measured in a length of the system."""
+        return unit_rows(scaled(self.system.Phi_q(self.path(s), self.path.time(s)), self.length))
 
     def _regular(self) -> Array:
         """A choice of independent rows where the rank is greatest."""
@@ -117,7 +120,7 @@ class _Watch:
     def _second_rows(self, s: float, interval: int) -> Array:
         if not self.inputs:
             return self.motions[interval]
-        found = np.array([one.row(self.path(s)) for one in self.inputs])
+        found = np.array([one.row(self.path(s)) for one in self.inputs]) * units(self.system.nq, self.length)
         return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
     def constraints(self, s: float) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from ..algebra import Array
 from .balance import Balance
 
+PUSH = 1e-6  # displacement along an unstable direction, in parts of the model's size
 SHARE = 1e-10  # of the force: what along a neutral direction is round-off
 
 
@@ -35,12 +36,12 @@ def _drifts(now: Balance) -> bool:
     """Whether a force acts along a direction without stiffness."""
     share = now.spectrum.vectors.T @ now.g
     loose = abs(share[now.spectrum.neutral]).max(initial=0.0)
-    return bool(loose > SHARE * np.linalg.norm(now.spectrum.vectors.T @ (now.Z.T @ abs(now.Q))))
+    return bool(loose > SHARE * np.linalg.norm(abs(now.Z @ now.spectrum.vectors).T @ now.force_terms))
 
 
 def _bent(now: Balance, scale: Array, radius: float) -> Array:
     """Bisection for σ on a logarithmic scale."""
-    squares, share = now.spectrum.squares, _shaken(now)
+    squares, share = now.spectrum.squares, _shaken(now, scale)
     top = abs(squares).max(initial=0.0) or 1.0
     floor = max(0.0, -squares.min(initial=0.0))
 
@@ -56,11 +57,15 @@ def _bent(now: Balance, scale: Array, radius: float) -> Array:
     return step(high)
 
 
-def _shaken(now: Balance) -> Array:
-    """The forces on the vibration modes; a little is added on unstable ones, where they might be exactly zero."""
+def _shaken(now: Balance, scale: Array) -> Array:
+    """The forces on the vibration modes; a little is added on unstable ones, where they might be exactly zero.
+
+    It is the force of a displacement by `PUSH` along the mode.
+    """
     share = now.spectrum.vectors.T @ now.g
     unstable = (now.spectrum.squares < 0) & ~now.spectrum.neutral
-    least = 1e-6 * np.sqrt(abs(now.spectrum.squares))
+    sizes = abs((now.Z @ now.spectrum.vectors) / scale[:, None]).max(axis=0)
+    least = PUSH * abs(now.spectrum.squares) / sizes
     push = np.where(share < 0, -1.0, 1.0) * least
     return np.asarray(np.where(unstable & (abs(share) < least), push, share))
 

@@ -19,8 +19,8 @@ from .threads import one_thread_if_small
 
 FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
-BALANCED = 1e-8  # of the largest force: what may remain
-SYMMETRIC = 1e-8  # asymmetry of the Hessian that is round-off
+BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
+SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
 LARGEST_RADIUS = 0.2
 POOR, GOOD = (
@@ -125,8 +125,7 @@ class _Search:
         return self.at(q) if reached and largest((q - now.q) / self.scale) < 2 * LARGEST_RADIUS else None
 
     def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
-        force = largest(now.Q)
-        balanced = now.residual <= BALANCED * force or force == 0
+        balanced = now.imbalance(self.scale) <= BALANCED
         if balanced and size <= ROUND_OFF:
             told = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             return self.result(now, True, told, count)
@@ -190,5 +189,5 @@ def _work(now: Balance, then: Balance) -> float:
 
 
 def _expected(now: Balance, step: Array) -> float:
-    y = now.Z.T @ step
+    y = now.share @ step
     return float(now.g @ y - 0.5 * y @ now.H @ y)

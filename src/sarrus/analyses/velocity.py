@@ -12,16 +12,21 @@ from ..algebra import Array
 from ..system import System
 from .joint_rate import Rate, rate
 from .kkt import KKT
+from .length import lever, scaled, units
+from .rank import row_lengths
+
+SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
 
 
 @dataclass(frozen=True)
 class Velocity:
-    """v (nq,) with its multipliers μ (m,) and ν, and how far each equation is from being satisfied."""
+    """v (nq,) with its multipliers μ (m,) and ν, how far each equation is from being satisfied, and what may be."""
 
     v: Array
     mu: Array
     nu: Array
     gap: Array
+    allowed: Array
 
 
 class Rates:
@@ -56,7 +61,7 @@ def assemble_velocity(
     Returns
     -------
     Velocity
-        `gap` (m + number of rates,) is not round-off where no such velocity exists.
+        `gap` (m + number of rates,) exceeds `allowed` where no such velocity exists.
     """
     F, J = np.flatnonzero(free), csr_array(vstack([system.Phi_q(q, t), rates.rows(q)]))
     right = np.concatenate([-system.Phi_t(q, t), rates.values])
@@ -64,4 +69,7 @@ def assemble_velocity(
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
     found = v.copy()
     found[F] += change
-    return Velocity(found, multipliers[: system.m], multipliers[system.m :], J @ found - right)
+    length = lever(system, q, csr_array(J[: system.m]))
+    fastest = float((np.maximum(abs(found), abs(v)) / units(system.nq, length)).max(initial=0.0))
+    allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * fastest + abs(right))
+    return Velocity(found, multipliers[: system.m], multipliers[system.m :], J @ found - right, allowed)

@@ -11,13 +11,14 @@ from ..algebra import Array
 from ..model import reports_warnings
 from ..results import Modes
 from ..system import System
-from .linearization import Linear, linearize
-from .onto import largest
+from .eigenvalues import eigenvalues
+from .length import extent, units
+from .linearization import Around, Linear, Terms, around, reduced, terms_of
+from .steady import generator
 from .threads import one_thread_if_small
 
-FREE = 1e-6  # an eigenvalue, relative to the largest: a free motion is a double zero, found to the root of round-off
-UNDAMPED = 1e-9  # a real part, relative to the largest eigenvalue, that counts as zero
-STEADY = 1e-6  # a - X v that counts as zero, relative to the accelerations in the system
+STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
+RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are round-off
 
 
 @reports_warnings
@@ -46,17 +47,19 @@ def modes(
     Modes
         With ``success`` false and a sentence in ``message``, if this is neither an equilibrium nor a steady motion.
     """
-    linear = linearize(system, q, v, t=t, turning=turning)
-    values, vectors = np.linalg.eig(linear.A)
-    values = np.where(abs(values) <= FREE * largest(values), 0.0, values)
+    at, space = around(system, np.asarray(q, dtype=float), v, t)
+    linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, at)
+    found = eigenvalues(linear, terms)
+    values = np.where(abs(found.s) <= found.round_off, 0.0, found.s)
     keep = _order(values)
-    values = values[keep]
-    stability = _stability(values, largest(linear.A))
-    success, message = _verdict(system, q, v, t, linear, stability, values)
-    shapes = _normalized(linear.Z @ vectors[: linear.Z.shape[1], keep])
+    values, round_off = values[keep], found.round_off[keep]
+    stability = _stability(values, round_off)
+    steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
+    success, message = _verdict(system, at, linear, steady, stability, values)
+    shapes = linear.Z @ found.vectors[: linear.Z.shape[1], keep]
     return Modes(
-        *(system.name, tuple(system.bodies), np.array(q, dtype=float), values, shapes),
-        *(linear.A, linear.M, linear.D, linear.K, linear.Z),
+        *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes)),
+        *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
         *(linear.unsteady, success, message, stability),
     )
 
@@ -69,30 +72,42 @@ def _order(values: Array) -> Array:
     return np.concatenate([zeros[: (len(zeros) + 1) // 2], order])
 
 
-def _stability(values: Array, scale: float) -> Literal["stable", "marginal", "unstable"]:
-    real = values.real
-    if np.any(real > UNDAMPED * scale):
+def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal", "unstable"]:
+    """By the real parts, each compared with the round-off of its own eigenvalue."""
+    if np.any(values.real > round_off):
         return "unstable"
-    return "stable" if np.all(real < -UNDAMPED * scale) else "marginal"
+    return "stable" if np.all(values.real < -round_off) else "marginal"
 
 
 def _verdict(
-    system: System, q: ArrayLike, v: ArrayLike | None, t: float, linear: Linear, stability: str, values: Array
+    system: System, at: Around, linear: Linear, steady: bool, stability: str, values: Array
 ) -> tuple[bool, str]:
-    kind = "equilibrium" if v is None or not np.any(v) else "steady motion"
+    kind = "steady motion" if np.any(at.v) else "equilibrium"
     free = int(np.count_nonzero(values == 0))
     also = f", with {free} free motion{'s' if free > 1 else ''}" if free else ""
-    if linear.unsteady > STEADY * (1 + _gravity(system, q, v, t)):
+    if not steady:
         told = f"{system.name} is in no {kind} there: it accelerates by {linear.unsteady:.3g}; the modes are of no use"
         return False, told
     return True, f"{system.name}: this {kind} is {stability}{also}"
 
 
-def _gravity(system: System, q: ArrayLike, v: ArrayLike | None, t: float) -> float:
-    """The size of accelerations in this system: forces over masses."""
-    rest = np.zeros(system.nq) if v is None else np.asarray(v)
-    mass = system.M(q).diagonal()
-    return largest(system.Q(q, rest, t)[mass > 0] / mass[mass > 0])
+def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool:
+    """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
+    X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
+    missing = unit * abs(terms.M @ (at.a - X @ at.v)).reshape(-1)
+    force = unit * (terms.force + terms.M @ abs(X @ at.v))
+    round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
+    allowed = STEADY * np.repeat(force.reshape(-1, 7).max(axis=1), 7) + round_off
+    return bool(np.all(missing <= allowed))
+
+
+def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
+    """Part of the kinetic energy of each mode that each body has (bodies, k)."""
+    energy = (
+        (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real.reshape(-1, 7, shapes.shape[1]).sum(axis=1)
+    )
+    total = energy.sum(axis=0)
+    return np.asarray(energy / np.where(total > 0, total, 1.0))
 
 
 def _normalized(shapes: Array) -> Array:

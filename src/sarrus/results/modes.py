@@ -29,11 +29,14 @@ class Modes(Result):
     name : of the system
     bodies : names
     q : (nq,) the position about which was linearized
-    eigenvalues : s, one per mode (k,) complex [1/s], by rising |Im s|, then falling Re s; exactly 0 for a free motion
+    eigenvalues : s, one per mode (k,) complex [1/s], by rising |Im s|, then falling Re s; exactly 0 for a free
+        motion, which is zero to its own condition
     shapes : (nq, k) complex changes of the coordinates, the largest coordinate is 1
     matrix : (2 d, 2 d) of the first-order equations ẋ = matrix·x in independent coordinates
     M, D, K : (d, d) mass, damping and stiffness matrix there; about a motion, with all gyroscopic terms
     Z : (nq, d) change of the coordinates per independent one
+    round_off : (k,) how exactly each eigenvalue is known: errors of the equations of motion, times its condition [1/s]
+    energy_shares : (bodies, k) the part of the kinetic energy of each mode that each body has
     steady : how far the acceleration is from that of a steady motion [m/s²], [1/s²]
     message : one sentence about stability
     """
@@ -48,6 +51,8 @@ class Modes(Result):
     D: Array = field(repr=False)
     K: Array = field(repr=False)
     Z: Array = field(repr=False)
+    round_off: Array = field(repr=False)
+    energy_shares: Array = field(repr=False)
     steady: float
     success: bool
     message: str

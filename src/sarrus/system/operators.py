@@ -13,6 +13,7 @@ from ..elements import GROUPS, OPERATORS
 from ..elements.operators import Axis
 from ..model.show import show, suggest
 from .group import Group
+from .magnitude import Magnitude
 from .pattern import Pattern
 from .population import Population
 from .structure import Structure
@@ -78,6 +79,27 @@ class Operators:
             group.run(
                 self.b, *(operands.get(key, np.ones(self.nq)) for key in group.operands), *group.allocate()
             )
+
+    def magnitude(self, name: str, /, *, b: Any = None, **operands: Any) -> Any:
+        """Sum of the absolute contributions of all elements to an operator whose entries are such sums.
+
+        Parameters
+        ----------
+        name : for example "Q" or "Phi_qT_lam_q"
+        b : other numbers of the elements than the system's
+        operands : q, and what else the operator takes: v, t, lam, a, xi
+
+        Returns
+        -------
+        ndarray (nq,) or csr_array (nq, nq)
+        """
+        known = self.structure.magnitudes
+        if name not in known:
+            known[name] = Magnitude(self.structure.layout, OPERATORS[name], self.pattern(name))
+        checked = {key: self._operand(key, value) for key, value in operands.items()}
+        numbers = self.b if b is None else self._vector("b", b, len(self.b))
+        found = known[name](numbers, [checked[key] for key in known[name].operands])
+        return found if OPERATORS[name].is_vector else self.matrix(name, found)
 
     def matrix(self, name: str, data: Array) -> csr_array:
         """The numbers of an operator as a sparse matrix that shares their memory."""

@@ -102,14 +102,15 @@ class Layout:
             return self._vector(operator, members)
         return self._matrix(operator, members)
 
-    def _structure(self, n: int, operator: Operator) -> tuple[tuple[int, int], ...]:
+    def blocks(self, n: int, operator: Operator) -> tuple[tuple[int, int], ...]:
+        """Block row and column of each block that the elements of population n contribute to an operator."""
         population = self.populations[n]
         return _structure(population.variant, operator) if population.count else ()
 
     def _vector(self, operator: Operator, members: list[int]) -> Pattern:
         atoms, places = self.atoms(operator.axes[0]), []
         for n in members:
-            blocks = self._structure(n, operator)
+            blocks = self.blocks(n, operator)
             table = np.ones((self.populations[n].count, len(blocks), 2), dtype=np.int64)
             for k, (m, _) in enumerate(blocks):
                 atom = self.atom_of(n, operator.axes[0], m)
@@ -134,7 +135,7 @@ class Layout:
         return Pattern((rows.length, columns.length), indptr.astype(np.int32), indices, places)
 
     def _keys(self, n: int, operator: Operator, column_count: int) -> Array:
-        blocks = self._structure(n, operator)
+        blocks = self.blocks(n, operator)
         keys = np.zeros((self.populations[n].count, len(blocks)), dtype=np.int64)
         for k, (m, c) in enumerate(blocks):
             row, column = self.atom_of(n, operator.axes[0], m), self.atom_of(n, operator.axes[1], c)

@@ -16,6 +16,7 @@ from weakref import WeakValueDictionary
 
 from ..model.coordinates import WIDTH
 from .group import Group
+from .magnitude import Magnitude
 from .pattern import Layout, Pattern
 from .population import Population
 
@@ -26,7 +27,7 @@ class Structure:
     Attributes
     ----------
     layout : the axes, of populations without values
-    patterns, groups : by name and names; they are made at first use
+    patterns, groups, magnitudes : by name and names; they are made at first use
     """
 
     def __init__(self, populations: Sequence[Population], bodies: int, rows: int, numbers: int) -> None:
@@ -34,10 +35,11 @@ class Structure:
         self.layout = Layout(bare, bodies, rows, numbers)
         self.patterns: dict[str, Pattern] = {}
         self.groups: dict[tuple[str, ...], Group] = {}
+        self.magnitudes: dict[str, Magnitude] = {}
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the compiled groups, which are made again at first use."""
-        return {**self.__dict__, "groups": {}}
+        return {**self.__dict__, "groups": {}, "magnitudes": {}}
 
 
 RECENT = 16  # structures that are kept without a system

@@ -16,8 +16,8 @@ NOTICED = 0.05  # of the largest share
 def modes_table(found: Modes) -> str:
     """One line per mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
 
-    Up to three bodies are named, those whose translation [m] and rotation [rad] add to the largest sum; ``free`` stands
-    for a motion that nothing brings back.
+    Up to three bodies are named, those with the largest parts of the kinetic energy; ``free`` stands for a motion that
+    nothing brings back.
 
     Parameters
     ----------
@@ -40,9 +40,8 @@ def _number(s: complex) -> str:
 
 
 def _moving(found: Modes, mode: int) -> list[str]:
-    """Bodies by how far they move and turn."""
-    shapes = [found.shape(mode, body) for body in found.bodies]
-    share = np.array([np.linalg.norm(s.translation) + np.linalg.norm(s.rotation) for s in shapes])
+    """Bodies by kinetic energy."""
+    share = found.energy_shares[:, mode]
     order = np.argsort(-share, kind="stable")[:SHOWN]
     return [found.bodies[n] for n in order if share[n] > NOTICED * share.max(initial=0.0)]
 
@@ -69,7 +68,7 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     """
     ax = _window_axes() if ax is None else ax
     decay, frequency = found.eigenvalues.real, found.frequencies
-    free, grows = found.eigenvalues == 0, decay > 1e-9 * abs(found.eigenvalues).max(initial=0.0)
+    free, grows = found.eigenvalues == 0, decay > found.round_off
     for chosen, colour, label in ((grows, ORANGE, "grows"), (free, GREY, "free"), (~grows & ~free, BLUE, "")):
         if np.any(chosen):
             ax.scatter(decay[chosen], frequency[chosen], color=colour, label=label or None, s=26, zorder=3)

@@ -195,7 +195,7 @@ class Crossing:
             t = float(past.t[row])
             if near is not None and past.t[-1] - t < FURTHER * (past.t[-1] - near[0]):
                 continue
-            rank = rank_of(self._system.Phi_q(past.q[row], t))
+            rank = rank_of(known.scaled_Phi_q(past.q[row], t))
             value = rank.smallest if rank.null.shape[1] == known.known else 0.0
             if value > CLOSE * known.smallest:
                 return

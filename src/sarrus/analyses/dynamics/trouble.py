@@ -59,7 +59,7 @@ def dependent_rows(
     """
     if not np.all(np.isfinite(q)):
         return []
-    null = rank_of(system.Phi_q(q, t), nearly * min(first.smallest, 1.0)).null
+    null = rank_of(first.scaled_Phi_q(q, t), nearly * min(first.smallest, 1.0)).null
     if null.shape[1] <= first.known:
         return []
     size = abs(null).max(axis=1)

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ..assembly_derivatives import NoDerivative
+from ..length import lever, scaled
 from ..rank import rank_of, row_lengths
 from .chain import Gradients
 from .parameters import Parameters
@@ -58,6 +59,7 @@ def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -
 def contradictions(system: System, b: Array, t: float, q: Array) -> Array:
     """Random sums of nᵀΦ_b (len(b), SUMS)."""
     J = system.Phi_q(q, t, b=b)
+    J = scaled(J, lever(system, q, J))
     null = rank_of(J).null
     chosen = null @ np.random.default_rng(0).normal(size=(null.shape[1], SUMS))
     by_b = np.zeros((len(b), SUMS))

@@ -9,6 +9,7 @@ import numpy as np
 from ..algebra import Array
 from ..euler import E, G
 from ..system import System
+from .length import extent
 
 ACCURACY = (
     1e-3  # of the size of the mechanism, of a radian, of a given velocity: models are written with few digits
@@ -45,22 +46,6 @@ def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v
                 given
             ):
                 yield f"{name}: {what} {_both(given, new)} {unit}"
-
-
-def extent(system: System, q: Array) -> float:
-    """The size of a mechanism: how far the origins of its bodies are apart, and points on them from these [m]."""
-    points = [float(np.ptp(q.reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))]
-    for population in system.populations:
-        fields = [name for name, kind in population.kind.fields.items() if kind != "Time"]
-        moving = [n for n, name in enumerate(fields) if _is_point(name, population.variant.slots)]
-        points += [float(np.linalg.norm(values[n])) for values in population.values for n in moving]
-    return max(points)
-
-
-def _is_point(field: str, slots: tuple[int, ...]) -> bool:
-    """Whether a field is a point on a moving body."""
-    place = {"s": 0, "s_i": 0, "s_j": 1}.get(field)
-    return place is not None and place < len(slots) and slots[place] >= 0
 
 
 def warning(system: System, changes: tuple[str, ...]) -> list[str]:

@@ -62,7 +62,7 @@ def mobility(
     found = rank_of(unitless, tolerance)
     rows, unit = row_lengths(unitless), units(system.nq, length)
     null, motions = found.null / rows[:, None], unit[:, None] * _motions(unitless, found)
-    curvature = _largest_curvature(system, at, t, rows, unit)
+    curvature = largest_curvature(system, at, t, rows, unit)
     kind, finite = _kind(system, at, t, null, motions, curvature)
     return Mobility(
         system.name,
@@ -97,7 +97,7 @@ def _motions(J: csr_array, found: Rank) -> Array:
     return np.asarray(right[found.rank :].T)
 
 
-def _largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Array) -> float:
+def largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Array) -> float:
     """Largest entry of (Φ_qᵀ n)_q, before the elements' contributions cancel, for n of any equation at unit length."""
     terms = system.magnitude("Phi_qT_lam_q", q=q, lam=1 / rows, t=t)
     row = np.repeat(np.arange(system.nq), np.diff(terms.indptr))

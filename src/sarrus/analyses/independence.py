@@ -100,6 +100,24 @@ class Independence:
             return lam
         return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
 
+    def row_lengths(self, q: Array, t: float) -> Array:
+        """Of Φ_q, where displacements are measured in the length (m,)."""
+        return row_lengths(self.scaled_Phi_q(q, t))
+
+    def vanishing(self, q: Array, t: float, random: np.random.Generator) -> Array:
+        """A random combination n of equations with nᵀΦ_q = 0 (m,)."""
+        null = self._minimum.null(self._system.Phi_q(q, t))
+        return np.asarray(null @ random.normal(size=null.shape[1]))
+
+    def motions(self, q: Array, t: float, unit: Array, random: np.random.Generator) -> tuple[Array, Array]:
+        """Two random directions ξ with Φ_q ξ = 0 (nq,)."""
+        J = self._system.Phi_q(q, t)
+        self._minimum.combinations(J)
+        xi = unit[:, None] * random.normal(size=(len(unit), 2))
+        for _ in range(2):
+            xi = xi - self._minimum.motions(J @ xi)
+        return xi[:, 0], xi[:, 1]
+
     def check(self, start: Assembly) -> None:
         """Refuse a start whose equations contradict each other.
 
@@ -113,7 +131,7 @@ class Independence:
         if self.kept is None:
             return
         t = start.asked.t if start.asked else 0.0
-        lengths = row_lengths(self.scaled_Phi_q(start.q, t))
+        lengths = self.row_lengths(start.q, t)
         scaled = self._system.gamma(start.q, start.v, t) / lengths
         missing = self._null @ (self._null.T @ scaled)
         if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):

@@ -21,6 +21,7 @@ from ...results.steps import until as steps_until
 from ...system import System
 from ..progress import TimeLimit
 from .events import Event, Impact, Watch, Watches, restitutions_of
+from .initial_warnings import initial_warnings
 from .nearness import Nearness
 from .nodes import Nodes, joined
 from .outcome import nothing, trajectory_of
@@ -98,6 +99,7 @@ class March:
         try:
             if state is None:
                 self._begin(0.0, start.q, start.v)
+                announce(initial_warnings(self.system, start, self.stepper.independence))
             else:
                 self._resume(state)
             self._save(force=True)

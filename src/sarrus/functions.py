@@ -1,4 +1,8 @@
-"""Functions for formulas and kernels: they take numbers of any kind, recorded ones among them."""
+"""Functions for formulas and kernels: they take numbers of any kind, recorded ones among them.
+
+`abs`, `min`, `max`, `sign` and `step` have the names that they have in model files; `absolute`, `minimum` and
+`maximum` are the same functions under the names that NumPy uses.
+"""
 
 from ._jit.functions import (
     absolute,
@@ -14,13 +18,18 @@ from ._jit.functions import (
     nearest,
     positive,
     ramp,
+    sign,
     sin,
     sqrt,
+    step,
     tan,
     tanh,
 )
 
+abs, min, max = absolute, minimum, maximum  # noqa: A001
+
 __all__ = [
+    "abs",
     "absolute",
     "acos",
     "asin",
@@ -29,13 +38,17 @@ __all__ = [
     "cos",
     "exp",
     "log",
+    "max",
     "maximum",
+    "min",
     "minimum",
     "nearest",
     "positive",
     "ramp",
+    "sign",
     "sin",
     "sqrt",
+    "step",
     "tan",
     "tanh",
 ]

@@ -69,6 +69,7 @@ COMPILED: dict[str, Callable[..., Any]] = {
     **{name: _math(name) for name in ELEMENTARY},
     "atan2": lambda y, x: math.atan2(y, x),
     "nearest": lambda x: math.floor(x + 0.5),
+    "sech2": lambda x: 1.0 / (math.cosh(x) * math.cosh(x)),
     "positive": lambda x: 1.0 if x > 0.0 else 0.0,
     "curve": lambda numbers, at, x: curve_value(numbers, int(at), x),
     "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),

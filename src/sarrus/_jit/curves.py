@@ -83,7 +83,8 @@ def _elementary_step(code: Any, u: Any, u1: Any, u2: Any, u3: Any) -> Any:
         return _chain(log(u), 1.0 / u, -1.0 / (u * u), 2.0 / (u * u * u), u1, u2, u3)
     if code == TANH:
         value = tanh(u)
-        slope = 1.0 - value * value
+        e = exp(-2.0 * u if real(u) > 0.0 else 2.0 * u)
+        slope = 4.0 * e / ((1.0 + e) * (1.0 + e))  # 1 - value², without its cancellation
         third = (6.0 * value * value - 2.0) * slope
         return _chain(value, slope, -2.0 * value * slope, third, u1, u2, u3)
     if code == POSITIVE:

@@ -148,6 +148,9 @@ class Expression:
             return self.graph.constant(-self.constant)
         return self.negated if self.negated is not None else self.graph.node("neg", self)
 
+    def __abs__(self) -> Any:
+        return self * (2 * self.call("positive") - 1)
+
     __radd__ = __add__
     __rmul__ = __mul__
 
@@ -173,7 +176,10 @@ class Expression:
         return half * half * self if exponent % 2 else half * half
 
     def _branch(self, *others: Any) -> Any:
-        raise TypeError("a kernel must not branch on values known only at run time")
+        raise TypeError(
+            "a formula must not branch on values known only at run time; use abs, or minimum, maximum and step of "
+            "sarrus.functions in the place of min, max and if"
+        )
 
     __bool__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _branch
     __hash__ = None  # type: ignore[assignment]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 from .expression import Expression
@@ -59,26 +60,61 @@ def positive(x: Any) -> Any:
     return x.call("positive") if isinstance(x, Expression) else int(real(x) > 0)
 
 
+def sech2(x: Any) -> Any:
+    """1 / cosh(x)², the slope of tanh, without the cancellation of 1 - tanh(x)²."""
+    if isinstance(x, Expression):
+        return x.call("sech2")
+    e = exp(-2 * x if real(x) > 0 else 2 * x)
+    return 4 * e / ((1 + e) * (1 + e))
+
+
+def sign(x: Any) -> Any:
+    """1 where x > 0, -1 where x < 0, else 0 (its derivative is zero)."""
+    return positive(x) - positive(-x)
+
+
+def _kinked(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function with a kink, of recorded numbers that note it as their own context does."""
+
+    @wraps(function)
+    def wrapped(*args: Any) -> Any:
+        contexts = (getattr(arg, "context", None) for arg in args)
+        own = next((c for c in contexts if hasattr(c, function.__name__)), None)
+        return getattr(own, function.__name__)(*args) if own else function(*args)
+
+    return wrapped
+
+
+@_kinked
 def ramp(x: Any) -> Any:
     """x where x > 0, else 0."""
     return x * positive(x)
 
 
+@_kinked
 def absolute(x: Any) -> Any:
     """x without its sign."""
     return x * (2 * positive(x) - 1)
 
 
+@_kinked
 def minimum(a: Any, b: Any) -> Any:
     """The smaller of two numbers."""
     return a - ramp(a - b)
 
 
+@_kinked
 def maximum(a: Any, b: Any) -> Any:
     """The larger of two numbers."""
     return a + ramp(b - a)
 
 
+def step(x: Any, x0: Any, h0: Any, x1: Any, h1: Any) -> Any:
+    """h0 up to x0 and h1 from x1 on, between them the cubic with level ends."""
+    s = minimum(ramp((x - x0) / (x1 - x0)), 1)
+    return h0 + (h1 - h0) * (s * s * (3 - 2 * s))
+
+
 NUMERIC: dict[str, Callable[..., Any]] = {
-    f.__name__: f for f in (sin, cos, tan, asin, acos, atan, exp, log, tanh, sqrt, atan2, nearest, positive)
+    f.__name__: f for f in (sin, cos, tan, asin, acos, atan, exp, log, tanh, sqrt, atan2, nearest, positive, sech2)
 }

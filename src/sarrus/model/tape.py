@@ -23,12 +23,24 @@ class Entry(NamedTuple):
 
 
 class Tape:
-    """The operations so far, with their values, in the order of their creation."""
+    """The operations so far, with their values, in the order of their creation.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    sides : for each kink the sign (nt,) that its argument has on the side from which it is looked at; by default that
+        of its value
+
+    Attributes
+    ----------
+    kinks : places of what absolute values were taken of, where it changes over time
+    """
+
+    def __init__(self, sides: Sequence[Any] = ()) -> None:
         self.entries: list[Entry] = []
         self.values: list[Any] = []
         self._moving: list[bool] = []
+        self.kinks: list[int] = []
+        self._sides = sides
 
     def variable(self, value: Any) -> Traced:
         """A number that derivatives can be taken by."""
@@ -40,6 +52,14 @@ class Tape:
         self.values.append(value)
         self._moving.append(op == "variable" or any(self._moving[arg] for arg in args))
         return Traced(self, len(self.entries) - 1)
+
+    def absolute(self, x: Traced) -> Traced:
+        """Write an absolute value, and note its kink."""
+        if np.ndim(x.value) and self._moving[x.at]:
+            self.kinks.append(x.at)
+            if len(self._sides) >= len(self.kinks):
+                return self.add(_one_side(self._sides[len(self.kinks) - 1]), (x.at,), np.abs(x.value))
+        return self.add("absolute", (x.at,), np.abs(x.value))
 
     def along(self, changes: Mapping[int, Any]) -> list[Any]:
         """The change of every entry, for changes of variables given by their places."""
@@ -171,6 +191,11 @@ def _unary(value: Callable[[Any], Any], slope: Callable[..., Any], bend: Callabl
     return Operation(value, lambda f, a: (slope(f, a),), lambda f, a: ((bend(f, a),),))
 
 
+def _one_side(side: Any) -> Operation:
+    """The absolute value with given signs of its argument."""
+    return Operation(lambda a: side * a, lambda f, a: (side,), lambda f, a: ((0.0,),))
+
+
 def _atan2_bends(f: Any, y: Any, x: Any) -> tuple[tuple[Any, Any], ...]:
     square = (x * x + y * y) ** 2
     return (-2 * x * y / square, (y * y - x * x) / square), ((y * y - x * x) / square, 2 * x * y / square)
@@ -214,6 +239,16 @@ OPERATIONS: dict[str, Operation] = {
 }  # fmt: skip
 LINEAR = ("add", "sub", "negative")
 BINARY = {"add": "add", "subtract": "sub", "multiply": "mul", "divide": "truediv", "power": "pow"}
+KINKED: dict[str, Callable[..., Any]] = {
+    "absolute": abs,
+    "fabs": abs,
+    "maximum": lambda a, b: _larger(a, b),
+    "fmax": lambda a, b: _larger(a, b),
+    "minimum": lambda a, b: _smaller(a, b),
+    "fmin": lambda a, b: _smaller(a, b),
+    "clip": lambda x, low, high: _smaller(_larger(x, low), high),
+}  # continuous functions with a kink
+JUMPS = ("sign", "floor", "ceil", "rint", "trunc", "heaviside", "copysign", "floor_divide", "remainder", "fmod")
 COMPARISONS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal")
 
 
@@ -274,7 +309,7 @@ class Traced:
         return self
 
     def __abs__(self) -> Traced:
-        return self.apply("absolute")
+        return self.tape.absolute(self)
 
     def arctan2(self, other: Any) -> Traced:
         """Angle of the point (other, self)."""
@@ -330,6 +365,10 @@ FUNCTIONS = SimpleNamespace(
     acos=lambda x: x.apply("arccos"),
     atan=lambda x: x.apply("arctan"),
     atan2=lambda y, x: apply("arctan2", y, x),
+    absolute=abs,
+    ramp=lambda x: 0.5 * (x + abs(x)),
+    minimum=lambda a, b: _smaller(a, b),
+    maximum=lambda a, b: _larger(a, b),
 )
 
 
@@ -370,6 +409,16 @@ def own(
     return tape.add(operation, places, value(*(value_of(arg) for arg in args)))
 
 
+def _larger(a: Any, b: Any) -> Any:
+    """The larger of two numbers, with the kink of an absolute value where they are equal."""
+    return 0.5 * (a + b + abs(a - b))
+
+
+def _smaller(a: Any, b: Any) -> Any:
+    """The smaller of two numbers."""
+    return 0.5 * (a + b - abs(a - b))
+
+
 def _is(other: Any, number: int) -> bool:
     return isinstance(other, int | float | np.number) and other == number
 
@@ -397,17 +446,26 @@ def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
         if isinstance(first, Traced):
             return getattr(first, f"__{BINARY[name]}__")(second)
         return getattr(second, f"__r{BINARY[name]}__")(first)
+    if name in KINKED:
+        return KINKED[name](*inputs)
     if name == "hypot":
         return (inputs[0] * inputs[0] + inputs[1] * inputs[1]).sqrt()
     if name in OPERATIONS:
         return apply(name, *inputs)
     if name == "isfinite":
         return bool(np.all(np.isfinite(inputs[0].value)))
+    if name in JUMPS:
+        raise TypeError(
+            f"numpy.{name} jumps and has no derivative; use a smooth function, or np.abs, np.maximum, np.minimum, np.clip"
+        )
     raise TypeError(f"numpy.{name} has no derivative here; use arithmetic or another function")
 
 
 def _compared(a: Any, b: Any, ufunc: Any) -> Any:
     found = ufunc(value_of(a), value_of(b))
     if np.ndim(found):
-        raise TypeError("a formula must not branch on what changes in time; use a smooth one")
+        raise TypeError(
+            "a formula must not branch on what changes in time; use a smooth one, or np.maximum, np.minimum, np.abs, "
+            "np.clip in the place of if, max, min, np.where"
+        )
     return bool(found)

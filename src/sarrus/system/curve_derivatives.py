@@ -34,8 +34,10 @@ EVERY: dict[str, Callable[..., Any]] = OPERATIONS | {
     **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
     **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan")},
     "atan2": np.arctan2,
+    "sech2": lambda x: 1 - np.tanh(x) * np.tanh(x),
 }  # of arrays over time, and of traced numbers
 MANY: dict[str, Callable[..., Any]] = EVERY | {
+    "sech2": lambda x: 1 / np.cosh(np.clip(x, -350, 350)) ** 2,  # nothing beyond, without overflow
     "nearest": lambda x: np.floor(x + 0.5),
     "positive": lambda x: np.where(x > 0, 1.0, 0.0),
     **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},

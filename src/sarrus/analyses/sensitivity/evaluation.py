@@ -3,23 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
+from ...model.tape import Traced
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .fine import PARTS, Fine, fine
+from .kinks import layout
 from .outputs import Outputs
+from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .parameters import Parameters
 from .pieces import Course, PieceSampling, Where, at_event, course_of, fixed, sampling_of, within
 from .recording import Angles
 from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
+
+
+AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
+ONE_SIDED = (
+    "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
+    "time, or use a smooth function"
+)
+NOISE = (
+    "the argument of abs, max, min or clip is zero but for round-off, so that the derivative depends on the sign of "
+    "round-off. Use a smooth function"
+)
+UNSPLIT = (
+    "its function has kinks within the run (abs, max, min or clip), and steps are not split there where the states of a "
+    "run are not stored. Use simulate(..., keep_steps=True) and sensitivity(), or a smooth function"
+)
 
 
 @dataclass(frozen=True)
@@ -74,22 +93,16 @@ class Evaluation:
         angles: Angles | None = None,
         samplings: Sequence[Sampling] | None = None,
     ) -> None:
-        if isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps):
-            responses = [fine(response) for response in responses]
-        self._system, self._steps, self._responses = system, steps, responses
-        self._c_size = parameters.c_size
-        self._samplings = samplings or [sampling(steps, response) for response in responses]
+        self._precise = isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps)
+        self._system, self._steps, self._parameters = system, steps, parameters
+        self._c_size, self._angles = parameters.c_size, angles or Angles(system, sampling_of(steps).states)
+        self._samplings, self._outputs = list[Sampling](), list[Outputs]()
+        self._responses, self._found = list[Response](), list[Traced]()
+        self.warnings: list[str] = []
         self._reported = Reported(system, steps)
-        if self._reported.redundant:
-            for one in self._samplings:
-                one.reported = self._reported
-        angles = angles or Angles(system, sampling_of(steps).states)
-        self._outputs = [
-            Outputs(system, sampling.states, steps.b, parameters.number, angles, sampling.memory)
-            for sampling in self._samplings
-        ]
-        pairs = zip(responses, self._outputs, strict=True)
-        self._found = [response.evaluate(outputs) for response, outputs in pairs]
+        for n, response in enumerate(responses):
+            self._add(response, samplings[n] if samplings else None)
+        responses = self._responses
         self.signals = [
             np.broadcast_to(np.asarray(found.value, dtype=float), sampling.t.shape)
             for found, sampling in zip(self._found, self._samplings, strict=True)
@@ -97,6 +110,68 @@ class Evaluation:
         self.values = np.array(
             [r.value(g, s.t) for r, g, s in zip(responses, self.signals, self._samplings, strict=True)]
         )
+
+    def _add(self, response: Response, given: Sampling | None) -> None:
+        """Evaluate one more response, where it is sampled; between its kinks, if there are some within the run."""
+        own = fine(response) if self._precise else response
+        where = given or sampling(self._steps, own)
+        outputs = self._outputs_at(where)
+        found = own.evaluate(outputs)
+        if outputs.tape.kinks and given:
+            self._warn_of_changes(response, outputs)
+        elif outputs.tape.kinks and response.pointwise:
+            self._warn_of_zeros(response, outputs)
+        elif outputs.tape.kinks:
+            split = layout(course_of(self._steps), partial(self._arguments, response), self._rule)
+            if split.noisy:
+                self.warnings.append(f"{response.title}: {NOISE}")
+            own = replace(response, name=response.title, panels=split.panels)
+            where = self._sampling_at(split.where)
+            outputs = self._outputs_at(where, split.sides)
+            found = own.evaluate(outputs)
+        self._responses.append(own)
+        self._samplings.append(where)
+        self._outputs.append(outputs)
+        self._found.append(found)
+
+    @property
+    def _rule(self) -> Rule:
+        return LOBATTO if self._precise else TRAPEZOIDAL
+
+    def _sampling_at(self, where: Where) -> Sampling:
+        return (
+            PieceSampling(self._steps, where)
+            if isinstance(self._steps, Pieces)
+            else Sampling(self._steps, where.t)
+        )
+
+    def _outputs_at(self, sampling: Sampling, sides: Sequence[Array] = ()) -> Outputs:
+        if self._reported.redundant:
+            sampling.reported = self._reported
+        number, memory = self._parameters.number, sampling.memory
+        return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
+
+    def _arguments(self, response: Response, where: Where) -> list[Array]:
+        """What absolute values are taken of, at given times."""
+        outputs = self._outputs_at(self._sampling_at(where))
+        response.evaluate(outputs)
+        return [np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks]
+
+    def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
+        """Of derivatives at a kink itself."""
+        whole = self._arguments(response, within(course_of(self._steps)))
+        there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
+        if any(
+            np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)
+        ):
+            self.warnings.append(f"{response.title}: {ONE_SIDED}")
+
+    def _warn_of_changes(self, response: Response, outputs: Outputs) -> None:
+        """Of kinks within the part of a run whose samples are given."""
+        if not response.pointwise and any(
+            np.any(np.diff(np.sign(outputs.tape.values[at])) != 0) for at in outputs.tape.kinks
+        ):
+            self.warnings.append(f"{response.title}: {UNSPLIT}")
 
     def gradients(self) -> tuple[Nodes, Explicit]:
         """The gradients of all responses, one column each."""
@@ -169,6 +244,11 @@ class Evaluation:
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
     ) -> tuple[Nodes, Explicit]:
         """The change of the gradient of response n, with changes of states and numbers in one column."""
+        if self._responses[n].panels is not None and len(self._responses[n].panels.joints):
+            raise ValueError(
+                f"{self._responses[n].title}: second derivatives through np.abs, np.maximum, np.minimum or np.clip are "
+                "not supported. Use a smooth function, such as sqrt(x**2 + e**2)."
+            )
         response, outputs, sampling, g = (
             self._responses[n],
             self._outputs[n],

@@ -10,10 +10,9 @@ from dataclasses import fields
 import numpy as np
 
 from ...algebra import Array
+from .panels import INNER
 from .responses import Integral, Maximum, Minimum, Peak, Response
 
-# [-] of a step: the first inner point, as far from the start as the other from the end
-INNER = 0.5 - 0.5 / np.sqrt(5)
 PARTS = (0.0, INNER, 1 - INNER)  # [-] of a step: where it is sampled
 SHARES = np.array([1.0, 5.0, 5.0]) / 12  # [-] of a step: weights of its start and inner points
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -78,6 +78,7 @@ class Recording:
     parameters : gives a number of the model by name, made of variables
     angles : with their turns; by default counted along the states
     memory : what elements remember at the times (nt,), by place in b; by default as in b
+    sides : of kinks, see `Tape`
 
     Attributes
     ----------
@@ -93,8 +94,9 @@ class Recording:
         parameters: Callable[[str, Variable], Any],
         angles: Angles | None = None,
         memory: Mapping[int, Array] | None = None,
+        sides: Sequence[Array] = (),
     ) -> None:
-        self.tape = Tape()
+        self.tape = Tape(sides)
         self.inputs: dict[Key, Traced] = {}
         self.named: dict[str, Traced] = {}
         self.system, self._states, self._b, self._parameters = system, states, b, parameters

@@ -6,15 +6,17 @@ An output is given by its name, or as a function of `Outputs` that computes its 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.tape import Traced
 from .outputs import Outputs
+from .panels import Panels
+from .peaks import Peaks, Vertex, vertex_of
 
 Output: TypeAlias = str | Callable[[Any], Any]
 
@@ -27,10 +29,13 @@ class Response:
     ----------
     of : name of an output, or a function of `Outputs`
     name : under which results list it; by default made from the output's name
+    panels : between the kinks of the output, which an evaluation finds
     """
 
     of: Output
     name: str = ""
+    panels: Panels | None = field(default=None, repr=False, kw_only=True)
+    pointwise: ClassVar = True  # of the output at some times; not of its whole history
 
     def __post_init__(self) -> None:
         if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):
@@ -71,11 +76,11 @@ class Response:
 
     def rule(self, t: Array) -> Array:
         """The weights of its times in integrals over the run."""
-        return trapezoidal(t)
+        return self.panels.weights(t) if self.panels else trapezoidal(t)
 
     def rule_by_times(self, g: Array) -> Array:
         """The derivatives by the times of what these weights make of an output."""
-        return trapezoidal_by_times(g)
+        return self.panels.by_times(g) if self.panels else trapezoidal_by_times(g)
 
     def evaluate(self, outputs: Outputs) -> Traced:
         """The output, recorded.
@@ -163,7 +168,12 @@ class AtEvent(Response):
 
 @dataclass(frozen=True, eq=False)
 class Integral(Response):
-    """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`."""
+    """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`.
+
+    Steps in which the output has a kink, as ``np.abs`` has at zero, are split there.
+    """
+
+    pointwise = False
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.rule(t) @ g)
@@ -175,47 +185,15 @@ class Integral(Response):
         return self.rule_by_times(g)
 
 
-@dataclass(frozen=True, eq=False)
-class Peak(Response):
-    """The largest value of the output, rounded: ln(mean of exp(sharpness g)) / sharpness, the mean taken over time.
-
-    It lies below the maximum and comes nearer to it as `sharpness` rises; give some ten over the size of the output.
-    """
-
-    sharpness: float = 50.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0 < self.sharpness < np.inf:
-            raise ValueError(f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}")
-
-    def value(self, g: Array, t: Array) -> float:
-        top = float(g.max())
-        mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
-        return top + float(np.log(mean)) / self.sharpness
-
-    def weights(self, g: Array, t: Array) -> Array:
-        share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
-        return np.asarray(share / share.sum())
-
-    def by_times(self, g: Array, t: Array) -> Array:
-        share = np.exp(self.sharpness * (g - g.max()))
-        whole, length = self.rule(t) @ share, np.zeros_like(t)
-        length[0], length[-1] = -1 / (t[-1] - t[0]), 1 / (t[-1] - t[0])
-        return np.asarray((self.rule_by_times(share) / whole - length) / self.sharpness)
-
-    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
-        w = self.weights(g, t)
-        return np.asarray(self.sharpness * w * (g_dot - w @ g_dot))
-
-
 class _Extreme(Response):
     """The value at the vertex of a parabola through the outermost node and its neighbours.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
     the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At an event,
-    where an output may jump or have a corner, it is the value just before or just after it.
+    where an output may jump or have a corner, it is the value just before or just after it. At a kink, see `peaks`.
     """
+
+    pointwise = False
 
     def outermost(self, g: Array) -> int:
         """Which sample it is."""
@@ -225,18 +203,71 @@ class _Extreme(Response):
         return float(self.weights(g, t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
-        vertex = _vertex(g, t, self.outermost(g))
+        vertex = self._vertex(g, t)
         return vertex.placed(vertex.basis, len(g))
 
     def by_times(self, g: Array, t: Array) -> Array:
-        vertex = _vertex(g, t, self.outermost(g))
-        slopes = vertex.bend * vertex.before
-        return vertex.placed(vertex.basis * slopes, len(g))
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.by_times, len(g))
 
     def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
-        vertex = _vertex(g, t, self.outermost(g))
-        moved = -(vertex.slopes @ g_dot[vertex.near]) / vertex.bend if vertex.bend else 0.0
-        return vertex.placed(moved * vertex.slopes, len(g))
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.moved(g_dot), len(g))
+
+    def _vertex(self, g: Array, t: Array) -> Vertex:
+        return vertex_of(g, t, self.outermost(g), self.panels)
+
+
+@dataclass(frozen=True, eq=False)
+class Peak(Response):
+    """The largest value of the output, with a derivative that is continuous where two of its peaks are equally high.
+
+    By default a mean of all peaks, vertices as those of `Maximum`, weighted with exp(s peak), s being 1000 over the
+    range of the output: less than 0.0003 of the range below the maximum, and equal to it where one peak is higher than
+    the others by more than some thousandths of the range.
+
+    With a `sharpness`: ln(mean of exp(sharpness g)) / sharpness, the mean taken over time. It is smooth everywhere, but
+    lies below the maximum, by more the shorter the peak is; give some thousand over the range of the output and short
+    steps for a value near to the maximum, or take `Maximum`.
+    """
+
+    sharpness: float | None = None
+    pointwise = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.sharpness is not None and not 0 < self.sharpness < np.inf:
+            raise ValueError(f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}")
+
+    def value(self, g: Array, t: Array) -> float:
+        if self.sharpness is None:
+            return self._peaks(g, t).value
+        top = float(g.max())
+        mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
+        return top + float(np.log(mean)) / self.sharpness
+
+    def weights(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).weights()
+        share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
+        return np.asarray(share / share.sum())
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).by_times()
+        share = np.exp(self.sharpness * (g - g.max()))
+        whole, length = self.rule(t) @ share, np.zeros_like(t)
+        length[0], length[-1] = -1 / (t[-1] - t[0]), 1 / (t[-1] - t[0])
+        return np.asarray((self.rule_by_times(share) / whole - length) / self.sharpness)
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).weights_along(g_dot)
+        w = self.weights(g, t)
+        return np.asarray(self.sharpness * w * (g_dot - w @ g_dot))
+
+    def _peaks(self, g: Array, t: Array) -> Peaks:
+        return Peaks(g, t, self.panels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,40 +341,3 @@ def trapezoidal_by_times(g: Array) -> Array:
     """The derivatives of the trapezoidal rule by the times (nt,)."""
     means = 0.5 * (g[1:] + g[:-1])
     return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))
-
-
-class Vertex(NamedTuple):
-    """Of a parabola through three samples, or one sample.
-
-    near : which samples
-    basis, slopes : their Lagrange polynomials and slopes at the vertex
-    bend : the parabola's second derivative; 0 for one sample
-    before : from each of them to the vertex [s]
-    """
-
-    near: slice
-    basis: Array
-    slopes: Array
-    bend: float
-    before: Array
-
-    def placed(self, values: Array, count: int) -> Array:
-        """Zeros but for these samples (count,)."""
-        whole = np.zeros(count)
-        whole[self.near] = values
-        return whole
-
-
-def _vertex(g: Array, t: Array, n: int) -> Vertex:
-    """The parabola about sample n; sample n alone at an end, or beside an event, where a time stands twice."""
-    if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
-        near = slice(n - 1, n + 2)
-        a, c = (float(x) for x in t[[n - 1, n + 1]] - t[n])
-        bend_of = 2 / np.array([a * (a - c), a * c, c * (c - a)])  # of the three polynomials
-        slope_of = -0.5 * bend_of * np.array([c, a + c, a])  # at sample n
-        bend, slope = float(bend_of @ g[near]), float(slope_of @ g[near])
-        if bend:
-            u = -slope / bend
-            basis = np.array([0.0, 1.0, 0.0]) + slope_of * u + bend_of * u**2 / 2
-            return Vertex(near, basis, slope_of + bend_of * u, bend, u - np.array([a, 0.0, c]))
-    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1), 0.0, np.zeros(1))

@@ -26,7 +26,7 @@ from ._jit.functions import (
     tanh,
 )
 
-abs, min, max = absolute, minimum, maximum  # noqa: A001
+abs, min, max = absolute, minimum, maximum
 
 __all__ = [
     "abs",

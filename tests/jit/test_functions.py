@@ -111,6 +111,10 @@ FORMULAS = {
     "ramp": lambda x: functions.ramp(x - 1) ** 3 + functions.ramp(1 - x),
     "absolute": lambda x: functions.absolute(x - 1) * x,
     "minimum": lambda x: functions.minimum(x * x, 3) + functions.maximum(x, 1),
+    "abs": lambda x: functions.abs(x - 1) * x + abs(x),
+    "min": lambda x: functions.min(x * x, 3) + functions.max(x, 1),
+    "sign": lambda x: functions.sign(x - 1) * x**3 + functions.sign(-x),
+    "step": lambda x: functions.step(x, 1, 2, 1.5, -3),
     "arithmetic": lambda x: -(x - 2) * (x + 3) / (1 + x * x) + 7,
     "constant": lambda x: 5,
 }
@@ -170,7 +174,10 @@ def test_formulas_that_cannot_be_stored_are_refused():
 
 def test_all_public_functions_are_tried():
     """Those that a formula of one variable cannot use are tried above, or by the elements of the tests."""
-    assert set(functions.__all__) == {*FORMULAS, "maximum", "atan2", "nearest"} - {"arithmetic", "constant"}
+    assert set(functions.__all__) == {*FORMULAS, "maximum", "max", "atan2", "nearest"} - {
+        "arithmetic",
+        "constant",
+    }
 
 
 @pytest.mark.parametrize("x", PLACES)

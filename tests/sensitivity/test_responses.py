@@ -11,6 +11,8 @@ G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, -0.4])
 KINDS = {
     "integral": (sr.Integral("x"), G),
     "peak": (sr.Peak("x", sharpness=3.0), G),
+    "peak by default": (sr.Peak("x"), G),
+    "two peaks by default": (sr.Peak("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.1005, -0.4])),
     "maximum": (sr.Maximum("x"), G),
     "minimum": (sr.Minimum("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, 0.4])),
     "maximum at the end": (sr.Maximum("x"), np.sort(G)),

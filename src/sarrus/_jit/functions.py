@@ -116,5 +116,6 @@ def step(x: Any, x0: Any, h0: Any, x1: Any, h1: Any) -> Any:
 
 
 NUMERIC: dict[str, Callable[..., Any]] = {
-    f.__name__: f for f in (sin, cos, tan, asin, acos, atan, exp, log, tanh, sqrt, atan2, nearest, positive, sech2)
+    f.__name__: f
+    for f in (sin, cos, tan, asin, acos, atan, exp, log, tanh, sqrt, atan2, nearest, positive, sech2)
 }

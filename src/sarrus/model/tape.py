@@ -246,9 +246,19 @@ KINKED: dict[str, Callable[..., Any]] = {
     "fmax": lambda a, b: _larger(a, b),
     "minimum": lambda a, b: _smaller(a, b),
     "fmin": lambda a, b: _smaller(a, b),
-    "clip": lambda x, low, high: _smaller(_larger(x, low), high),
 }  # continuous functions with a kink
-JUMPS = ("sign", "floor", "ceil", "rint", "trunc", "heaviside", "copysign", "floor_divide", "remainder", "fmod")
+JUMPS = (
+    "sign",
+    "floor",
+    "ceil",
+    "rint",
+    "trunc",
+    "heaviside",
+    "copysign",
+    "floor_divide",
+    "remainder",
+    "fmod",
+)
 COMPARISONS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal")
 
 
@@ -310,6 +320,11 @@ class Traced:
 
     def __abs__(self) -> Traced:
         return self.tape.absolute(self)
+
+    def clip(self, low: Any = None, high: Any = None, **options: Any) -> Any:
+        """Between two bounds; what `numpy.clip` calls."""
+        above = self if low is None else _larger(self, low)
+        return above if high is None else _smaller(above, high)
 
     def arctan2(self, other: Any) -> Traced:
         """Angle of the point (other, self)."""
@@ -456,7 +471,8 @@ def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
         return bool(np.all(np.isfinite(inputs[0].value)))
     if name in JUMPS:
         raise TypeError(
-            f"numpy.{name} jumps and has no derivative; use a smooth function, or np.abs, np.maximum, np.minimum, np.clip"
+            f"numpy.{name} jumps and has no derivative; use a smooth function, or np.abs, np.maximum, np.minimum, "
+            "np.clip"
         )
     raise TypeError(f"numpy.{name} has no derivative here; use arithmetic or another function")
 

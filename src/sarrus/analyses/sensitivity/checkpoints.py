@@ -134,10 +134,15 @@ class LongTask:
 
 @dataclass(frozen=True, eq=False)
 class PartOf(Response):
-    """The part of a response that some samples have, with given weights, and derivatives by their times."""
+    """The part of a whole response that some samples have, with given weights, and derivatives by their times."""
 
     by: Array = field(default_factory=lambda: np.zeros(0))
     by_t: Array = field(default_factory=lambda: np.zeros(0))
+    whole: Response | None = None
+
+    @property
+    def pointwise(self) -> bool:
+        return self.whole is None or self.whole.pointwise
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.by @ g)
@@ -213,7 +218,7 @@ class LongGradient:
         for r in present:
             response, samples = self._responses[r], self._samples[r]
             by, by_t = (samples.padded(n, x[r]) for x in (weights, by_times))
-            shares.append(PartOf(response.of, response.name, by, by_t))
+            shares.append(PartOf(response.of, response.title, by, by_t, response))
         samplings = [self._samples[r].sampling(n, stretch) for r in present]
         return present, Evaluation(
             self._run.system, stretch.sampled, shares, self._parameters, angles, samplings

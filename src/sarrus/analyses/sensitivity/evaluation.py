@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...model import announce
 from ...model.tape import Traced
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
@@ -25,7 +26,6 @@ from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
 
-
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 ONE_SIDED = (
     "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
@@ -36,8 +36,8 @@ NOISE = (
     "round-off. Use a smooth function"
 )
 UNSPLIT = (
-    "its function has kinks within the run (abs, max, min or clip), and steps are not split there where the states of a "
-    "run are not stored. Use simulate(..., keep_steps=True) and sensitivity(), or a smooth function"
+    "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
+    "the run are stored. Use simulate(..., keep_steps=True) and sensitivity(), or a smooth function"
 )
 
 
@@ -98,7 +98,6 @@ class Evaluation:
         self._c_size, self._angles = parameters.c_size, angles or Angles(system, sampling_of(steps).states)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
         self._responses, self._found = list[Response](), list[Traced]()
-        self.warnings: list[str] = []
         self._reported = Reported(system, steps)
         for n, response in enumerate(responses):
             self._add(response, samplings[n] if samplings else None)
@@ -124,10 +123,10 @@ class Evaluation:
         elif outputs.tape.kinks:
             split = layout(course_of(self._steps), partial(self._arguments, response), self._rule)
             if split.noisy:
-                self.warnings.append(f"{response.title}: {NOISE}")
+                announce([f"{response.title}: {NOISE}"])
             own = replace(response, name=response.title, panels=split.panels)
             where = self._sampling_at(split.where)
-            outputs = self._outputs_at(where, split.sides)
+            outputs = self._outputs_at(where, list(split.sides))
             found = own.evaluate(outputs)
         self._responses.append(own)
         self._samplings.append(where)
@@ -161,17 +160,15 @@ class Evaluation:
         """Of derivatives at a kink itself."""
         whole = self._arguments(response, within(course_of(self._steps)))
         there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
-        if any(
-            np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)
-        ):
-            self.warnings.append(f"{response.title}: {ONE_SIDED}")
+        if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
+            announce([f"{response.title}: {ONE_SIDED}"])
 
     def _warn_of_changes(self, response: Response, outputs: Outputs) -> None:
         """Of kinks within the part of a run whose samples are given."""
         if not response.pointwise and any(
             np.any(np.diff(np.sign(outputs.tape.values[at])) != 0) for at in outputs.tape.kinks
         ):
-            self.warnings.append(f"{response.title}: {UNSPLIT}")
+            announce([f"{response.title}: {UNSPLIT}"])
 
     def gradients(self) -> tuple[Nodes, Explicit]:
         """The gradients of all responses, one column each."""
@@ -244,7 +241,8 @@ class Evaluation:
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
     ) -> tuple[Nodes, Explicit]:
         """The change of the gradient of response n, with changes of states and numbers in one column."""
-        if self._responses[n].panels is not None and len(self._responses[n].panels.joints):
+        panels = self._responses[n].panels
+        if panels is not None and len(panels.joints):
             raise ValueError(
                 f"{self._responses[n].title}: second derivatives through np.abs, np.maximum, np.minimum or np.clip are "
                 "not supported. Use a smooth function, such as sqrt(x**2 + e**2)."

@@ -1,7 +1,7 @@
 """Kinks of outputs: where the argument of an absolute value changes its sign within a run.
 
-`np.abs`, `np.maximum`, `np.minimum`, `np.clip` are absolute values of something (`model.tape`), which notes them. A rule
-for integrals is exact on polynomials, and loses its order where a kink is inside a panel; so steps are split there.
+`np.abs`, `np.maximum`, `np.minimum`, `np.clip` are absolute values of something (`model.tape`), which notes them. A
+rule for integrals is exact on polynomials, and loses its order where a kink is inside a panel; steps are split there.
 The kink moves with the design, but as the output is continuous, the integral does not change with its place.
 """
 
@@ -17,10 +17,12 @@ from .panels import Panels, Rule
 from .pieces import Course, Where
 
 SEARCHED = np.linspace(0.0, 1.0, 5)  # [-] of a step, between which a change of sign is looked for
-GRAZING = 0.1  # of the values beside it: an extreme nearer to zero is looked at itself, there may be two roots
+GRAZING = (
+    0.1  # of the values beside it: an extreme nearer to zero is looked at itself, there may be two roots
+)
 SAME = 1e-9  # [-] of a step: kinks nearer to each other, or to a node, are one; as times are a node's in `sampling`
 ITERATIONS, ROOT = 60, 1e-13  # of the search for a root; [-] of a step to which it is found
-MOST = 0.5  # kinks a step, from which on the sign is one of round-off: of something that is always zero
+MOST = 0.5  # changes of sign a step, from which on it is that of round-off: of something that is always zero
 FEW = 8  # kinks that no one takes for noise
 
 Arguments = Callable[[Where], list[Array]]
@@ -84,10 +86,12 @@ def layout(course: Course, arguments: Arguments, rule: Rule) -> Layout:
     parts = np.zeros(len(panel))
     parts[at] = low[:, None] + (high - low)[:, None] * np.array(rule.parts)
     parts[at[:, -1]] = high  # not low + (high - low)
-    panel[at[:, -1]] = np.arange(len(inner))  # a shared sample is the end of a step: the next begins at a part 0
+    panel[at[:, -1]] = np.arange(
+        len(inner)
+    )  # a shared sample is the end of a step: the next begins at a part 0
     joints = at[:-1, -1][near & ~smooth]
     panels = Panels(first, rule.shares, joints)
-    return Layout(panels, steps.where(inner[panel], parts), sides[:, panel], noisy)
+    return Layout(panels, steps.where(inner[panel], parts), sides[:, panel], noisy or not np.all(sides))
 
 
 def _cut(count: int, step: Array, part: Array) -> tuple[Array, Array]:
@@ -109,7 +113,7 @@ def _roots(steps: Steps, arguments: Arguments) -> tuple[Array, Array, bool]:
     values = [x.reshape(count, width) for x in arguments(steps.where(every, np.tile(SEARCHED, count)))]
     found = [_brackets(x) for x in values]
     grazing = [_grazing(x) for x in values]
-    noisy = [len(b.step) > max(FEW, MOST * count) for b in found]
+    noisy = [np.count_nonzero(np.diff(np.sign(x))) > max(FEW, MOST * count) for x in values]
     kept = [k for k, noise in enumerate(noisy) if not noise]
     brackets = [(k, found[k]) for k in kept] + [
         (k, side) for k in kept for side in _about(steps, arguments, k, values[k], grazing[k])
@@ -184,4 +188,4 @@ def _refined(steps: Steps, arguments: Arguments, kink: Array, given: Bracket) ->
         low = np.where(done, root, low)
         at_low, at_high = np.where(done, -1.0, at_low), np.where(done, 1.0, at_high)
         high = np.where(done, root, high)
-    return root
+    return np.asarray(root)

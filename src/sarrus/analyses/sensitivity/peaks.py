@@ -13,8 +13,12 @@ from ...model.tape import Tape, Traced
 from .panels import Panels
 from .sampling import lagrange
 
-SHARPNESS = 1000.0  # of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
-NEAR = 0.1  # of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
+SHARPNESS = (
+    1000.0  # of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
+)
+NEAR = (
+    0.1  # of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
+)
 
 
 class Vertex(NamedTuple):

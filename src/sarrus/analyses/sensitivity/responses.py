@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -35,7 +35,6 @@ class Response:
     of: Output
     name: str = ""
     panels: Panels | None = field(default=None, repr=False, kw_only=True)
-    pointwise: ClassVar = True  # of the output at some times; not of its whole history
 
     def __post_init__(self) -> None:
         if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):
@@ -47,6 +46,11 @@ class Response:
     def title(self) -> str:
         """Its name in tables."""
         return self.name or f"{type(self).__name__.lower()} of {self.told}"
+
+    @property
+    def pointwise(self) -> bool:
+        """Whether it is of the output at single times, not of its whole history."""
+        return True
 
     @property
     def told(self) -> str:
@@ -173,7 +177,9 @@ class Integral(Response):
     Steps in which the output has a kink, as ``np.abs`` has at zero, are split there.
     """
 
-    pointwise = False
+    @property
+    def pointwise(self) -> bool:
+        return False
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.rule(t) @ g)
@@ -193,7 +199,9 @@ class _Extreme(Response):
     where an output may jump or have a corner, it is the value just before or just after it. At a kink, see `peaks`.
     """
 
-    pointwise = False
+    @property
+    def pointwise(self) -> bool:
+        return False
 
     def outermost(self, g: Array) -> int:
         """Which sample it is."""
@@ -232,7 +240,10 @@ class Peak(Response):
     """
 
     sharpness: float | None = None
-    pointwise = False
+
+    @property
+    def pointwise(self) -> bool:
+        return False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,0 +1,59 @@
+"""The peak of an output by default: near to the maximum whatever the scale, and differentiated exactly."""
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.peaks import SHARPNESS
+
+T = np.linspace(0.0, 5.0, 400)
+SHAPES = {
+    "one bump": np.exp(-((T - 1.0) ** 2) / 0.02),
+    "waves": np.sin(7 * T),
+    "falling waves": np.exp(-0.1 * T) * np.sin(7 * T),
+    "a rise": T,
+    "a fall": -T,
+    "two equal ends": (T - 2.5) ** 2,
+    "constant": np.ones_like(T),
+}
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("offset", [0.0, 1.0, -30.0])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_it_is_the_maximum_to_a_thousandth_of_the_range(shape: str, offset: float, scale: float) -> None:
+    g = scale * (SHAPES[shape] + offset)
+    found, most = sr.Peak("x").value(g, T), sr.Maximum("x").value(g, T)
+    assert abs(found - most) <= max(0.3 / SHARPNESS * np.ptp(g), 1e-15 * abs(most))
+
+
+def test_one_peak_above_the_others_is_the_maximum() -> None:
+    g = SHAPES["falling waves"]
+    assert sr.Peak("x").value(g, T) == pytest.approx(sr.Maximum("x").value(g, T), rel=1e-12)
+    assert sr.Peak("x").weights(g, T) == pytest.approx(sr.Maximum("x").weights(g, T), abs=1e-12)
+
+
+def test_its_derivative_passes_from_one_peak_to_the_other() -> None:
+    """Where two are equally high it is the mean of theirs, and changes gradually from one to the other."""
+    first, second = np.exp(-((T - 1) ** 2) / 0.05), np.exp(-((T - 4) ** 2) / 0.05)
+    shares = []
+    for more in (-1e-2, -1e-3, 0.0, 1e-3, 1e-2):
+        weights = sr.Peak("x").weights(first + (1 + more) * second, T)
+        shares.append(weights[T > 2.5].sum())
+    assert shares[2] == pytest.approx(0.5, abs=1e-6)
+    assert np.all(np.diff(shares) > 0) or shares[0] == pytest.approx(0.0, abs=1e-3)
+    assert shares[-1] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_short_pulse_is_not_lost() -> None:
+    """With a sharpness of 50 the mean over the time took 5 % off."""
+    mass = sr.Body("m", mass=1.0, inertia=(1, 1, 1), position=(0.4388, 0, 0))
+    slide = sr.Translational("g", sr.ground, mass, point=(0.4388, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), mass.point(0, 0, 0), k=100.0, c=4.0, length=5.0)
+    system = sr.System(sr.Model("m", [mass], [slide], [spring]))
+    run = sr.simulate(system, until=5.0, method=sr.Radau(), rtol=1e-8, atol=1e-10, keep_steps=True)
+    names = ["m.position.x", "s.k"]
+    found = sr.sensitivity(run, [sr.Peak("m.x"), sr.Peak("m.x", sharpness=50.0), sr.Maximum("m.x")], names)
+    assert found.values[0] == pytest.approx(0.4388, abs=1e-3 * 0.7)
+    assert found.values[1] < 0.425
+    assert found.matrix[0] == pytest.approx(found.matrix[2], abs=1e-9)

@@ -126,6 +126,7 @@ DIFFERENTIABLE = [
     "sqrt(x*x + y*y) - hypot(x, 2*y)",
     "exp(-x)*log(y)",
     "abs(x - y)",
+    "sign(x - y)*x*y + sign(y - x)",
     "min(x, y) + max(x*y, 1) + min(x, y, 9)",
     "deg(x) + rad(y)",
     "step(x, 0, y, 5, 3*y)",

@@ -52,7 +52,7 @@ def test_the_gradient_is_that_of_all_steps(
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 3)
-    responses = ["pin.angle", sr.Integral("elbow.angle"), sr.Peak("tip.x")]
+    responses = ["pin.angle", sr.Integral("elbow.angle"), sr.Peak("tip.x", sharpness=50.0)]
     compared(sr.System(arm()), responses, 4.0, names=NAMES, method=method, **SETTINGS)
 
 

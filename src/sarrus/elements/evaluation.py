@@ -10,7 +10,7 @@ import numpy as np
 from .._jit.expression import Graph
 from ..algebra import Array, Block
 from .curve import StoredCurve
-from .element import Element, Pair, Single
+from .element import Element, ElementError, Pair, Single
 from .operators import Axis, Operator
 
 BODY_OPERANDS = ("q", "xi", "eta", "v", "a")
@@ -55,10 +55,40 @@ def grid(element: Element, operator: Operator, operands: Mapping[str, Any]) -> t
     kind = type(element)
     call = arguments(kind, operator, operands)
     result = getattr(element, operator.name)(partition(kind, operands["q"]), *call)
-    if operator.is_vector:
-        result = (result,) if operator.axes[0] is Axis.ROWS else result
-        return tuple((block,) for block in result)
-    return (result,) if operator.axes[0] is Axis.ROWS else result
+    rows = widths(kind, operator.axes[0])
+    columns = (1,) if operator.is_vector else widths(kind, operator.axes[1])
+    lines = [result] if operator.axes[0] is Axis.ROWS else result
+    if operator.is_vector and _is_row(lines, len(rows)):
+        lines = [[block] for block in lines]
+    if not _is_row(lines, len(rows)) or not all(_is_row(line, len(columns)) for line in lines):
+        raise _misshapen(kind, operator, rows, columns)
+    for height, line in zip(rows, lines, strict=True):
+        for width, block in zip(columns, line, strict=True):
+            if block is not None and not (isinstance(block, np.ndarray) and block.size == height * width):
+                raise _misshapen(kind, operator, rows, columns)
+    return tuple(tuple(line) for line in lines)
+
+
+def _is_row(given: Any, count: int) -> bool:
+    """Whether these are so many blocks."""
+    return isinstance(given, tuple | list) and len(given) == count
+
+
+def _misshapen(
+    kind: type[Element], operator: Operator, rows: tuple[int, ...], columns: tuple[int, ...]
+) -> ElementError:
+    if operator.axes[0] is not Axis.ROWS:
+        blocks = f"{len(rows)} rows of " if not operator.is_vector else ""
+        count = len(rows) if operator.is_vector else len(columns)
+        sizes = rows if operator.is_vector else columns
+        wanted = f"{blocks}{count} blocks (arrays, or None for zeros) of {', '.join(map(str, sizes))} "
+        wanted += "entries" if operator.is_vector else f"columns, and {', '.join(map(str, rows))} rows"
+    elif operator.is_vector:
+        wanted = f"one array of {rows[0]} entries"
+    else:
+        wanted = f"{len(columns)} blocks (arrays, or None for zeros) of {rows[0]} rows and "
+        wanted += f"{', '.join(map(str, columns))} columns"
+    return ElementError(f"element {kind.__name__}: {operator.name} must return {wanted}. Give it this shape.")
 
 
 def widths(kind: type[Element], axis: Axis) -> tuple[int, ...]:

@@ -96,7 +96,11 @@ def _section(owner: str, model: Model) -> str:
 def _check_bodies(element: type[Element], bodies: tuple[str, ...], index: dict[str, int]) -> None:
     if len(bodies) != element.bodies:
         raise ModelError(f"is for {element.bodies} bodies, but is given {len(bodies)}; name as many")
-    for name in bodies:
+    given: tuple[Any, ...] = bodies
+    for name in given:
+        if not isinstance(name, str):
+            told = f"its bodies must be names, but one is {show(name)}"
+            raise ModelError(f"{told}; give body.name for a Body", field="bodies")
         find(name, index, "bodies")
 
 

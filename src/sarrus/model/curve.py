@@ -131,14 +131,21 @@ class Formula:
         Raises
         ------
         ModelError
-            If the function branches on its argument, uses what cannot be recorded, or is too long.
+            If the function branches on its argument, uses what cannot be recorded, or is too long; if it holds what is
+            no finite number, or does something else when it is called again, as one with random numbers does.
         """
         try:
-            return program(self.function)
-        except (TypeError, ValueError, AttributeError) as trouble:
+            found, again = program(self.function), program(self.function)
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as trouble:
             raise ModelError(
                 f"{field} cannot be used as a formula: {trouble}; or give a table", field=field
             ) from None
+        if not np.all(np.isfinite(found)):
+            raise ModelError(f"{field} holds a number that is not finite; take it out", field=field)
+        if found != again:
+            told = f"{field} is another function each time it is called, as with random numbers"
+            raise ModelError(f"{told}; draw the numbers first, and give a table of them", field=field)
+        return found
 
     def __call__(self, x: float) -> float:
         """Return y(x)."""

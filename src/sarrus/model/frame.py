@@ -13,6 +13,7 @@ from .point import Point
 from .pose import Poses
 from .quantity import Array, Vec3, Vector, direction, plain, triple
 from .rotation import perpendicular, skew
+from .show import show
 
 PERPENDICULAR = 1e-6  # [-] how far from 0 the product of two "perpendicular" unit vectors may be
 
@@ -37,6 +38,12 @@ class Frame:
 
     def resolve(self, poses: Poses, field: str, axis: str = "") -> LocalFrame:
         """Return the frame in body axes; errors are about ``field``, or ``axis`` for its directions."""
+        if not isinstance(self.point, Point):
+            raise ModelError(
+                f"{field} is a frame at {show(self.point)}, which is no point; give body.frame((x, y, z)), with "
+                "directions x=, z= if they are wanted",
+                field=field,
+            )
         origin = self.point.resolve(poses, field)
         axes = frame_axes(self.x, self.z, axis or field)
         if self.point.axes == "global":

@@ -1,4 +1,4 @@
-"""A number, or a function of one variable in one of the ways that a person may give it."""
+"""Laws: a number, or a function of one variable, given as a formula, a table, a curve or a Python function."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from .curve import Curve, Formula, curve_of
+from .errors import ModelError
+from .expression import Expression
+from .prescribed import formula, parsed
 from .quantity import is_list, number
+from .show import show
 
-Law: TypeAlias = float | Curve | Formula | Callable[[Any], Any] | Sequence[Sequence[float]]
+Law: TypeAlias = float | Curve | Formula | Expression | str | Callable[[Any], Any] | Sequence[Sequence[float]]
 
 
 class Scaled(NamedTuple):
@@ -20,20 +24,46 @@ class Scaled(NamedTuple):
 
 def varies(value: Any) -> bool:
     """Return whether a law is more than a number."""
-    return isinstance(value, Curve | Formula) or callable(value) or is_list(value)
+    return isinstance(value, Curve | Formula | Expression | str) or callable(value) or is_list(value)
 
 
-def scaled(value: Any, field: str) -> Scaled:
+def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
     """Return a law as a factor and a curve: a number scales the curve 1, and a function is scaled by 1.
+
+    Parameters
+    ----------
+    value : what the user gives
+    field : its name
+    variable : what its formulas are in: t for the time, x for all else
 
     Raises
     ------
     ModelError
-        If it is neither a finite number nor a table, a curve or a function that can be recorded.
+        If it is neither a finite number nor a formula, a table, a curve or a function that can be recorded.
     """
+    if isinstance(value, str):
+        value = parsed(value, field, variable)
+    if isinstance(value, Expression):
+        factor, curve = formula(value, field, variable)
+        return Scaled(1.0, curve) if value.names() else Scaled(1.0, Curve.constant(factor))
     if not varies(value):
         return Scaled(number(value, field), Curve.constant(1.0))
     curve = curve_of(value, field)
     if isinstance(curve, Formula):
         curve.numbers(field)
     return Scaled(1.0, curve)
+
+
+def refuse_negative(factor: float, field: str) -> None:
+    """Raise a ModelError for a stiffness or damping that is a negative number.
+
+    Raises
+    ------
+    ModelError
+    """
+    if factor < 0:
+        raise ModelError(
+            f"{field} must not be negative, but is {show(factor)}; for an unstable spring or a driven damper give a "
+            f"law, such as lambda x: {show(factor)}",
+            field=field,
+        )

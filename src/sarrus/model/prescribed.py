@@ -34,7 +34,7 @@ def motion_of(value: Motion, field: str) -> Law:
     """
     given: Any = parsed(value, field) if isinstance(value, str) else value
     if isinstance(given, Expression):
-        return _formula(given, field)
+        return formula(given, field)
     if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
         return _checked(curve_of(given, field), field)
     return Law(
@@ -42,21 +42,24 @@ def motion_of(value: Motion, field: str) -> Law:
     )
 
 
-def parsed(text: str, field: str) -> Expression:
-    """Return the formula in t that a text gives."""
+def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
+    """Return the formula in a variable that a text gives."""
     try:
-        return parse_expression(text, variables=(VARIABLE,))
+        return parse_expression(text, variables=(variable,))
     except ModelError as error:
         raise ModelError(f"{field} {error.sentence}", field=field) from None
 
 
-def _formula(tree: Expression, field: str) -> Law:
-    others = [name for name in tree.names() if name != VARIABLE]
+def formula(tree: Expression, field: str, variable: str = VARIABLE) -> Law:
+    """Return the law of a formula in a variable."""
+    others = [name for name in tree.names() if name != variable]
     if others:
-        raise ModelError(f"{field} depends on {quote(others[0])}; only t may stand in it", field=field)
+        raise ModelError(
+            f"{field} depends on {quote(others[0])}; only {variable} may stand in it", field=field
+        )
     if not tree.names():
         return Law(number(float(tree.value()), field), Curve.constant(1.0))
-    return _checked(Formula(Tree(tree, VARIABLE)), field)
+    return _checked(Formula(Tree(tree, variable)), field)
 
 
 def _checked(curve: Curve | Formula, field: str) -> Law:

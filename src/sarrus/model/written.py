@@ -38,7 +38,10 @@ BY_SIX = (
     "preload",
 )  # of forces and torques, and their matrices: entries have numbers
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
-GRAVITY, MOTION = "gravity", "motion"
+GRAVITY = "gravity"
+# fields that a text in a formula may stand in, with its variable
+TEXTS: dict[str | int, str] = dict.fromkeys(("motion", "force", "torque", "factor", "bump"), "t")
+TEXTS |= dict.fromkeys(("k", "c", "road"), "x")
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -109,8 +112,8 @@ def _part(part: Any, change: Change) -> Any:
 
 def _value(value: Any, steps: Steps, change: Change) -> Any:
     """A field's value with its numbers changed."""
-    if isinstance(value, str) and steps[-1] == MOTION:
-        value = parsed(value, MOTION)
+    if isinstance(value, str) and len(steps) > 1 and steps[1] in TEXTS:
+        value = parsed(value, str(steps[1]), TEXTS[steps[1]])
     if isinstance(value, bool | str | Solid | Shape) or value is None:
         return value
     if isinstance(value, Curve):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,6 +26,11 @@ def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
             f"no {what} with respect to {name!r}; there are those to {', '.join(names[:SHOWN])}{more}"
         )
     return found
+
+
+def _is_pair(name: object) -> bool:
+    """Whether this is a response and a number."""
+    return isinstance(name, tuple) and len(name) == 2 and all(isinstance(one, str) for one in name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +67,11 @@ class Gradient(Result):
         KeyError
             If it was not asked for.
         """
+        if not isinstance(name, str) and not _is_pair(name):
+            raise TypeError(
+                f'a gradient is read by name, g["{self.names[0]}"], of several responses '
+                f'g["{self.responses[0]}", "{self.names[0]}"], but not by {name!r}; the array is g.matrix'
+            )
         response, number = (None, name) if isinstance(name, str) else name
         found = self.matrix[:, _places(number, self.names, "derivative")]
         if response is not None:
@@ -71,6 +81,24 @@ class Gradient(Result):
         elif len(found) == 1:
             found = found[0]
         return found if np.ndim(found) else float(found)
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the numbers, as of a mapping: ``dict(g)`` has all derivatives."""
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.names
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the numbers."""
+        return self.names
+
+    def items(self) -> Iterator[tuple[str, float | Array]]:
+        """The names with the derivatives by them."""
+        return ((name, self[name]) for name in self.names)
 
     @property
     def value(self) -> float:

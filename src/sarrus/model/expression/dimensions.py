@@ -57,6 +57,8 @@ def _called(node: Call, args: list[Powers]) -> Powers:
         return {} if name == "atan2" else common
     if name in PURE:
         return _pure(node, args[0])
+    if name == "sign":
+        return {}
     if name == "step":
         _common(node, [args[0], args[1], args[3]])
         return _common(node, [args[2], args[4]])

@@ -33,6 +33,11 @@ def _absolute(x: Any) -> Any:
     return apply("max", x, -x)
 
 
+def _sign(x: Any) -> Any:
+    """Return 1, 0 or -1."""
+    return apply("select", x, 0, apply("select", 0, x, 0, -1), 1)
+
+
 def _hypot(x: Any, y: Any) -> Any:
     plain = isinstance(x, (int, float)) and isinstance(y, (int, float))
     return math.hypot(x, y) if plain else apply("sqrt", x * x + y * y)
@@ -86,6 +91,7 @@ _function("exp", 1, lambda x: (call("exp", x),))
 _function("log", 1, lambda x: (1 / x,))
 _function("hypot", 2, lambda x, y: (x / call("hypot", x, y), y / call("hypot", x, y)), _hypot)
 _function("abs", 1, lambda x: (call("select", -x, x, Number(1.0), Number(-1.0)),), _absolute)
+_function("sign", 1, lambda x: (Number(0.0),), _sign)
 _function("min", 2, _extreme(lambda a, b: call("select", a, b, Number(1.0), Number(0.0))))
 _function("max", 2, _extreme(lambda a, b: call("select", b, a, Number(1.0), Number(0.0))))
 _function("deg", 1, lambda x: (Number(1 / DEGREE),), lambda x: x / DEGREE)

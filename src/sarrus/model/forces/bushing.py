@@ -8,7 +8,7 @@ from typing import Annotated
 
 from ... import elements
 from ..frame import Frame
-from ..matrix6 import Matrix6, Vector6, matrix6, vector6
+from ..matrix6 import Matrix6, Vector6, dissipative6, vector6
 from ..measure import In, Place
 from ..placement import placed_frames
 from ..pose import Poses
@@ -28,7 +28,8 @@ class Bushing(Force):
     Parameters
     ----------
     stiffness
-        Six by six, or the six diagonal entries [N/m, N/rad; N, N m/rad]. A symmetric one conserves energy.
+        Six by six, or the six diagonal entries [N/m, N/rad; N, N m/rad]. A symmetric one conserves energy. It may not
+        be negative in any direction.
     damping
         Likewise [N s/m, N s/rad; N s, N m s/rad].
     preload
@@ -47,6 +48,6 @@ class Bushing(Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the bushing."""
         i, j = placed_frames(self, None, poses)
-        K, C = matrix6(self.stiffness, "stiffness"), matrix6(self.damping, "damping")
+        K, C = dissipative6(self.stiffness, "stiffness"), dissipative6(self.damping, "damping")
         values = (i.s, i.f, i.g, i.h, j.s, j.f, j.g, j.h, K, C, vector6(self.preload, "preload"))
         yield Primitive(elements.Bushing, (i.body, j.body), values, "bushing")

@@ -35,14 +35,14 @@ def history(load: Any, factor: Any, field: str) -> History:
             f"has both a factor and components of its {field} that vary in time; leave one of them constant"
         )
         raise ModelError(told, field="factor")
-    parts, size = [scaled(part, field) for part in load], number(factor, "factor")
+    parts, size = [scaled(part, field, "t") for part in load], number(factor, "factor")
     x, y, z = (size * part.factor for part in parts)
     return History((x, y, z), tuple(part.curve for part in parts))
 
 
 def _by_factor(load: Vec3, factor: Any) -> History:
     if varies(factor):
-        return History(load, (scaled(factor, "factor").curve,) * 3)
+        return History(load, (scaled(factor, "factor", "t").curve,) * 3)
     x, y, z = (number(factor, "factor") * part for part in load)
     return History((x, y, z), ())
 

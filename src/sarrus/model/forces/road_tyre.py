@@ -54,13 +54,13 @@ class RoadTyre(Force):
         c = not_negative(self.c, "c", "give the damping in N s/m")
         radius = positive(self.radius, "radius", "give the unloaded radius in m")
         width = positive(self.rounding, "rounding", "give a small length in m")
-        (height, profile), (rise, bump) = _height(self.road, "road"), _height(self.bump, "bump")
+        (height, profile), (rise, bump) = _height(self.road, "road", "x"), _height(self.bump, "bump", "t")
         values = (point.s, k, c, radius, height + rise, width, profile, bump)
         yield Primitive(elements.RoadTyre, (point.body,), values, "tyre")
 
 
-def _height(value: Law, field: str) -> tuple[float, Curve | Formula]:
+def _height(value: Law, field: str, variable: str) -> tuple[float, Curve | Formula]:
     """Return a constant height and what is added to it."""
     if varies(value):
-        return 0.0, scaled(value, field).curve
+        return 0.0, scaled(value, field, variable).curve
     return number(value, field), Curve.constant(0.0)

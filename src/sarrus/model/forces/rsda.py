@@ -8,7 +8,7 @@ from typing import Annotated
 
 from ... import elements
 from ..coordinate import angle
-from ..law import Law, scaled, varies
+from ..law import Law, refuse_negative, scaled, varies
 from ..measure import Angle, In
 from ..placement import AboutAxis
 from ..pose import Poses
@@ -38,7 +38,9 @@ class RSDA(AboutAxis, Force):
 
     Notes
     -----
-    A law is a table of pairs, a `Curve`, or a function made of arithmetic and of `sarrus.functions`.
+    A law is a function of the one variable that is named above, not of others: a formula in a text (in t over time,
+    else in x), a table of pairs, a `Curve`, or a Python function made of arithmetic and of `sarrus.functions`. Numbers for k
+    and c are not negative; what drives a motion is a law.
     """
 
     k: Annotated[Law, In("N m/rad", over="rad")] = field(kw_only=True)
@@ -49,11 +51,13 @@ class RSDA(AboutAxis, Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the linear RSDA, or the nonlinear one if a law is a curve, with its initial angle."""
         i, j = self.frames(poses)
-        laws = ((self.k, "k"), (self.c, "c"), (self.torque, "torque"))
-        (k, kappa), (c, chi), (torque, phi) = (scaled(value, name) for value, name in laws)
+        laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.torque, "torque", "t"))
+        (k, kappa), (c, chi), (torque, phi) = (scaled(*law) for law in laws)
+        refuse_negative(k, "k")
+        refuse_negative(c, "c")
         free, start = number(self.angle, "angle", "give radians"), angle(i, j, poses).start
         values = (i.f, i.g, i.h, j.f, j.h, k, c, free, torque)
-        if any(varies(value) for value, _ in laws):
+        if any(varies(value) for value, *_ in laws):
             curved = (*values, kappa, chi, phi, start)
             yield Primitive(elements.NonlinearRSDA, (i.body, j.body), curved, "rsda")
         else:

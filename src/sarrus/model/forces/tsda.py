@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
-from ..law import Law, scaled, varies
+from ..law import Law, refuse_negative, scaled, varies
 from ..measure import In, Length
 from ..placement import points_apart
 from ..point import Point
@@ -36,7 +36,9 @@ class TSDA(Force):
 
     Notes
     -----
-    A law is a table of pairs, a `Curve`, or a function made of arithmetic and of `sarrus.functions`.
+    A law is a function of the one variable that is named above, not of others: a formula in a text (in t over time,
+    else in x, ``"50 + 10*abs(x - 2)"``), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
+    `sarrus.functions`. Numbers for k and c are not negative; what drives a motion is a law.
     """
 
     point_i: Point
@@ -50,10 +52,12 @@ class TSDA(Force):
         """Yield the linear TSDA, or the nonlinear one if a law is a curve."""
         i, j = points_apart(self.point_i, self.point_j, poses)
         length = not_negative(self.length, "length", "give the free length in m")
-        laws = ((self.k, "k"), (self.c, "c"), (self.force, "force"))
-        (k, kappa), (c, chi), (force, phi) = (scaled(value, field) for value, field in laws)
+        laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.force, "force", "t"))
+        (k, kappa), (c, chi), (force, phi) = (scaled(*law) for law in laws)
+        refuse_negative(k, "k")
+        refuse_negative(c, "c")
         values = (i.s, j.s, k, c, length, force)
-        if any(varies(value) for value, _ in laws):
+        if any(varies(value) for value, *_ in laws):
             yield Primitive(elements.NonlinearTSDA, (i.body, j.body), (*values, kappa, chi, phi), "tsda")
         else:
             yield Primitive(elements.TSDA, (i.body, j.body), values, "tsda")

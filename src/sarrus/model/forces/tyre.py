@@ -11,7 +11,7 @@ from ..measure import In, Length
 from ..point import Point
 from ..pose import Poses
 from ..primitive import Primitive
-from ..quantity import number, positive
+from ..quantity import not_negative, number, positive
 from .force import Force, refuse_ground
 
 
@@ -41,6 +41,8 @@ class Tyre(Force):
         """Yield the tyre."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
-        k, c, road = number(self.k, "k"), number(self.c, "c"), number(self.road, "road")
+        road = number(self.road, "road")
+        k = positive(self.k, "k", "give the stiffness in N/m")
+        c = not_negative(self.c, "c", "give the damping in N s/m")
         radius = positive(self.radius, "radius", "give the unloaded radius in m")
         yield Primitive(elements.Tyre, (point.body,), (point.s, k, c, radius, road), "tyre")

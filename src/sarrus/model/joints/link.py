@@ -31,7 +31,11 @@ class Link:
         self, poses: Poses, axis_i: Vector | None, axis_j: Vector | None, fields: tuple[str, str]
     ) -> Frames:
         """Return the frames of both ends in body axes, with h along the axes."""
-        if self.frame_i is not None and self.frame_j is not None:
+        if self.frame_i is not None or self.frame_j is not None:
+            if self.frame_i is None or self.frame_j is None:
+                raise ModelError(
+                    "one of its two frames is missing; give a frame on each body", field="frame_i"
+                )
             refuse_both({"point_i": self.point_i, "point_j": self.point_j, fields[0]: axis_i}, "frames")
             frames = Frames(self.frame_i.resolve(poses, "frame_i"), self.frame_j.resolve(poses, "frame_j"))
         elif self.point_i is None or self.point_j is None:

@@ -96,7 +96,7 @@ class Ledger:
         """
         self.found[case] = outcome
         entry = {"case": case, **outcome._asdict()}
-        entry["responses"] = [_plain(x) for x in outcome.responses]
+        entry["responses"] = [x if np.isfinite(x) else None for x in outcome.responses]
         text = json.dumps(entry, ensure_ascii=False)
         self._last = _chained(self._last, text)
         with writing(self.folder):
@@ -181,11 +181,6 @@ def _outcome(entry: Mapping[str, Any]) -> tuple[int, Outcome]:
     numbers = tuple(np.nan if x is None else float(x) for x in entry["responses"])
     warned = tuple(entry["warnings"])
     return int(entry["case"]), Outcome(entry["success"], entry["message"], numbers, entry["seconds"], warned)
-
-
-def _plain(number: float) -> float | str | None:
-    """A number as JSON has it."""
-    return number if np.isfinite(number) else None if np.isnan(number) else repr(float(number))
 
 
 def _chained(last: str, text: str) -> str:

@@ -116,6 +116,12 @@ def saved_run(folder: Path) -> str:
     return refused(lambda: sr.load(folder / "run.sarrus"))
 
 
+def finished_run(folder: Path) -> str:
+    run = {"until": 0.01, "save": folder / "run.sarrus"}
+    sr.simulate(four_bar(), **run)
+    return refused(lambda: sr.simulate(four_bar(), **run))
+
+
 def no_mesh(folder: Path) -> str:
     (folder / "arm.urdf").write_text(ARM)
     page = sr.load_urdf(folder / "arm.urdf").view(folder / "page.html")
@@ -136,6 +142,7 @@ SAID: list[Callable[[Path], str]] = [
     lambda folder: no_steps(),
     lambda folder: no_such_coordinate(),
     saved_run,
+    finished_run,
     lambda folder: refused(lambda: refuse_unwritable([folder / "none" / "a.csv"])),
     lambda folder: plots.MISSING,
     lambda folder: film.NO_FFMPEG,

@@ -1,6 +1,7 @@
 """The bar of a run, and tables of what it gave."""
 
 import re
+import time
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.progress import Bar, duration
+from sarrus.analyses.progress import Bar, duration, monitor
 
 
 def test_the_bar_tells_simulated_time_and_time_to_go() -> None:
@@ -29,6 +30,44 @@ def test_a_run_in_a_pipe_leaves_one_line(capsys: pytest.CaptureFixture[str]) -> 
     told = capsys.readouterr().err
     assert told.count("\n") == 1
     assert "simulated 0.5 of 0.5 s in" in told
+
+
+def test_a_wait_for_kernels_is_explained(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sarrus.analyses.progress.PATIENCE", 0.05)
+    with monitor(True, 1.0) as report:
+        time.sleep(0.3)
+        report(1.0)
+    assert capsys.readouterr().err.count("compiling kernels") == 1
+    for wanted in (True, None, False):  # no terminal here: nothing is printed unless it is asked for
+        with monitor(wanted, 1.0) as report:
+            report(0.5)
+            time.sleep(0.2 if wanted else 0.0)
+    assert "compiling" not in capsys.readouterr().err
+
+
+def test_derivatives_and_films_show_their_progress(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = sr.simulate(slider_crank(), until=0.05, t_eval=[0.0, 0.05], keep_steps=True)
+    sr.sensitivity(run, "slider.x", ["spring.k"], progress=True)
+    assert "differentiated 2 of 2 stages" in capsys.readouterr().err
+    seen: list[float] = []
+    sr.hessian(run, "slider.x", ["spring.k", "rod.mass"], progress=seen.append)
+    assert seen == [1, 2]
+    sr.animate(run, tmp_path / "film.gif", speed=0.2, progress=True)
+    assert "pictures in" in capsys.readouterr().err
+    sr.animate(run, tmp_path / "film.gif", speed=0.2)
+    assert capsys.readouterr().err == ""  # without a terminal a bar must be asked for
+
+    def stop(number: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sr.animate(run, tmp_path / "cut.gif", speed=0.2, progress=stop)
+    with pytest.raises(KeyboardInterrupt):
+        sr.hessian(run, "slider.x", ["spring.k"], progress=stop)
 
 
 def test_tables(tmp_path: Path) -> None:

@@ -67,3 +67,12 @@ def test_moments_of_any_parameter(model: Model) -> None:
     found = uncertainty(model, kinds, "slider.x", analysis=RUN)
     wanted = LatinHypercube(4000).cases({"c": Range(0.5, 2, log=True)})[:, 0].std()
     assert found.deviations == pytest.approx([1.0, wanted], rel=1e-3)
+
+
+def test_progress_and_a_time_limit_are_those_of_the_simulation(
+    model: Model, capsys: pytest.CaptureFixture[str]
+) -> None:
+    uncertainty(model, SPREADS, RESPONSES, analysis=RUN, progress=True)
+    assert "simulated" in capsys.readouterr().err
+    with pytest.raises(SarrusError, match="time limit of"):
+        uncertainty(model, SPREADS, RESPONSES, analysis=Simulation(until=1000.0), time_limit=0.01)

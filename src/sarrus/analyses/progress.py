@@ -6,12 +6,15 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Timer
 from typing import TypeAlias
 
 import numpy as np
 
 WIDTH = 28
 PAUSE = 0.1  # s between two drawings
+PATIENCE = 3.0  # s before the first report, after which the reason of the wait is printed
+COMPILING = "compiling kernels, which the first run of a kind does once (they are cached)"
 
 Progress: TypeAlias = Callable[[float], None]
 
@@ -84,6 +87,25 @@ def refuse_time_limit(time_limit: float | None) -> None:
         )
 
 
+class _Wait:
+    """Prints once that kernels are compiled, where nothing is reported for `PATIENCE` seconds."""
+
+    def __init__(self, wanted: bool) -> None:
+        self._timer = Timer(PATIENCE, self._explain) if wanted else None
+        if self._timer is not None:
+            self._timer.daemon = True
+            self._timer.start()
+
+    def _explain(self) -> None:
+        print(f"  {COMPILING} ...", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """There is progress, or the analysis is over."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
 @contextmanager
 def monitor(
     progress: bool | Progress | None,
@@ -97,7 +119,8 @@ def monitor(
 
     It draws a bar (``progress=True``) or calls the user's function, and raises `TimeLimit` once `time_limit` seconds
     have passed since the monitor was made. The analysis catches that, as it catches KeyboardInterrupt, and returns what
-    it has with the status "time limit".
+    it has with the status "time limit". Where nothing is reported for some seconds, since kernels are compiled for the
+    first time, that is printed on a terminal, and with ``progress=True``.
 
     Parameters
     ----------
@@ -120,8 +143,10 @@ def monitor(
     refuse_time_limit(time_limit)
     began, bar = time.perf_counter(), Bar(total, done, unit) if progress is True else None
     show = bar if bar is not None else progress or None
+    wait = _Wait(bar is not None or (progress is None and sys.stderr.isatty()))
 
     def report(reached: float) -> None:
+        wait.end()
         if callable(show):
             show(reached)
         if time_limit is not None and time.perf_counter() - began > time_limit:
@@ -130,5 +155,6 @@ def monitor(
     try:
         yield report
     finally:
+        wait.end()
         if bar is not None:
             bar.close()

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..analyses import assemble, sensitivity, simulate
 from ..analyses.optimization.combined import Outer
+from ..analyses.progress import Progress
 from ..model import Model, SarrusError, reports_warnings
 from ..results.result import Result
 from ..system import System
@@ -73,6 +74,8 @@ def uncertainty(
     responses: Any,
     *,
     analysis: Simulation,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Uncertainty:
     """Propagate the spread of parameters to responses of a simulation, to first order, by exact derivatives.
@@ -81,6 +84,7 @@ def uncertainty(
     ----------
     model, parameters, responses : as for `study`; responses are formulas
     analysis : a `Simulation` by `HHT` or `GeneralizedAlpha`
+    progress, time_limit : of the simulation, as for `simulate`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -90,14 +94,17 @@ def uncertainty(
     Raises
     ------
     SarrusError
-        For what cannot be meant, and if the run fails.
+        For what cannot be meant, and if the run fails or does not end within the time limit.
     """
     if not isinstance(analysis, Simulation):
         raise SarrusError("uncertainty is propagated through a Simulation; for other analyses use study")
-    return uncertainty_of(ask(model, parameters, responses, analysis=analysis, sample=Listed(())))
+    asked = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
+    return uncertainty_of(asked, progress, time_limit)
 
 
-def uncertainty_of(asked: Asked) -> Uncertainty:
+def uncertainty_of(
+    asked: Asked, progress: bool | Progress | None = None, time_limit: float | None = None
+) -> Uncertainty:
     """The same for a study that was checked."""
     run = asked.task.run
     if not isinstance(run, Simulation):
@@ -107,7 +114,10 @@ def uncertainty_of(asked: Asked) -> Uncertainty:
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
     begin = assemble(system, start.q, start.v)
     steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
-    motion = simulate(system, begin, until=run.until, keep_steps=True, **steps)
+    watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
+    motion = simulate(system, begin, until=run.until, keep_steps=True, **steps, **watched)
+    if motion.status == "stopped":
+        raise KeyboardInterrupt
     if not motion.success:
         raise SarrusError(motion.message)
     outer = Outer([differentiable(response, run.until) for response in asked.task.responses])

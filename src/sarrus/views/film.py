@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..algebra import Array
+from ..analyses.progress import monitor
 from ..euler import A
 from .browser import Shown
 from .browser.scene import GHOSTS, front, pace
@@ -38,8 +40,20 @@ def write_picture(shown: Sequence[Shown], file: Path, view: str | None = None) -
     return file
 
 
-def write_film(shown: Sequence[Shown], file: Path, speed: float | None, view: str | None = None) -> Path:
+def write_film(
+    shown: Sequence[Shown],
+    file: Path,
+    speed: float | None,
+    view: str | None = None,
+    *,
+    progress: bool | Callable[[float], None] | None = None,
+) -> Path:
     """Write runs as GIF or MP4, and return the path.
+
+    Parameters
+    ----------
+    progress : True for a bar on standard error, a function of the number of pictures drawn, or False; by default a bar
+        on a terminal
 
     Raises
     ------
@@ -54,12 +68,20 @@ def write_film(shown: Sequence[Shown], file: Path, speed: float | None, view: st
         raise OSError(NO_FFMPEG)
     studio = _Studio(shown, SIZE, view)
     times = _times(shown, speed, RATE[ending])
-    images = (studio.image(t) for t in times)
-    if ending == ".gif":
-        _gif(images, file)
-    else:
-        _mp4(images, str(ffmpeg), file)
+    wanted = sys.stderr.isatty() if progress is None else progress
+    with monitor(wanted, len(times), done="drew", unit=" pictures") as report:
+        images = _reported((studio.image(t) for t in times), report)
+        if ending == ".gif":
+            _gif(images, file)
+        else:
+            _mp4(images, str(ffmpeg), file)
     return file
+
+
+def _reported(images: Iterator[Any], report: Callable[[float], None]) -> Iterator[Any]:
+    for number, image in enumerate(images, start=1):
+        report(number)
+        yield image
 
 
 def _ffmpeg() -> str | None:
@@ -105,6 +127,8 @@ class _Studio:
         wide, high = size[0] * FINER, size[1] * FINER
         self.camera: Camera = camera(places, shown[0].sketch.up, view or front(shown[0]), wide, high)
         self.up, self.places = shown[0].sketch.up, places
+        self._empty = Canvas(wide, high, BACKGROUND)
+        self._ground(self._empty)
 
     def image(self, t: float, *, clock: bool = True) -> Any:
         """The picture at a time, as an image of Pillow."""
@@ -112,8 +136,7 @@ class _Studio:
             from PIL import Image, ImageDraw, ImageFont
         except ImportError:
             raise ImportError(MISSING) from None
-        canvas = Canvas(self.camera.width, self.camera.height, BACKGROUND)
-        self._ground(canvas)
+        canvas = self._empty.copy()
         for number, run in enumerate(self.shown):
             self._run(canvas, run, t, None if number == 0 else GHOSTS[(number - 1) % len(GHOSTS)])
         image = Image.fromarray(canvas.smaller(FINER))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +100,7 @@ def animate(
     names: bool = False,
     count: int = MOST,
     play: bool = True,
+    progress: bool | Callable[[float], None] | None = None,
 ) -> Page | Path:
     """Play a run: in the browser, in a notebook, or as a file.
 
@@ -119,6 +120,8 @@ def animate(
     names : whether names of bodies are on at first
     count : number of frames
     play : whether it plays when it is opened
+    progress : while a film is drawn: True for a bar on standard error, a function of the number of pictures, or False;
+        by default a bar on a terminal
 
     Returns
     -------
@@ -141,7 +144,7 @@ def animate(
     if ending == ".glb":
         return _glb(shown[0], file)
     if ending in (".gif", ".mp4"):
-        return write_film(shown, Path(str(file)), speed)
+        return write_film(shown, Path(str(file)), speed, progress=progress)
     return _given(write_page(shown, speed=speed, names=names, arrows=arrows, play=play), file)
 
 

@@ -122,17 +122,17 @@ def simulate(
     stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
         kept_events.refuse(chosen, save is not None)
-    begin = start if start is not None else assemble(system)
-    if not begin.success:
-        return nothing(system, "inconsistent", begin.message)
     refuse_time_limit(time_limit)
     budget = _budget(max_steps, max_step, chosen)
-    kinks = np.zeros(0) if keep_steps else kinks
-    plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
-    recipe = Recipe(system.model, begin, chosen, settings, plan)
     try:
-        refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
         with monitor(progress, until, time_limit=time_limit) as told:
+            begin = start if start is not None else assemble(system)
+            if not begin.success:
+                return nothing(system, "inconsistent", begin.message)
+            kinks = np.zeros(0) if keep_steps else kinks
+            plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
+            recipe = Recipe(system.model, begin, chosen, settings, plan)
+            refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
             if save is not None:
                 run = recipe.saved(save, system, told, overwrite=overwrite)
             else:

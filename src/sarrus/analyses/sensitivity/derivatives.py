@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import reports_warnings
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
+from ..progress import Progress, monitor
 from ..threads import one_thread_if_small
 from .chains import AnyChain, chain_of, curved_chain
 from .evaluation import Evaluation, Explicit
@@ -40,6 +41,7 @@ def sensitivity(
     method: Method = "adjoint",
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    progress: bool | Progress | None = None,
     strict: bool = False,
 ) -> Gradient:
     """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
@@ -55,6 +57,7 @@ def sensitivity(
         few numbers and many responses
     design : values of design variables by name
     formula : a function of the design variables that returns numbers of the model by name; differentiated exactly
+    progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -72,8 +75,13 @@ def sensitivity(
     steps = kept(run)
     if method not in METHODS:
         raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
-    parameters = _parameters(run, steps, wrt, design, formula)
-    return differentiated(run.system, steps, as_responses(responses), parameters, method)
+    with monitor(progress, 2, done="differentiated", unit=" stages") as report:
+        parameters, wanted = _parameters(run, steps, wrt, design, formula), as_responses(responses)
+        evaluation = Evaluation(run.system, steps, wanted, parameters)
+        report(1)
+        found = differentiated(run.system, steps, wanted, parameters, method, evaluation)
+        report(2)
+    return found
 
 
 def _parameters(
@@ -192,16 +200,23 @@ def hessian(
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    progress: bool | Progress | None = None,
     strict: bool = False,
 ) -> Hessian:
     """All second derivatives of a response with respect to a few numbers, by one product for each.
 
-    Parameters as for `hessian_product`.
+    Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
+    of products that are done.
     """
     if not wrt:
         raise ValueError("wrt names no number by which the response is differentiated twice; name some")
-    curvature, parameters = _curvature(run, response, wrt, design, formula)
-    matrix = np.array([curvature.times(direction) for direction in np.eye(len(parameters.names))])
+    with monitor(progress, len(wrt), done="differentiated twice by", unit=" parameters") as report:
+        curvature, parameters = _curvature(run, response, wrt, design, formula)
+        rows = []
+        for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
+            rows.append(curvature.times(direction))
+            report(number)
+        matrix = np.array(rows)
     return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix)
 
 

@@ -11,9 +11,8 @@ from ..euler import E, G
 from ..system import System
 from .length import extent
 
-ACCURACY = (
-    1e-3  # of the size of the mechanism, of a radian, of a given velocity: models are written with few digits
-)
+# Of the size of the mechanism, of a radian, and of a given velocity: models are written with few digits
+ACCURACY = 1e-3
 NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero, which is not given
 SHOWN = 3  # bodies that a warning lists
 
@@ -42,9 +41,8 @@ def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v
     for what, unit, bodies in zip(("velocity", "angular velocity"), ("m/s", "rad/s"), kinds, strict=True):
         least = NEGLIGIBLE * max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0)
         for name, given, new in bodies:
-            if np.linalg.norm(given) > least and np.linalg.norm(new - given) > ACCURACY * np.linalg.norm(
-                given
-            ):
+            size = float(np.linalg.norm(given))
+            if size > least and np.linalg.norm(new - given) > ACCURACY * size:
                 yield f"{name}: {what} {_both(given, new)} {unit}"
 
 

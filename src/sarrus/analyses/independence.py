@@ -130,7 +130,7 @@ class Independence:
             raise Inconsistent(start.message)
         if self.kept is None:
             return
-        t = start.asked.t if start.asked else 0.0
+        t = start.t
         lengths = self.row_lengths(start.q, t)
         scaled = self._system.gamma(start.q, start.v, t) / lengths
         missing = self._null @ (self._null.T @ scaled)

@@ -149,6 +149,7 @@ class _Search:
         return Equilibrium(
             *(self.system.name, now.q, now.lam, success, message, stability),
             *(spectrum.squares, motions, now.residual, count),
+            t=self.t,
         )
 
 

@@ -51,6 +51,8 @@ class Assembly(Result):
     nearest : whether q is, to round-off, as near to the guess as its neighbours on the constraints are
     asked : what it started from
     changes : bodies whose given position or velocity was changed visibly, with both values
+    memory : what elements remember, see `State`; empty where they begin anew
+    revolutions : (nc,) of the joints' angles, see `State`; empty where they begin anew
     """
 
     q: Array = field(repr=False)
@@ -65,3 +67,10 @@ class Assembly(Result):
     nearest: bool = False
     asked: Asked | None = field(default=None, repr=False)
     changes: tuple[str, ...] = field(default=(), repr=False)
+    memory: Array = field(default_factory=lambda: NONE, repr=False)
+    revolutions: Array = field(default_factory=lambda: NONE, repr=False)
+
+    @property
+    def t(self) -> float:
+        """Its time [s]."""
+        return self.asked.t if self.asked else 0.0

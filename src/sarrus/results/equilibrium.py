@@ -28,6 +28,7 @@ class Equilibrium(Result):
     motions : (nq, d) the directions that belong to them
     residual : largest entry of the force that is not balanced [N], [N m]
     iterations : steps taken
+    t : time at which drivers and forces are held [s]
     """
 
     name: str
@@ -40,3 +41,4 @@ class Equilibrium(Result):
     motions: Array = field(repr=False)
     residual: float
     iterations: int
+    t: float = 0.0

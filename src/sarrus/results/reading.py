@@ -11,6 +11,7 @@ import numpy as np
 
 from .happened import happened_of
 from .saved import arrays_of, recipe_of
+from .solution import State
 from .trajectory import Trajectory
 
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
@@ -45,7 +46,8 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     if system is None and trusted:
         system = recipe_of(folder)["system"]()
     violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))
-    states: dict[str, Any] = {name: arrays[name] for name in ("q", "v", "a", "lam", "history")}
+    names = ("q", "v", "a", "lam", "history", "memory", "revolutions")
+    states: dict[str, Any] = {name: arrays[name] for name in names}
     counts: dict[str, Any] = {name: told[name] for name in COUNTS}
     return Trajectory(
         name=about["name"],
@@ -62,6 +64,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         events=tuple(happened_of(state)),
         singular=tuple(told.get("singular", ())),
         warnings=tuple(told.get("warnings", ())),
+        final=State.stored(state),
         joints=None if system is None else system.joint_coordinates,
         system=system,
         **states,

@@ -51,6 +51,8 @@ COLUMNS = {
     "lam": "equation",
     "violation": "kind_of_violation",
     "energy": "kind_of_energy",
+    "memory": "place",
+    "revolutions": "joint_coordinate",
 }
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
@@ -120,6 +122,8 @@ class Store:
             "lam": system.m,
             "violation": 2,
             "energy": 2,
+            "memory": len(system.memory_places),
+            "revolutions": system.joint_coordinates.m,
         }
         chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
         told = {**versions(), **about, "chunk": chunk, **_written_recipe(folder, recipe)}

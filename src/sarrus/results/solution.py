@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,15 +10,19 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 
+NONE = np.zeros(0)
+
 
 class State(NamedTuple):
-    """A consistent state; with the times along the first axis where several were asked for.
+    """A consistent state, from which `simulate` can go on; with the times along the first axis where it is several.
 
     Attributes
     ----------
     t : [s]
     q, v, a : (nq,)
     lam : (m,)
+    memory : (k,) what elements remember, such as the angle of a rotational spring with its revolutions
+    revolutions : (nc,) whole turns of the joints' angles beyond those nearest to their initial values
     """
 
     t: Any
@@ -25,6 +30,20 @@ class State(NamedTuple):
     v: Array
     a: Array
     lam: Array
+    memory: Array = NONE
+    revolutions: Array = NONE
+
+    def to_store(self) -> dict[str, Array]:
+        """As arrays of a saved run."""
+        return {f"final_{name}": np.asarray(array) for name, array in self._asdict().items()}
+
+    @classmethod
+    def stored(cls, arrays: Mapping[str, Array]) -> State | None:
+        """From such arrays, if there are any."""
+        if "final_t" not in arrays:
+            return None
+        found: dict[str, Any] = {name: arrays[f"final_{name}"] for name in cls._fields}
+        return cls(**{**found, "t": float(found["t"])})
 
 
 class Solution:
@@ -39,8 +58,8 @@ class Solution:
     t_min, t_max : where it is known [s]
     """
 
-    def __init__(self, nodes: Any, sampler: Any) -> None:
-        self._nodes, self._sampler = nodes, sampler
+    def __init__(self, nodes: Any, sampler: Any, revolutions: Any) -> None:
+        self._nodes, self._sampler, self._revolutions = nodes, sampler, revolutions
         self.t_min, self.t_max = float(nodes.t[0]), float(nodes.t[-1])
         self._jumps = np.flatnonzero(np.diff(nodes.t) == 0) + 1
 
@@ -61,8 +80,11 @@ class Solution:
         order = np.argsort(flat, kind="stable")
         found = [self._between(flat[order], *piece) for piece in self._pieces(flat[order])]
         back = np.argsort(order, kind="stable")
-        q, v, a, lam = (np.concatenate([getattr(x, n) for x in found])[back] for n in ("q", "v", "a", "lam"))
-        return State(times, q, v, a, lam) if times.ndim else State(float(times), q[0], v[0], a[0], lam[0])
+        names = ("q", "v", "a", "lam", "memory")
+        every = [np.concatenate([getattr(x, name) for x in found]) for name in names]
+        every.append(self._revolutions(flat[order], *every[:2]) if len(flat) else every[-1][:, :0])
+        states = [x[back] for x in every]
+        return State(times, *states) if times.ndim else State(float(times), *(x[0] for x in states))
 
     def _pieces(self, times: Array) -> list[tuple[int, int, int, int]]:
         """Between jumps: the first time and the one behind the last, the first node and the one behind the last."""

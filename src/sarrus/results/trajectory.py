@@ -18,11 +18,11 @@ from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
 from .result import Result
-from .solution import Solution
+from .solution import Solution, State
 from .steps import Pieces, StepsTaken
 
 ENERGIES = ("kinetic_energy", "potential_energy")
-COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES)
+COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,9 @@ class Trajectory(Result):
     singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
     steps : all steps, where they were kept
+    memory : (nt, k) what elements remember at the times, see `State`
+    revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
+    final : the state where the run ended, which may be behind the last of the times
     """
 
     name: str
@@ -97,6 +100,9 @@ class Trajectory(Result):
     singular: tuple[float, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
     steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
+    memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+    revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+    final: State | None = field(default=None, repr=False, compare=False)
 
     def summary(self) -> str:
         """What became of it, in one line."""
@@ -119,7 +125,7 @@ class Trajectory(Result):
         return BodyMotion(body, r, p, rd, spin)
 
     def joint(self, name: str) -> JointMotion:
-        """The angles and travels of a joint with their rates; turns are counted from one time kept to the next.
+        """The angles and displacements of a joint with their rates; revolutions are counted from step to step.
 
         Raises
         ------
@@ -128,10 +134,31 @@ class Trajectory(Result):
         """
         if self.joints is None:
             raise KeyError(f"this trajectory of {self.name} was made without joints")
-        values, rates = self.joints.along(self.t, self.q, self.v)
+        values, rates = self.joints.along(self.t, self.q, self.v, self.revolutions)
         names = {own: self.joints.index(f"{name}.{own}") for own in self.joints.of_joint(name)}
         of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
         return JointMotion(name, *of)
+
+    def state(self, t: float) -> State:
+        """The state at a time, from which `simulate` can go on: one of `t`, the end, or any with `dense_output`.
+
+        Raises
+        ------
+        ValueError
+            For a time at which the state was not kept.
+        """
+        if self.final is not None and t == self.final.t:
+            return self.final
+        if self.sol is not None:
+            return self.sol(float(t))
+        rows = np.flatnonzero(self.t == t)
+        if not len(rows):
+            raise ValueError(
+                f"{self.name}: no state was kept at t = {t!r} s. Choose one of `t`, or simulate with dense_output=True."
+            )
+        names = ("q", "v", "a", "lam", "memory", "revolutions")
+        n, arrays = int(rows[0]), (getattr(self, name) for name in names)
+        return State(float(t), *(array[n] if len(array) else np.zeros(0) for array in arrays))
 
     def at(self, times: Array) -> Trajectory:
         """Only the states at the times given (those among `t`)."""

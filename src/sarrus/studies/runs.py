@@ -20,11 +20,11 @@ from ..analyses import (
 )
 from ..analyses.dynamics import METHODS
 from ..analyses.sensitivity.outputs import Outputs
-from ..analyses.sensitivity.recording import States, UnknownOutput
+from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
 from ..model import SarrusError
 from ..model.show import suggest
 from ..model.written import written_numbers
-from ..results import Equilibrium, Modes
+from ..results import Equilibrium, Modes, Trajectory
 from ..system import System
 from .parameters import Array, number, whole
 from .source import Start
@@ -271,7 +271,11 @@ def _states(result: Any) -> States:
 
 def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     """Histories by name: outputs of a motion, what modes have, and numbers of the model."""
-    outputs = Outputs(system, _states(result), system.b, lambda name, _: number_of(system, name))
+    states, angles, memory = _states(result), None, None
+    if isinstance(result, Trajectory) and len(result.revolutions) == len(result.t):
+        angles = Angles(system, states, revolutions=np.asarray(result.revolutions))
+        memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
+    outputs = Outputs(system, states, system.b, lambda name, _: number_of(system, name), angles, memory)
 
     def lookup(name: str) -> Any:
         if isinstance(result, Modes) and MODAL.fullmatch(name):

@@ -69,10 +69,23 @@ class JointCoordinates(ConstraintOperators):
         """Values with the whole turns that bring the angles nearest to others."""
         return values + np.where(self.angles, TURN * np.round((near - values) / TURN), 0.0)
 
-    def along(self, t: Array, q: Array, v: Array) -> tuple[Array, Array]:
-        """Values and rates (nt, nc) over a motion; turns are counted from one time to the next, with help of rates."""
+    def with_revolutions(self, values: Array, revolutions: Array) -> Array:
+        """Values as `Phi` gives them, with revolutions (nc,) or (nt, nc); with none where these are empty."""
+        return values + TURN * revolutions if np.size(revolutions) else values
+
+    def revolutions(self, values: Array, q: ArrayLike) -> Array:
+        """The revolutions (nc,) of coordinates at a state, which `with_revolutions` adds."""
+        return np.where(self.angles, np.round((values - self.Phi(q)) / TURN), 0.0)
+
+    def along(self, t: Array, q: Array, v: Array, revolutions: Array | None = None) -> tuple[Array, Array]:
+        """Values and rates (nt, nc) over a motion.
+
+        Without known revolutions (nt, nc) they are counted from one time to the next, with help of the rates.
+        """
         values = np.array([self.Phi(state) for state in q]).reshape(len(t), self.m)
         rates = np.array([self.Phi_q_xi(*state) for state in zip(q, v, strict=True)]).reshape(len(t), self.m)
+        if revolutions is not None and len(revolutions) == len(t):
+            return self.with_revolutions(values, np.asarray(revolutions)), rates
         for n in range(1, len(t)):
             moved = 0.5 * (t[n] - t[n - 1]) * (rates[n - 1] + rates[n])
             values[n] = self.near(values[n], values[n - 1] + moved)

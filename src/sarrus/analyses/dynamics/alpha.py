@@ -23,7 +23,7 @@ from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
 from .placed import PRECISE, PlacedMatrix, compiled_solver
 from .prescribed import Prescribed
-from .started import independence_at
+from .started import independence_at, remember_start
 from .stepper import Settings, Tally
 
 ROOM = 300_000  # numbers of the record of one chunk of steps, at most
@@ -146,9 +146,9 @@ class AlphaStepper(Implicit):
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
         self.b = (system.b if settings.b is None else settings.b).copy()
-        self.t, self.tally = 0.0, Tally()
+        self.t, self.tally = start.t, Tally()
         self._numbers = self.b.copy()
-        system.remember(start.q, self.b, 0.0)
+        remember_start(system, start, self.b)
         self.independence = independence_at(system, start)
         self._make()
         nq, m = system.nq, system.m

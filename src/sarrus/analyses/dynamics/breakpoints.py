@@ -30,19 +30,20 @@ def breakpoints(system: System) -> tuple[Array, Array]:
 ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
 
 
-def stops_of(system: System, given: Array, until: float) -> tuple[Array, Array]:
+def stops_of(system: System, given: Array, until: float, begin: float = 0.0) -> tuple[Array, Array]:
     """The times to hit, and those of them after which a method starts anew."""
     if given.ndim != 1 or not np.all(np.isfinite(given)):
         raise ValueError("breakpoints must be a list of times in s")
     every, ends = breakpoints(system)
     stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
-    return _apart(stops, until), _apart(kinks, until)
+    return _apart(stops, begin, until), _apart(kinks, begin, until)
 
 
-def _apart(times: Array, until: float) -> Array:
+def _apart(times: Array, begin: float, until: float) -> Array:
     """The times inside of the run, without those that differ from the one before by round-off alone."""
-    inside = times[(times > ROUND * until) & (times < until * (1 - ROUND))]
-    return inside[np.diff(inside, prepend=-until) > ROUND * until]
+    least = ROUND * max(abs(begin), abs(until))
+    inside = times[(times > begin + least) & (times < until - least)]
+    return inside[np.diff(inside, prepend=-np.inf) > least]
 
 
 def _curves_of_time(populations: Iterable[Population]) -> Iterator[Curve]:

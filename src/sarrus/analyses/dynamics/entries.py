@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from ..._jit.pointer import Entry
 from ...system import System
+from ...system.told import Told
 from ..once import once_alike
 
 
 @once_alike
 def entry_of(system: System, *names: str) -> Entry:
     """The entry of operators that are computed together, or of "remembered" or "potentials"."""
-    told = {"remembered": system.remembered, "potentials": system.potentials}
-    if names[0] in told:
-        return told[names[0]].entry()
+    if names[0] in ("remembered", "potentials"):
+        told: Told = getattr(system, names[0])
+        return told.entry()
     group = system.group(*names)
     found = group.entry()
     return (

@@ -139,6 +139,11 @@ class Output:
         for name, x in zip(self._near, values, strict=True):
             self._near[name] = None if np.isnan(x) else float(x)
 
+    def near_start(self, coordinates: Array) -> None:
+        """Take all joints' coordinates at the start, with their revolutions."""
+        every = self._system.joint_coordinates
+        self._near = {name: float(coordinates[every.index(name)]) for name in self._near}
+
     def gradient(self, t: float, q: Array) -> Array:
         """Its derivative to q (nq,)."""
         values, result = self._values(t, q), np.zeros(self._system.nq)
@@ -190,6 +195,11 @@ class Watch:
     def near(self, values: Array) -> None:
         for output in self._counted:
             output.near, values = values[: len(output.near)], values[len(output.near) :]
+
+    def near_start(self, coordinates: Array) -> None:
+        """Take the joints' coordinates at the start, with their revolutions."""
+        for output in self._counted:
+            output.near_start(coordinates)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
@@ -276,6 +286,11 @@ class Watches:
 
     def __bool__(self) -> bool:
         return bool(self._all)
+
+    def near(self, coordinates: Array) -> None:
+        """The joints' coordinates at the start, with their revolutions."""
+        for watch in self._all:
+            watch.near_start(coordinates)
 
     def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
         """A start at a state, perhaps after an event."""

@@ -25,7 +25,7 @@ from .nodes import Nodes
 from .ode import PARTS
 from .placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from .stabilized_matrix import MATRICES, newton_parts
-from .started import independence_at
+from .started import independence_at, remember_start
 from .stepper import Settings, Tally, Trouble
 from .trouble import dependent_rows, singular
 
@@ -57,7 +57,7 @@ class IDAStepper:
     host = None  # it keeps no matrix of the equations of motion for others
 
     def __init__(self, system: System, start: Assembly, settings: Settings) -> None:
-        self.system, self.settings, self.t, self.tally = system, settings, 0.0, Tally()
+        self.system, self.settings, self.t, self.tally = system, settings, start.t, Tally()
         self.independence = independence_at(system, start)
         self._equations = Equations(system, self.independence, start)
         self.b = self._equations.motion.b
@@ -148,7 +148,7 @@ class Equations:
     def __init__(self, system: System, independence: Independence, start: Assembly) -> None:
         self.system, self.independence, self.evaluations = system, independence, 0
         self.motion = Motion(system, independence.kept)
-        system.remember(start.q, self.motion.b, 0.0)
+        remember_start(system, start, self.motion.b)
         self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         nq, m = system.nq, system.m
         self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), newton_parts(nq, m))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import announce, collected
-from ...results import Assembly, Happened, Solution, Trajectory, load_run
+from ...results import Assembly, Happened, Solution, State, Trajectory, load_run
 from ...results.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ...results.saved import UNFINISHED, Store
 from ...results.steps import Pieces, StepsTaken, Turn
@@ -29,6 +29,7 @@ from .sample_loop import Samples
 from .sampler import Sampler
 from .step_budget import StepBudget, StepWatch
 from .stepper import Stepper, Trouble
+from .winding import Winding, WindingAlong
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
@@ -80,6 +81,8 @@ class March:
         self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
         self.nearness = Nearness(system, stepper.independence)
+        self.winding = Winding(system)
+        self._last: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written = 0
@@ -98,7 +101,9 @@ class March:
         status, message = "finished", "reached the end"
         try:
             if state is None:
-                self._begin(0.0, start.q, start.v)
+                self.winding.begin(start.q, start.revolutions)
+                self.watches.near(self.winding.values)
+                self._begin(start.t, start.q, start.v)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
             else:
                 self._resume(state)
@@ -131,6 +136,7 @@ class March:
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
+        self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
         self._safe = float(self.stepper.t)
@@ -143,6 +149,7 @@ class March:
     def over(self, state: Mapping[str, Array], folder: Path) -> Trajectory:
         """A saved run that has come to its end, with the whole motion and the steps where they were kept."""
         self.sampler.resume(state)
+        self.winding.resume(state)
         self._take_dense(state)
         if "kept_t" in state:
             self.stepper.resume(state)
@@ -150,8 +157,28 @@ class March:
 
     def _opened(self, folder: Path) -> Trajectory:
         """What is in the folder, with what is kept besides."""
-        sol = Solution(joined(self._dense), self.sampler) if self._dense else None
-        return replace(load_run(folder, self.system), sol=sol, steps=self.stepper.steps())
+        run = load_run(folder, self.system)
+        return replace(run, sol=self._solution(), steps=self.stepper.steps())
+
+    def _solution(self) -> Solution | None:
+        """The whole motion, where it was kept."""
+        if not self._dense:
+            return None
+        nodes = joined(self._dense)
+        return Solution(nodes, self.sampler, WindingAlong(self.system, nodes, self.winding.first))
+
+    def _final(self) -> State | None:
+        """The state where the run ended, from which another one can go on."""
+        if self._last is None:
+            return None
+        last = self._last
+        found = self.sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
+        turns = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
+        b = self.stepper.b.copy()
+        b[self.system.memory_places] = last.memory[0]
+        self.system.remember(found.q[0], b, float(last.t[0]))
+        states = (found.q[0], found.v[0], found.a[0], found.lam[0], b[self.system.memory_places])
+        return State(float(last.t[0]), *states, turns)
 
     def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
         """Hand over what was computed; mark it as safe now and then, at the start, and at the end with what is told."""
@@ -165,8 +192,12 @@ class March:
         now = time.perf_counter()
         if force or told is not None or now - self._marked > self._pause:
             state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
-            state |= self.nearness.state() | self.step_watch.state() | self._dense_state()
+            state |= (
+                self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
+            )
             state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
+            if told is not None and (final := self._final()) is not None:
+                state |= final.to_store()
             (store.mark if told is None else store.finish)(state)
             self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
@@ -265,10 +296,14 @@ class March:
     def _take(self, nodes: Nodes) -> None:
         """Give out the states wanted within the nodes."""
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
-        if last > self._written:
-            self._samples.append(self.sampler.states(nodes, self.plan.times[self._written : last]))
-            self.nearness.look(self._samples[-1])
+        wanted = self.plan.times[self._written : last]
+        samples = self.sampler.states(nodes, wanted) if len(wanted) else self.sampler.room(wanted)
+        samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
+        if len(wanted):
+            self._samples.append(samples)
+            self.nearness.look(samples)
             self._written = last
+        self._last = nodes.part(slice(-1, None))
         if self.plan.dense:
             self._dense.append(nodes)
 
@@ -296,7 +331,8 @@ class March:
             events=tuple(self.watches.happened),
             restitutions=restitutions_of(self.plan.events),
             singular=tuple(self.nearness.times),
-            sol=Solution(joined(self._dense), self.sampler) if self._dense else None,
+            sol=self._solution(),
+            final=self._final(),
             steps=self._steps(),
         )
 

@@ -18,7 +18,7 @@ from ..factored import SingularSystem
 from ..motion import Motion
 from ..projection import Projection
 from .nodes import Nodes
-from .started import independence_at
+from .started import independence_at, remember_start
 from .stepper import Settings, Tally, Trouble
 from .trouble import singular, trouble_of
 
@@ -53,11 +53,11 @@ class ODEStepper:
 
     def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:
         self.system, self._name, self._settings = system, name, settings
-        self.t, self.tally, self._tiny = 0.0, Tally(), 0
+        self.t, self.tally, self._tiny = start.t, Tally(), 0
         self.independence = independence_at(system, start)
         self.motion = Motion(system, self.independence.kept)
         self.b = self.motion.b
-        system.remember(start.q, self.b, 0.0)
+        remember_start(system, start, self.b)
         self._projection = Projection(system, self.b, self.independence.kept)
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:

@@ -21,6 +21,8 @@ def trajectory_of(system: System, samples: Samples, *, status: str, **told: Any)
         velocity_violation=samples.violation[:, 1],
         kinetic_energy=samples.energy[:, 0],
         potential_energy=samples.energy[:, 1],
+        memory=samples.memory,
+        revolutions=samples.revolutions,
         success=status in ("finished", "event"),
         status=status,
         joints=system.joint_coordinates,
@@ -32,5 +34,8 @@ def trajectory_of(system: System, samples: Samples, *, status: str, **told: Any)
 def nothing(system: System, status: str, message: str) -> Trajectory:
     """A trajectory without states: it failed at the start."""
     widths = (system.nq, system.nq, system.nq, system.m, 2, 2)
-    samples = Samples._make([np.zeros(0), *(np.zeros((0, width)) for width in widths), np.zeros(0)])
+    remembered = np.zeros((0, len(system.memory_places))), np.zeros((0, system.joint_coordinates.m))
+    samples = Samples._make(
+        [np.zeros(0), *(np.zeros((0, width)) for width in widths), np.zeros(0), *remembered]
+    )
     return trajectory_of(system, samples, status=status, message=message)

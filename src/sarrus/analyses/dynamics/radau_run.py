@@ -23,7 +23,7 @@ from .newton_matrix import motion_parts
 from .nodes import Nodes
 from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix, compiled_solver
 from .stabilized_matrix import MATRICES, newton_parts, weigh
-from .started import independence_at
+from .started import independence_at, remember_start
 from .stepper import Settings, Tally
 from .tolerance import Tolerances
 
@@ -58,10 +58,10 @@ class RadauStepper(Implicit):
         if settings.keep_steps:
             least = float(min(self.tolerance.rtol_q.min(), self.tolerance.rtol_v.min()))
             self.enough = min(self.enough * EXACT, LEFT / least)
-        self.t, self.tally, self._vain, self.begin = 0.0, Tally(), 0, start
+        self.t, self.tally, self._vain, self.begin = start.t, Tally(), 0, start
         self.b = (system.b if settings.b is None else settings.b).copy()
         self._numbers = self.b.copy()
-        system.remember(start.q, self.b, 0.0)
+        remember_start(system, start, self.b)
         self.independence = independence_at(system, start)
         self._loop = _compiled()
         self._index = loop.Indices(**entries(system, GROUPS))

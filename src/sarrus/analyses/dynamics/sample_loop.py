@@ -80,6 +80,8 @@ class Samples(NamedTuple):
     violation : largest |Φ|, |Φ_q v + Φ_t|
     energy : kinetic, potential
     growth : see `growth_of`; infinite where the state could not be settled
+    memory : what elements remember of the last step before
+    revolutions : of the joints' angles, see `Winding`
     """
 
     t: Any
@@ -90,6 +92,8 @@ class Samples(NamedTuple):
     violation: Any
     energy: Any
     growth: Any
+    memory: Any
+    revolutions: Any
 
 
 def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:

@@ -105,12 +105,15 @@ class Sampler:
         """Room for states at these times."""
         nq, m, n = self.system.nq, self.system.m, len(times)
         states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
-        return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n)])
+        places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
+        remembered = (np.zeros((n, width)) for width in (places, joints))
+        return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
 
     def states(self, nodes: Nodes, times: Array) -> loop.Samples:
         """Consistent states at rising times between the first node and the last."""
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.room(times)
+        out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
         done, row, tried = 0, 0, -1
         while done < len(times):
             if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):

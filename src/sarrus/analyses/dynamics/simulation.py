@@ -8,11 +8,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...algebra import Array
 from ...model import announce, reports_warnings
-from ...results import Assembly, Trajectory
+from ...results import Trajectory
 from ...system import System
-from ..assembly import assemble
 from ..progress import monitor, refuse_time_limit
+from ..starts import Start, start_of
 from ..threads import one_thread_if_small
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
@@ -30,25 +31,27 @@ from .step_budget import StepBudget
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
 
+SHORTEST = 1e-100  # s: squares of shorter runs vanish
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
 
-def refuse_end(until: float) -> None:
-    """Refuse an end time that is none.
+def refuse_end(until: float, begin: float = 0.0) -> None:
+    """Refuse an end time that is none, or that no step leads to from the start.
 
     Raises
     ------
     ValueError
     """
-    if not (np.isfinite(until) and until > 0):
-        raise ValueError(f"until must be a positive time in s, but is {until}")
+    after = "a positive time in s" if begin == 0.0 else f"a time in s after the start at {begin:g}"
+    if not (np.isfinite(until) and until - begin > max(SHORTEST, 4 * np.spacing(abs(begin)))):
+        raise ValueError(f"until must be {after}, but is {until}")
 
 
 @reports_warnings
 @one_thread_if_small
 def simulate(
     system: System,
-    start: Assembly | None = None,
+    start: Start | None = None,
     *,
     until: float,
     t_eval: ArrayLike | None = None,
@@ -73,9 +76,10 @@ def simulate(
     Parameters
     ----------
     system : System
-    start : consistent state; by default the model's own, assembled
-    until : end time [s]; the start is at 0
-    t_eval : times to keep, rising, between 0 and `until`; by default 1001 equidistant ones
+    start : an `Assembly`, a `State` such as ``run.final`` or ``run.state(t)``, from which the motion goes on at its
+        time with all revolutions, an `Equilibrium`, or coordinates (nq,), which are assembled; by default the model's
+    until : end time [s], not the duration: the start is at its own time, which is 0 by default
+    t_eval : times to keep, rising, between the start and `until`; by default 1001 equidistant ones
     method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE` or `IDA`
     rtol, atol : tolerances of the local error: a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
@@ -110,26 +114,24 @@ def simulate(
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
         where the steps of a run with events cannot be kept.
     """
-    refuse_end(until)
+    refuse_time_limit(time_limit)
     chosen, watched = _method(method), [events] if isinstance(events, Event) else list(events)
-    times = np.linspace(0.0, until, 1001) if t_eval is None else np.array(t_eval, dtype=float)
-    if times.ndim != 1 or not len(times) or np.any(np.diff(times) <= 0) or times[0] < 0 or times[-1] > until:
-        raise ValueError("t_eval must be rising times between 0 and until")
-    settings = Settings(
-        Tolerances.of(system, rtol, atol), max_step, _first(first_step), keep_steps,
-        times=times, dense=dense_output or bool(watched),
-    )  # fmt: skip
-    stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until)
     if keep_steps and watched:
         kept_events.refuse(chosen, save is not None)
-    refuse_time_limit(time_limit)
-    budget = _budget(max_steps, max_step, chosen)
     try:
         with monitor(progress, until, time_limit=time_limit) as told:
-            begin = start if start is not None else assemble(system)
+            begin = start_of(system, start)
             if not begin.success:
                 return nothing(system, "inconsistent", begin.message)
+            refuse_end(until, begin.t)
+            times = _times(t_eval, begin.t, until)
+            settings = Settings(
+                Tolerances.of(system, rtol, atol), max_step, _first(first_step), keep_steps,
+                times=times, dense=dense_output or bool(watched),
+            )  # fmt: skip
+            stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t)
             kinks = np.zeros(0) if keep_steps else kinks
+            budget = _budget(max_steps, max_step, chosen)
             plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
@@ -141,6 +143,17 @@ def simulate(
         return nothing(system, trouble.status, trouble.sentence)
     announce(energy_growth(system, run, settings.tolerances))
     return run
+
+
+def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
+    """The times of the states wanted."""
+    times = np.linspace(begin, until, 1001) if given is None else np.array(given, dtype=float)
+    rising = times.ndim == 1 and len(times) and np.all(np.isfinite(times)) and np.all(np.diff(times) > 0)
+    if not rising or times[0] < begin or times[-1] > until:
+        raise ValueError(
+            f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s"
+        )
+    return times
 
 
 def _first(step: float | None) -> float:

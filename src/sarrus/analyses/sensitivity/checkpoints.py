@@ -15,13 +15,13 @@ from ...algebra import Array
 from ...model import reports_warnings
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
-from ..assembly import assemble
 from ..assembly_derivatives import AssemblyDerivatives
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.events import restitutions_of
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
+from ..starts import Start, start_of
 from ..threads import one_thread_if_small
 from .chain import FIELDS, Gradients, Nodes, through
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
@@ -30,7 +30,7 @@ from .fine import fine
 from .long_run import LongRun, Stretch
 from .parameters import Design, Parameters
 from .piece_chain import Backward
-from .pieces import PieceSampling, Where, sampling_of
+from .pieces import PieceSampling, Where, angles_of, sampling_of
 from .recording import Angles
 from .responses import At, AtEvent, Final, Integral, Response, told_apart
 from .sampling import Sampling
@@ -55,7 +55,7 @@ def sensitivity_by_checkpoints(
     wrt: Sequence[str] | None = None,
     *,
     until: float,
-    start: Assembly | None = None,
+    start: Start | None = None,
     method: HHT | GeneralizedAlpha | Radau | None = None,
     rtol: Given = 1e-6,
     atol: Given = 1e-8,
@@ -80,9 +80,9 @@ def sensitivity_by_checkpoints(
     ValueError
         For an end time that is none, where the memory is too small, and where the run does not reach its end.
     """
-    refuse_end(until)
+    begin = start_of(system, start, "sensitivity_by_checkpoints")
+    refuse_end(until, begin.t)
     watched = [events] if isinstance(events, Event) else list(events)
-    begin = assemble(system) if start is None else start
     if not begin.success:
         raise ValueError(f"derivatives need a start that is assembled, but {system.name}: {begin.message}")
     task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory)
@@ -225,8 +225,10 @@ class LongGradient:
         )
 
     def _angles(self, n: int, stretch: Stretch) -> Angles:
-        first = partial(self._first_angles, n) if n else None
-        return Angles(self._run.system, sampling_of(stretch.sampled).states, first)
+        if not n:
+            return angles_of(self._run.system, stretch.sampled)
+        states = sampling_of(stretch.sampled).states
+        return Angles(self._run.system, states, partial(self._first_angles, n))
 
     def _first_angles(self, n: int) -> Array:
         """The joints' coordinates where a stretch begins, with all turns; perhaps from one more pass over the run."""

@@ -20,7 +20,7 @@ from .kinks import layout
 from .outputs import Outputs
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .parameters import Parameters
-from .pieces import Course, PieceSampling, Where, at_event, course_of, fixed, sampling_of, within
+from .pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
 from .recording import Angles
 from .reported import Reported
 from .responses import AtEvent, Response
@@ -95,7 +95,7 @@ class Evaluation:
     ) -> None:
         self._precise = isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps)
         self._system, self._steps, self._parameters = system, steps, parameters
-        self._c_size, self._angles = parameters.c_size, angles or Angles(system, sampling_of(steps).states)
+        self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
         self._responses, self._found = list[Response](), list[Traced]()
         self._reported = Reported(system, steps)

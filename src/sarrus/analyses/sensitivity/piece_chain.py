@@ -13,9 +13,8 @@ from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.time_derivatives import timed
 from .chain import Chain, Gradients, Nodes, through
-from .pieces import sampling_of
+from .pieces import angles_of
 from .radau_chain import RadauChain
-from .recording import Angles
 from .stretches import Stretches, stretches_of
 from .turn import TurnDerivatives
 
@@ -55,7 +54,7 @@ class PieceChain:
     def _turns(self) -> list[Array]:
         """The matrices of all events."""
         pairs = zip(self._chains, self.steps.turns, strict=False)
-        angles = Angles(self.system, sampling_of(self.steps).states)
+        angles = angles_of(self.system, self.steps)
         return [
             TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles).matrix
             for chain, turn in pairs

@@ -15,7 +15,9 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import Pieces, StepsTaken, Turn
+from ...system import System
 from .chain import Nodes
+from .recording import Angles
 from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
@@ -206,3 +208,10 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Where:
 def sampling_of(steps: StepsTaken | Pieces) -> Sampling:
     """All nodes of a run with or without events."""
     return PieceSampling(steps, within(course_of(steps))) if isinstance(steps, Pieces) else Sampling(steps)
+
+
+def angles_of(system: System, steps: StepsTaken | Pieces) -> Angles:
+    """The joints' coordinates along a run, with the revolutions that it started with."""
+    joints, start = system.joint_coordinates, steps.start
+    first = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
+    return Angles(system, sampling_of(steps).states, lambda: first)

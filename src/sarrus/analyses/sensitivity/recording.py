@@ -50,15 +50,24 @@ class Angles:
     system : System
     nodes : states so near to each other that turns can be counted
     first : gives the coordinates at the first of them; by default they have less than a turn there
+    revolutions : (nt, nc) where they are known at the nodes, which may then be far apart
     """
 
-    def __init__(self, system: System, nodes: States, first: Callable[[], Array] | None = None) -> None:
+    def __init__(
+        self,
+        system: System,
+        nodes: States,
+        first: Callable[[], Array] | None = None,
+        revolutions: Array | None = None,
+    ) -> None:
         self._of, self._nodes, self._first = system.joint_coordinates, nodes, first
+        self._revolutions = revolutions
 
     @cached_property
     def values(self) -> Array:
         """At the nodes (nt, number of coordinates)."""
-        values, _ = self._of.along(self._nodes.t, self._nodes.q, self._nodes.v)
+        nodes = self._nodes
+        values, _ = self._of.along(nodes.t, nodes.q, nodes.v, self._revolutions)
         whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / TURN)
         return np.asarray(values + TURN * whole)
 

@@ -1,0 +1,159 @@
+"""What analyses start from: an assembly, a state of a run, an equilibrium, or coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from ..model import Model, announce
+from ..results import Asked, Assembly, Equilibrium, State, Trajectory
+from ..system import System
+from .assembly import assemble
+from .assembly_changes import position_changes, velocity_changes, warning
+from .length import extent
+from .rank import row_lengths
+
+Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike
+CONSISTENT = (
+    1e-6  # of the size of the mechanism, and of |Φ_q| |v|: states farther off the constraints are projected
+)
+
+
+def start_of(system: System, given: Start | None, analysis: str = "simulate") -> Assembly:
+    """The start of a motion, on the constraints; what that changes visibly is a warning.
+
+    Raises
+    ------
+    TypeError
+        For a system or a start that is none.
+    ValueError
+        For coordinates of another system, or that are not finite.
+    """
+    refuse_other_system(system, analysis)
+    if given is None:
+        return assemble(system)
+    if isinstance(given, Assembly) and not given.success:
+        return given
+    q, v, t = state_of(system, given)
+    if isinstance(given, Assembly | State):
+        return _consistent(system, given, q, v, t)
+    found = assemble(system, q, v, t=t)
+    announce(warning(system, tuple(position_changes(system, q, found.q)) if found.success else ()))
+    return found
+
+
+def state_of(
+    system: System, given: Start, v: ArrayLike | None = None, t: float | None = None
+) -> tuple[Array, Array | None, float]:
+    """Coordinates, velocities (None if unknown) and time of a start; `v` and `t` count where they are given.
+
+    Raises
+    ------
+    TypeError
+        For a start that is none.
+    ValueError
+        For coordinates of another system, or that are not finite.
+    """
+    if isinstance(given, Trajectory):
+        raise TypeError(
+            f"a start is one state, not a Trajectory. Give run.final or run.state(t) of {given.name}."
+        )
+    if isinstance(given, System | Model | str) or given is None:
+        raise TypeError(
+            f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}."
+        )
+    own_v, own_t = None, 0.0
+    if isinstance(given, Assembly | State):
+        own_v, own_t = given.v, float(given.t)
+    elif isinstance(given, Equilibrium):
+        own_v, own_t = np.zeros(system.nq), given.t
+    q = given.q if isinstance(given, Assembly | State | Equilibrium) else given
+    rates = own_v if v is None else v
+    found = None if rates is None else finite(system, "v", rates)
+    return finite(system, "q", q), found, own_t if t is None else float(t)
+
+
+def finite(system: System, name: str, given: ArrayLike) -> Array:
+    """Coordinates or velocities as an array.
+
+    Raises
+    ------
+    TypeError
+        If they are no numbers.
+    ValueError
+        If they are not as many as the system's, or not finite.
+    """
+    try:
+        found = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"{name} must be {system.nq} numbers, an Assembly, a State or an Equilibrium, got {kind(given)}."
+        ) from None
+    if found.shape != (system.nq,):
+        raise ValueError(
+            f"{name} must be {system.nq} finite numbers, the coordinates of {system.name}, got shape {found.shape}."
+        )
+    wrong = np.flatnonzero(~np.isfinite(found))
+    if len(wrong):
+        which = system.coordinate_names[wrong[0]]
+        raise ValueError(f"{name} must be {system.nq} finite numbers, but {which} is {found[wrong[0]]}.")
+    return found
+
+
+def refuse_other_system(given: object, analysis: str) -> None:
+    """Refuse what is no system.
+
+    Raises
+    ------
+    TypeError
+        With the right call.
+    """
+    if isinstance(given, System):
+        return
+    call = f"sr.{analysis}(sr.System(model), ...)"
+    if isinstance(given, str):
+        call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'
+    raise TypeError(f"{analysis} needs a System, got {kind(given)}. Call {call}.")
+
+
+def kind(given: object) -> str:
+    """What something is, in words."""
+    name = type(given).__name__
+    return "nothing" if given is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+
+
+def _consistent(system: System, given: Assembly | State, q: Array, v: Array | None, t: float) -> Assembly:
+    """A start whose state was given, on the constraints."""
+    assert v is not None
+    if isinstance(given, Assembly):
+        start = given
+    else:
+        asked = Asked(q, v, np.ones(system.nq), np.zeros(system.nq, dtype=bool), {}, t)
+        start = Assembly(
+            q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
+            asked=asked, memory=given.memory, revolutions=given.revolutions,
+        )  # fmt: skip
+    if not _is_off(system, q, v, t):
+        return start
+    found = assemble(system, q, v, t=t)
+    if found.success:
+        moved, turned = position_changes(system, q, found.q), velocity_changes(system, q, v, found.q, found.v)
+        announce(warning(system, (*moved, *turned)))
+    return replace(found, memory=start.memory, revolutions=start.revolutions)
+
+
+def _is_off(system: System, q: Array, v: Array, t: float) -> bool:
+    """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
+    J, Phi_t = system.Phi_q(q, t), system.Phi_t(q, t)
+    lengths = np.maximum(row_lengths(J), np.finfo(float).tiny)
+    moved = abs(system.Phi(q, t)) / lengths
+    rates = abs(J @ v + Phi_t)
+    largest = float((abs(J) @ abs(v) + abs(Phi_t)).max(initial=0.0))
+    return bool(
+        moved.max(initial=0.0) > CONSISTENT * max(extent(system, q), CONSISTENT)
+        or rates.max(initial=0.0) > CONSISTENT * largest
+    )

@@ -305,7 +305,7 @@ def step(x, width):
 
 def normal_force(e, depth, rate):
     """Hunt and Crossley, rounded."""
-    return e.k * rounded(depth, e.width) ** e.exponent * rounded(1 + e.damping * rate, mpmath.mpf(1))
+    return e.k * rounded(depth, e.width) ** e.exponent * rounded(1 + e.damping * rate, mpmath.mpf(1) / 4)
 
 
 def friction(e, u):
@@ -384,12 +384,12 @@ def sphere_depth(e, q):
 
 
 def sphere_contact(e, state):
-    """The force acts on the two material points that are at the foot of the centre on the plane."""
+    """The force acts on the two material points that are where the sphere is deepest in the plane."""
     q = state.operands["q"]
     A_i, A_j = A(q[3:7]), A(q[10:])
     n = A_j @ e.n_j
-    foot = q[:3] + A_i @ e.s_i - (e.radius - sphere_depth(e, q)) * n
-    s_i, s_j = A_i.T @ (foot - q[:3]), A_j.T @ (foot - q[7:10])
+    deepest = q[:3] + A_i @ e.s_i - e.radius * n
+    s_i, s_j = A_i.T @ (deepest - q[:3]), A_j.T @ (deepest - q[7:10])
 
     def apart(y):
         return y[:3] + A(y[3:7]) @ s_i - y[7:10] - A(y[10:]) @ s_j

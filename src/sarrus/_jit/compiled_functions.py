@@ -12,7 +12,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
 from . import curves, functions
-from .curves import STEPS, curve_bend, curve_slope, curve_twist, curve_value
+from .curves import STEPS, curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
 
 ELEMENTARY = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "tanh")
 
@@ -58,9 +58,10 @@ def _register() -> None:
     """Let compiled code call the functions of `curves`, and those that they call."""
     for name in ELEMENTARY:
         overload(getattr(functions, name), strict=False)(_choice(_math(name)))
-    for name in ("_piece", "_cubic", "_chain", "_elementary_step", "_binary_step", "_formula", "_evaluate"):
+    inner = "_piece _cubic _chain _elementary_step _binary_step _formula _evaluate"
+    for name in f"{inner} _antiderivative _cubic_integral _formula_integral _integral".split():
         register_jitable(getattr(curves, name))
-    for function in (curve_value, curve_slope, curve_bend, curve_twist):
+    for function in (curve_value, curve_slope, curve_bend, curve_twist, curve_area, curve_moment):
         register_jitable(function)
 
 
@@ -75,5 +76,7 @@ COMPILED: dict[str, Callable[..., Any]] = {
     "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
     "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
     "curve_twist": lambda numbers, at, x: curve_twist(numbers, int(at), x),
+    "curve_area": lambda numbers, at, a, b: curve_area(numbers, int(at), a, b),
+    "curve_moment": lambda numbers, at, a, b: curve_moment(numbers, int(at), a, b),
 }
-READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist"}
+READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist", "curve_area", "curve_moment"}

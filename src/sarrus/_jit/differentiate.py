@@ -99,4 +99,6 @@ PARTIALS: dict[str, Any] = {
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
     "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),
     "curve_twist": lambda f, at, x: _Twist(),
+    "curve_area": lambda f, at, a, b: (0, -at.call("curve", a), at.call("curve", b)),
+    "curve_moment": lambda f, at, a, b: (0, -at.call("curve_area", a, b), (b - a) * at.call("curve", b)),
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .._jit.curves import curve_bend, curve_slope, curve_twist, curve_value
+from .._jit.curves import curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
 from .._jit.expression import Expression
 from .._jit.functions import real
 
@@ -12,16 +12,17 @@ from .._jit.functions import real
 class StoredCurve:
     """The curve stored at ``numbers[at:]``, see `sarrus._jit.curves`. `at` may be recorded: then so is the call.
 
-    Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives.
+    Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives, `area` and `moment`
+    integrals.
     """
 
     def __init__(self, numbers: Any, at: Any) -> None:
         self.numbers, self.at = numbers, at
 
-    def _evaluate(self, name: str, function: Any, x: Any) -> Any:
+    def _evaluate(self, name: str, function: Any, *x: Any) -> Any:
         if isinstance(self.at, Expression):
-            return self.at.call(name, x)
-        return function(self.numbers, int(real(self.at)), x)
+            return self.at.call(name, *x)
+        return function(self.numbers, int(real(self.at)), *x)
 
     def __call__(self, x: Any) -> Any:
         return self._evaluate("curve", curve_value, x)
@@ -34,3 +35,11 @@ class StoredCurve:
 
     def twist(self, x: Any) -> Any:
         return self._evaluate("curve_twist", curve_twist, x)
+
+    def area(self, a: Any, b: Any) -> Any:
+        """The integral of the curve from a to b."""
+        return self._evaluate("curve_area", curve_area, a, b)
+
+    def moment(self, a: Any, b: Any) -> Any:
+        """The integral from a to b of the curve times x - a: the work of a stiffness over a deflection."""
+        return self._evaluate("curve_moment", curve_moment, a, b)

@@ -126,3 +126,7 @@ class NonlinearRSDA(TurningSpring, Force, rare=True):
         n_rate = self.c * (chi + rate * self.damping.slope(rate))
         n_b: tuple[Any, ...] = (spring, damper, -self.k * kappa, actuator, None, None, None)
         return Law(self.k * spring + self.c * damper + self.torque * actuator, n_angle, n_rate, n_b)
+
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """∫ k κ(s) (s - angle) ds from the free angle on [J]; the actuator's work is none of it."""
+        return (self.k * self.stiffness.moment(self.angle, self.angle_of(x)),)

@@ -2,8 +2,9 @@
 
 The depth is δ = radius - n·(C - P_j), n the plane's normal. The normal force N is that of `contact_law`. Friction acts
 against the velocity u of body i relative to body j along the plane, where they touch: T = -μ N u / sqrt(u·u +
-creep²), which is Coulomb's law for |u| ≫ creep, and creeps below. Both act at the foot of C on the plane, so that the
-pair is balanced. The derivatives are made by differentiating Q.
+creep²), which is Coulomb's law for |u| ≫ creep, and creeps below. Both act, on both bodies, at the point of the sphere
+that is deepest in the plane, C - radius n: a sphere that rolls has its own radius, whatever the depth. The derivatives
+are made by differentiating Q.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ class SphereContact(Force, derivatives="automatic", rare=True):
         n = rotate(x.p_j, self.n_j)
         arm_i, arm_j = rotate(x.p_i, self.s_i), rotate(x.p_j, self.s_j)
         gap = n @ (x.r_i + arm_i - x.r_j - arm_j)
-        foot = x.r_i + arm_i - gap * n
-        slip = velocity_at(foot, x.r_i, x.p_i, v.r_i, v.p_i) - velocity_at(foot, x.r_j, x.p_j, v.r_j, v.p_j)
+        touch = x.r_i + arm_i - self.radius * n
+        slip = velocity_at(touch, x.r_i, x.p_i, v.r_i, v.p_i) - velocity_at(touch, x.r_j, x.p_j, v.r_j, v.p_j)
         F = self._force(self.radius - gap, n, slip)
-        torque_i, torque_j = cross(foot - x.r_i, F), cross(foot - x.r_j, F)
+        torque_i, torque_j = cross(touch - x.r_i, F), cross(touch - x.r_j, F)
         return F, 2 * (torque_i @ E(x.p_i)), -F, -2 * (torque_j @ E(x.p_j))
 
     def _force(self, depth: Scalar, n: Array, slip: Array) -> Array:
-        """On body i, for the relative velocity at the foot."""
+        """On body i, for the relative velocity where they touch."""
         normal = slip @ n
         N = contact_force(depth, -normal, self.k, self.exponent, self.damping, self.width)
         u = slip - normal * n

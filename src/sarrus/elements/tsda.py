@@ -135,3 +135,8 @@ class NonlinearTSDA(SpringDamper, Force):
         f_rate = self.c * (chi + rate * self.damping.slope(rate))
         f_b: tuple[Any, ...] = (spring, damper, -self.k * kappa, actuator, None, None, None)
         return Law(self.k * spring + self.c * damper + self.force * actuator, f_l, f_rate, f_b)
+
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """∫ k κ(s) (s - length) ds from the free length on [J]; the actuator's work is none of it."""
+        d = self.d(x)
+        return (self.k * self.stiffness.moment(self.length, sqrt(d @ d)),)

@@ -63,7 +63,8 @@ class Trajectory(Result):
     sol : the motion at any time, where it was asked for: `Solution`
     joints : the system's angles and travels, which `joint` evaluates
     violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
-    kinetic_energy, potential_energy : (nt,) potential of gravity, linear springs and bushings [J]
+    kinetic_energy, potential_energy : (nt,) potential of gravity, springs, also with laws for their stiffness, and
+        bushings [J]; contacts, stops, tyres and loads are left out
     singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
     steps : all steps, where they were kept
@@ -168,7 +169,7 @@ class Trajectory(Result):
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic and potential (nt,). [J]"""
+        """Kinetic and potential (nt,), without what contacts, stops and tyres store. [J]"""
         return self.kinetic_energy + self.potential_energy
 
     def coordinate(self, name: str) -> Array:

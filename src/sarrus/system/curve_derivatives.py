@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
+from .._jit.curves import PANELS, POINTS
 from .._jit.differentiate import jacobian
 from .._jit.expression import Expression, Graph
 from .._jit.program import program
@@ -55,6 +56,14 @@ class Part(NamedTuple):
     slopes: Array
     columns: Array
     basis: Array
+
+
+class Integral(NamedTuple):
+    """An integral of a curve (nt,), the columns of the numbers that it depends on, and its derivatives by each (nt,)."""
+
+    value: Array
+    numbers: list[int]
+    by: list[Array]
 
 
 class Entries:
@@ -171,6 +180,19 @@ class CurveDerivatives:
         by = [[np.sum(basis * (at == n), axis=0) for n in numbers] for at, basis in bases]
         return [_value(curve, x, order + n) for n in range(3)], numbers, by
 
+    def integral_of(self, p: Population, k: int, place: int, a: Array, b: Array, power: int) -> Integral:
+        """The integral of the curve in number `place` of an element times (x - a)ᵖ, from a to b at many times (nt,)."""
+        curve = p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+        x, weights = _quadrature(curve, a, b)
+        weights = weights * (x - a) ** power
+        columns, basis = self._basis(p, k, place, 0, x.ravel())
+        numbers = np.unique(columns).tolist()
+        by = [
+            np.sum(np.sum(basis * (columns == n), axis=0).reshape(x.shape) * weights, axis=0) for n in numbers
+        ]
+        value = np.sum(weights * _value(curve, x.ravel(), 0).reshape(x.shape), axis=0)
+        return Integral(value, numbers, by)
+
     def _parts(
         self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
     ) -> list[Part]:
@@ -237,6 +259,21 @@ class CurveDerivatives:
         slopes = _by_numbers(curve.written) if curve.written else []
         columns = np.tile(at + np.arange(len(slopes))[:, None], (1, len(x)))
         return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
+
+
+def _quadrature(curve: Any, a: Array, b: Array) -> tuple[Array, Array]:
+    """Points between a and b (nt,) and weights (n, nt), exact for a table times a line; see `_jit.curves`."""
+    if isinstance(curve, Curve):
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        cuts = np.array([low, *(np.clip(knot, low, high) for knot in curve.knots[1:-1]), high])
+        cuts = np.where(a <= b, cuts, cuts[::-1])
+        points, shares = np.polynomial.legendre.leggauss(3)
+    else:
+        cuts = a + (b - a) * np.linspace(0, 1, PANELS + 1)[:, None]
+        points, shares = np.polynomial.legendre.leggauss(len(POINTS))
+    half, middle = np.diff(cuts, axis=0) / 2, (cuts[1:] + cuts[:-1]) / 2
+    x, weights = middle + points[:, None, None] * half, shares[:, None, None] * half
+    return x.reshape(-1, len(a)), weights.reshape(-1, len(a))
 
 
 def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:

@@ -121,7 +121,7 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
 def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     """Draw kinetic, potential and total energy over time.
 
-    The potential is that of gravity, linear springs and bushings. Without other forces, dampers and drivers the total
+    The potential is that of gravity, springs and bushings. Without other forces, dampers and drivers the total
     is a level line: its drift is the error of the method, or its numerical damping. What other forces do is seen as a
     change of the total.
 

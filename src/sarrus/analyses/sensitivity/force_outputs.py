@@ -48,7 +48,7 @@ class ForceOutputs(Recording):
         return self._summed("kinetic")
 
     def potential_energy(self) -> Any:
-        """That of gravity, linear springs and bushings, and of users' elements with `potential`. [J]"""
+        """That of gravity, springs and bushings, and of users' elements with `potential`. [J]"""
         return self._summed("potential")
 
     def _summed(self, energy: Energy) -> Any:

@@ -205,6 +205,29 @@ class CurveOnTape:
         """Its second derivative."""
         return self._derivative(2, x)
 
+    def moment(self, a: Any, b: Traced) -> Traced:
+        """The integral from a to b of the curve times x - a."""
+        begin = a if isinstance(a, Traced) else self._of.constant(a)
+        one, other = np.broadcast_arrays(np.atleast_1d(begin.value), np.atleast_1d(b.value))
+        known, arm = CurveDerivatives(self._of.system), other - one
+        area, found = (known.integral_of(*self._at, one, other, power) for power in (0, 1))
+        at_one = known.of_curve(*self._at, 0, one)[0][0]
+        (at_other, slope, _), numbers, (by, _) = known.of_curve(*self._at, 0, other)
+        ends = dict(zip(numbers, by, strict=True))
+        by_one, by_other = [-x for x in area.by], [arm * ends.get(n, 0.0) for n in found.numbers]
+        none = [0.0] * len(found.numbers)
+        law = Operation(
+            lambda *_: found.value,
+            lambda *_: (-area.value, arm * at_other, *found.by),
+            lambda *_: (
+                (at_one, -at_other, *by_one),
+                (-at_other, arm * slope + at_other, *by_other),
+                *((x, y, *none) for x, y in zip(by_one, by_other, strict=True)),
+            ),
+        )
+        places = (self._of.input("b", n).at for n in found.numbers)
+        return b.tape.add(law, (begin.at, b.at, *places), found.value)
+
     def _derivative(self, order: int, x: Traced) -> Traced:
         told = CurveDerivatives(self._of.system).of_curve(*self._at, order, np.atleast_1d(x.value))
         (value, slope, bend), numbers, (by, slope_by) = told

@@ -22,9 +22,12 @@ class ContactLaw:
     exponent
         n, at least 1; 3/2 for two elastic spheres.
     damping
-        [s/m] An impact at the small speed u comes back with about u (1 − ⅔ damping · u).
+        [s/m] An impact at the small speed u comes back with about u (1 − ⅔ damping · u), at any speed with u' of
+        damping · u − ln(1 + damping · u) = −damping · u' − ln(1 − damping · u').
     rounding
-        Depth [m] over which the force sets in smoothly, centred on first touch; beyond half of it the law is exact.
+        Depth [m] over which the force sets in smoothly, centred on first touch; beyond half of it the law is exact, as
+        long as the depth falls no faster than 7/8 of 1/damping. Faster, the force is rounded towards zero: up to
+        damping · u = 2.4 (36 % of the speed comes back) nothing of this is met, at 5 u' is 1.1 % too large.
     """
 
     stiffness: Annotated[float, In("")]  # any unit: it depends on the exponent

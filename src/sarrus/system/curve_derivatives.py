@@ -59,7 +59,7 @@ class Part(NamedTuple):
 
 
 class Integral(NamedTuple):
-    """An integral of a curve (nt,), the columns of the numbers that it depends on, and its derivatives by each (nt,)."""
+    """An integral of a curve (nt,), the columns of the numbers it depends on, and its derivatives by each (nt,)."""
 
     value: Array
     numbers: list[int]

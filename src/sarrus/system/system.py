@@ -165,8 +165,8 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
         """Potential energy of gravity, springs and bushings, and of users' elements with `potential`. [J]
 
-        That of a spring with a law for its stiffness is integrated from its free length or angle on: exactly for tables,
-        by Gauss' rule with 64 points for formulas. Actuators, contacts, stops, tyres and loads have none.
+        That of a spring with a law for its stiffness is integrated from its free length or angle on: exactly for
+        tables, by Gauss' rule with 64 points for formulas. Actuators, contacts, stops, tyres and loads have none.
         """
         numbers = self.b if b is None else b
         return float(self.potentials(np.asarray(q, dtype=float), numbers, t).sum())

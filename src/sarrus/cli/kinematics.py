@@ -23,6 +23,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the times, and what to write."""
     model_file.arguments(parser)
     shared.times(parser)
+    shared.time_limit(parser)
     shared.table(parser, "t, q and v")
     parser.add_argument(
         "--reaction", metavar="NAME", help="a joint or driver: its force and torque are drawn"
@@ -43,7 +44,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     if chosen.reaction and chosen.reaction not in system.rows:
         raise SarrusError(f"no joint or driver {chosen.reaction!r}; there are {', '.join(system.rows)}")
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:
-        motion = kinematics(system, np.linspace(0.0, chosen.until, chosen.steps + 1), progress=bar.reach)
+        times, limit = np.linspace(0.0, chosen.until, chosen.steps + 1), chosen.time_limit
+        motion = kinematics(system, times, progress=bar.reach, time_limit=limit)
     answer.say(named(system.name, motion.message))
     answer.put(model=system.name, status=motion.status, message=motion.message)
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))

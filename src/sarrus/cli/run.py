@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from . import model_file, shared
 from .answer import Answer, named
 from .progress import Bar
-from .values import refuse_unwritable
+from .values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..results import Trajectory
@@ -31,6 +31,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.times(parser)
     shared.tolerances(parser, 1e-8, 1e-10)
     shared.method(parser)
+    shared.time_limit(parser)
+    parser.add_argument(
+        "--max-steps", type=natural, help="end after so many steps (where they would never end)"
+    )
     shared.table(parser, "t, q and v")
     parser.add_argument(
         "--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x pin.angle"
@@ -57,7 +61,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
         times = np.linspace(0.0, chosen.until, chosen.steps + 1)
         settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
-        motion = simulate(system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings)
+        limits = {"time_limit": chosen.time_limit, "max_steps": chosen.max_steps}
+        motion = simulate(
+            system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings, **limits
+        )
     seconds = time.perf_counter() - began
     answer.say(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)

@@ -18,6 +18,13 @@ def times(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--steps", type=intervals, default=1000, help="output intervals (1000)")
 
 
+def time_limit(parser: argparse.ArgumentParser) -> None:
+    """``--time-limit``: how long the analysis may take."""
+    parser.add_argument(
+        "--time-limit", type=positive, metavar="S", help="end after so many seconds, with what was computed"
+    )
+
+
 def until(parser: argparse.ArgumentParser) -> None:
     """``--until``: the end of a motion."""
     parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from . import shared
 from .answer import Answer, log
 from .progress import Bar
-from .values import natural, positive, refuse_unwritable
+from .values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ..studies import StudyTable
@@ -34,9 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--workers", type=natural, help="processes (as many as pay, measured on the first cases)"
     )
-    parser.add_argument(
-        "--time-limit", type=positive, metavar="S", help="end after so many seconds of the clock"
-    )
+    shared.time_limit(parser)
     parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
     parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
     parser.add_argument(

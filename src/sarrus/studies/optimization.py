@@ -57,10 +57,13 @@ class Sought:
     misfits: Sequence[Misfit] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
 
-    def solved(self, progress: Callable[[int, float], None] | None = None) -> Optimum:
-        """The optimum."""
+    def solved(
+        self, progress: Callable[[int, float], None] | None = None, total_time_limit: float | None = None
+    ) -> Optimum:
+        """The optimum, or the best design by a time limit."""
         settings = {name: getattr(self.run, name) for name in ("until", "method", "rtol", "atol")}
         common: dict[str, Any] = {**settings, **self.options, "bounds": self.bounds, "progress": progress}
+        common["total_time_limit"] = total_time_limit
         if self.objective is None:
             return fit(self.system, self.misfits, list(self.bounds), **common)
         return optimize(

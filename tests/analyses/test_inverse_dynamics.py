@@ -9,6 +9,8 @@ from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 RATE, GROWTH = 1.5, -0.8
 
 

@@ -16,6 +16,8 @@ from sarrus.analyses.dynamics.stabilized_matrix import MATRICES, START, newton_p
 from sarrus.analyses.linear import SingularMatrix
 from sarrus.analyses.motion import Motion
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 H = 0.05
 GROUPS = (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v"))
 TERMS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_q", "Phi_qT_lam_q")

@@ -12,6 +12,8 @@ from tests.sensitivity.test_references import FOLDER
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 
 @dataclass(frozen=True)
 class Known:

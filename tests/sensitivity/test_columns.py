@@ -13,6 +13,8 @@ from sarrus.analyses.sensitivity.chain import Nodes
 from sarrus.analyses.sensitivity.chains import AnyChain, chain_of
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 MANY = 2 * COLUMNS + 3  # no multiple of a panel
 
 

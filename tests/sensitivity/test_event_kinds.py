@@ -13,6 +13,8 @@ from sarrus.analyses.sensitivity.parameters import Parameters
 from sarrus.analyses.sensitivity.responses import Response
 from sarrus.model.written import with_numbers
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 X = slider_crank().coordinates_of("slider").start
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NUMBERS = ["rod.mass", "spring.k", "pin.point.y", "ball.point.z", "crank.angular_velocity.x", "gravity.z"]

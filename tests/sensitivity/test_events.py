@@ -12,6 +12,8 @@ import sarrus as sr
 from sarrus.analyses.saddle import Saddle
 from sarrus.model.written import with_numbers
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 BOUNCE = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.8), name="bounce")
 BALL = {"h": "ball.position.z", "e": "bounce.restitution", "g": "gravity.z", "v0": "ball.velocity.z"}
 SIGN = {"g": -1.0}

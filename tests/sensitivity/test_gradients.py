@@ -13,6 +13,8 @@ from sarrus.analyses.sensitivity import sweep
 from sarrus.analyses.sensitivity.blocks import Blocks
 from sarrus.analyses.sensitivity.parameters import Parameters
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 METHODS = {"HHT": sr.HHT(), "generalized": sr.GeneralizedAlpha(0.7), "undamped": sr.HHT(0.0)}
 RESPONSES = [
     sr.Final("slider.x"),

@@ -22,6 +22,8 @@ from sarrus.analyses.sensitivity.evaluation import Evaluation
 from sarrus.analyses.sensitivity.lagrangian import change_at
 from sarrus.analyses.sensitivity.parameters import Parameters
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 NAMES = [
     *(
         "spring.k",

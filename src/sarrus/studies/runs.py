@@ -21,7 +21,7 @@ from ..analyses import (
 from ..analyses.dynamics import METHODS
 from ..analyses.sensitivity.outputs import Outputs
 from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
-from ..model import SarrusError
+from ..model import SarrusError, collecting
 from ..model.show import suggest
 from ..model.written import written_numbers
 from ..results import Equilibrium, Modes, Trajectory
@@ -102,7 +102,8 @@ class Simulation(Run):
         _refuse_late(times, self.until)
         grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
         given = {n: getattr(self, n) for n in ("method", "rtol", "atol", "max_step")}
-        begin = assemble(system, start.q, start.v)
+        with collecting():  # the nominal state is a guess for the case
+            begin = assemble(system, start.q, start.v)
         return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
 
     def short(self) -> Run | None:

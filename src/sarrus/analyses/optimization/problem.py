@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
+from ...model import SarrusError, announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..assembly import assemble
@@ -274,7 +274,12 @@ class Point:
         ------
         Infeasible
         """
-        found = assemble(self.system)
+        with (
+            collecting() as reported
+        ):  # bodies of other designs than the first move: the model's poses are a guess
+            found = assemble(self.system)
+        if self.system is self.problem.system:
+            announce(reported.messages)
         if not found.success:
             raise Infeasible(found.message)
         return found

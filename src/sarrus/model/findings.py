@@ -26,6 +26,9 @@ def part_name(path: Path) -> str:
     return "model"
 
 
+MOST = 100  # errors of one model that are looked for
+
+
 class Findings:
     """A list of model errors with the places they belong to."""
 
@@ -40,6 +43,8 @@ class Findings:
             yield
         except ModelError as error:
             self.errors.append(self._placed(error, path))
+            if len(self.errors) == MOST:
+                self.raise_first()
 
     def _placed(self, error: ModelError, path: Path) -> ModelError:
         where = self.origin.of_field(path, error.field) if self.origin else ""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
+from itertools import islice
 from typing import Any
 
 LONGEST = 40  # characters of a quoted value
 MOST = 12  # names in a list of choices
+MOST_SOUGHT = 1000  # names that a misspelt one is compared with
 
 
 def show(value: Any) -> str:
@@ -33,13 +35,21 @@ def quote(text: str) -> str:
 def suggest(wrong: str, right: Iterable[str]) -> str:
     """Return the question ``did you mean "…"?`` for a misspelt name, or the list of the right ones."""
     names = list(right)
-    near = get_close_matches(wrong, names, n=1)
+    near = get_close_matches(wrong, _alike(wrong, names), n=1)
     if near:
         return f"did you mean {quote(near[0])}?"
     if not names:
         return "remove it"
     listed = ", ".join(_one_line(name) for name in names[:MOST])
     return f"choose from {listed}" + (", …" if len(names) > MOST else "")
+
+
+def _alike(wrong: str, names: list[str]) -> list[str]:
+    """Return the names themselves, or of very many those that begin alike and are about as long."""
+    if len(names) <= MOST_SOUGHT:
+        return names
+    near = (name for name in names if name[:1] == wrong[:1] and abs(len(name) - len(wrong)) < 3)
+    return list(islice(near, MOST_SOUGHT))
 
 
 def _one_line(text: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...model.errors import ModelError
+from .counts import check_counts
 
 
 def mujoco() -> Any:
@@ -35,6 +36,7 @@ def compiled(path: Path) -> Any:
     """
     if not path.is_file():
         raise ModelError("does not exist, or is no file; check the path", where=str(path))
+    check_counts(path)
     try:
         return mujoco().MjModel.from_xml_path(str(path))
     except ValueError as error:

@@ -12,24 +12,31 @@ def fold(merged: Merged) -> Merged:
 
     Such a link has no place of its own afterwards; one that carries none, or several, stays.
     """
-    edges = list(merged.edges)
+    above = {edge.child: edge for edge in merged.edges}
+    below: dict[str, set[str]] = {}
     for edge in merged.edges:
-        edges = _without(edges, edge.child, merged)
-    heads = {WORLD, *(edge.child for edge in edges)}
+        below.setdefault(edge.parent, set()).add(edge.child)
+    for edge in merged.edges:
+        if not _has_mass(edge.child, merged) and len(below.get(edge.child, ())) == 1:
+            _take_out(edge.child, above, below)
+    heads = {WORLD, *above}
     places = {name: place for name, place in merged.places.items() if place.head in heads}
-    return Merged(places, edges, merged.inertials)
+    return Merged(places, list(above.values()), merged.inertials)
 
 
-def _without(edges: list[Edge], link: str, merged: Merged) -> list[Edge]:
+def _has_mass(link: str, merged: Merged) -> bool:
     inertial = merged.inertials.get(link)
-    above = next(edge for edge in edges if edge.child == link)
-    below = [edge for edge in edges if edge.parent == link]
-    if (inertial is not None and inertial.mass > 0) or len(below) != 1:
-        return edges
-    one = _in_one(above, below[0])
-    return (
-        edges if one is None else [one if edge is below[0] else edge for edge in edges if edge is not above]
-    )
+    return inertial is not None and inertial.mass > 0
+
+
+def _take_out(link: str, above: dict[str, Edge], below: dict[str, set[str]]) -> None:
+    """Join the edge above a link with the one below it, if their motions can be said as those of one joint."""
+    (child,) = below[link]
+    one = _in_one(above[link], above[child])
+    if one is not None:
+        above[child] = one
+        del above[link]
+        below[one.parent] ^= {link, child}
 
 
 def _in_one(above: Edge, below: Edge) -> Edge | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import count
 
 from ...model.solid import GROUND
 
@@ -11,8 +12,11 @@ from ...model.solid import GROUND
 def legal(names: Iterable[str], taken: set[str], ending: str) -> dict[str, str]:
     """Return a name of letters, digits, _ and - for each name; one that is ``taken`` gets the ending, then numbers."""
     found: dict[str, str] = {}
+    tried: dict[str, Iterator[str]] = {}
     for name in names:
-        found[name] = _free(_plain(name), taken | {GROUND}, ending)
+        plain = _plain(name)
+        tries = tried.setdefault(plain, _tries(plain, ending))
+        found[name] = next(one for one in tries if one not in taken and one != GROUND)
         taken.add(found[name])
     return found
 
@@ -22,8 +26,6 @@ def _plain(name: str) -> str:
     return plain if re.match(r"[^\W\d]", plain) else f"_{plain}"
 
 
-def _free(name: str, taken: set[str], ending: str) -> str:
-    if name not in taken:
-        return name
-    tries = [f"{name}{ending}", *(f"{name}{ending}{n}" for n in range(2, len(taken) + 3))]
-    return next(one for one in tries if one not in taken)
+def _tries(name: str, ending: str) -> Iterator[str]:
+    yield from (name, f"{name}{ending}")
+    yield from (f"{name}{ending}{n}" for n in count(2))

@@ -17,6 +17,7 @@ from .part import Part, named
 from .reader import Reader
 from .tree import in_order, root_of
 
+MOST_LINKS = 10_000
 CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
 
 
@@ -54,7 +55,11 @@ def _check_root(root: Element, reader: Reader) -> None:
     if root.tag != "robot":
         raise reader.refusal(f"the file is a <{root.tag}>, not a <robot>; give a URDF file", root.line)
     reader.check(root, ("name", "version"), CHILDREN)
-    if not any(root.all("link")):
+    links = sum(1 for _ in root.all("link"))
+    if links > MOST_LINKS:
+        told = f"has {links:,} links, more than {MOST_LINKS:,}; split it, or build it in Python"
+        raise reader.refusal(told, root.line)
+    if not links:
         raise reader.refusal("has no links; give at least one", root.line)
 
 

@@ -15,6 +15,7 @@ from ...model.file.source import read_bytes
 from ...model.show import quote
 
 DEEPEST = 64  # levels of nesting
+MOST = 200_000  # elements of a file
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,7 @@ class _Reader:
         self.parser.EndElementHandler = self._end
         self.parser.StartDoctypeDeclHandler = self._doctype
         self.done: Element | None = None
+        self.count = 0
 
     def root(self, content: bytes) -> Element:
         try:
@@ -73,6 +75,9 @@ class _Reader:
         if tag.startswith("xacro:"):
             told = f"has the macro <{tag}>; expand it first, xacro robot.urdf.xacro > robot.urdf"
             raise self._refusal(told, line)
+        self.count += 1
+        if self.count > MOST:
+            raise self._refusal(f"has more than {MOST:,} elements; split it, or build it in Python", line)
         if len(self.open) == DEEPEST:
             told = f"is nested deeper than {DEEPEST} levels at {quote(tag)}; remove levels"
             raise self._refusal(told, line)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from ...model.show import quote, suggest
 from ..robot import Edge, Mimic
 from .part import Part
 from .reader import Reader
+
+LONGEST = 100  # joints that follow one another
 
 
 def read_mimics(parts: Mapping[str, Part], edges: Mapping[str, Edge]) -> dict[str, Mimic]:
@@ -15,8 +17,11 @@ def read_mimics(parts: Mapping[str, Part], edges: Mapping[str, Edge]) -> dict[st
     moving = {name: part for name, part in parts.items() if edges[name].motions}
     read = {name: _read(part) for name, part in moving.items()}
     mimics = {name: mimic for name, mimic in read.items() if mimic}
+    leaders = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
+    for name, mimic in mimics.items():
+        _check_leader(mimic.joint, leaders, edges[name].line, parts[name].reader)
     for name in mimics:
-        _check(name, mimics, edges, parts[name].reader)
+        _check_circle(name, mimics, edges[name].line, parts[name].reader)
     return mimics
 
 
@@ -30,21 +35,19 @@ def _read(part: Part) -> Mimic | None:
     return Mimic(leader, reader.number(mimic, "multiplier", 1.0), reader.number(mimic, "offset", 0.0))
 
 
-def _check(name: str, mimics: Mapping[str, Mimic], edges: Mapping[str, Edge], reader: Reader) -> None:
-    leaders = [name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]]
-    leader = mimics[name].joint
+def _check_leader(leader: str, leaders: Collection[str], line: int, reader: Reader) -> None:
     if leader not in leaders:
         told = f"<mimic> names {quote(leader)}, which is no joint that turns or slides"
-        raise reader.refusal(f"{told}; {suggest(leader, leaders)}", edges[name].line)
-    if _leads_back(name, mimics):
-        told = f"<mimic> leads from {quote(name)} back to it; let one of these joints follow none"
-        raise reader.refusal(told, edges[name].line)
+        raise reader.refusal(f"{told}; {suggest(leader, leaders)}", line)
 
 
-def _leads_back(name: str, mimics: Mapping[str, Mimic]) -> bool:
-    at = name
-    for _ in mimics:
-        at = mimics[at].joint if at in mimics else at
+def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Reader) -> None:
+    at, steps = name, 0
+    while at in mimics:
+        at, steps = mimics[at].joint, steps + 1
         if at == name:
-            return True
-    return False
+            told = f"<mimic> leads from {quote(name)} back to it; let one of these joints follow none"
+            raise reader.refusal(told, line)
+        if steps > LONGEST:
+            told = f"<mimic> leads through more than {LONGEST} joints; let it follow the last of them"
+            raise reader.refusal(told, line)

@@ -20,6 +20,7 @@ from .scope import Scope, scoped
 SECTIONS = tuple(KINDS)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files
 MOST = 500  # files of one model
+MOST_ENTRIES = 1_000_000  # of all files together
 
 
 def _prefix(text: str) -> str:
@@ -64,6 +65,7 @@ class _Gatherer:
 
     def __init__(self) -> None:
         self.count = 0
+        self.entries = 0
 
     def gather(self, document: Document, chain: tuple[FilePath, ...], scope: Scope) -> Document:
         """Return the document with its own parts and those of its files, all under their full names."""
@@ -83,6 +85,10 @@ class _Gatherer:
         self._check(document, at, path, chain)
         inner = Scope(scope.prefix + entry.prefix, scope)
         read_one = read(FilePath(document.origin.file).parent / entry.file)
+        self.entries += len(read_one.origin.lines)
+        if self.entries > MOST_ENTRIES:
+            told = f"includes more than {MOST_ENTRIES:,} entries; build such a model in Python"
+            raise _wrong(document, at, told)
         part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
         scope.names |= {entry.prefix + name for name in inner.names}
         _override(part, entry.parameters, inner, document, at, scope)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -22,6 +23,7 @@ from .scope import full_name
 from .typed import measures
 
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
+MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another
 AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
 FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
@@ -65,6 +67,7 @@ class Numbers:
         self.values: dict[str, float] = {}
         self.units: dict[str, Powers] = {}
         self.open: list[str] = []
+        self.hints = 0
 
     def number(self, text: str, unit: str) -> Computed:
         """Return the number that a text gives, in the SI unit ``unit``, with its formula."""
@@ -79,7 +82,8 @@ class Numbers:
         variable = variable_of(over)
         tree = self.tree(text, variable)
         self._check_function(tree, text, unit, {variable: powers_of(over)})
-        return tree.replaced({name: Number(value, of=name) for name, value in self.values.items()})
+        known = [name for name in tree.names() if name in self.values]
+        return tree.replaced({name: Number(self.values[name], of=name) for name in known})
 
     def _check_function(self, tree: Expression, text: str, unit: str, variable: dict[str, Powers]) -> None:
         """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without."""
@@ -96,7 +100,7 @@ class Numbers:
         name, points = full_name(text, text), self._section("points")
         if name not in points:
             given = f"has the unknown point {quote(text)}"
-            raise ModelError(f"{given}; {suggest(name, points) if points else 'define it under points'}")
+            raise ModelError(f"{given}; {self._hint(name, lambda: points, 'points')}")
         return points[name]
 
     def tree(self, text: str, *variables: str) -> Expression:
@@ -147,7 +151,7 @@ class Numbers:
     def _check_unit(
         self, tree: Expression, text: str, unit: str, variables: Mapping[str, Powers] | None = None
     ) -> None:
-        found = unit_of(tree, {**self.units, **(variables or {})})
+        found = unit_of(tree, ChainMap({**(variables or {})}, self.units))
         if unit and not fits(found, unit):
             expected = "a plain number" if unit == "1" else unit
             told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
@@ -203,11 +207,18 @@ class Numbers:
         return measure.unit if measure else None
 
     def _unknown(self, name: str, text: str, variables: tuple[str, ...]) -> ModelError:
-        known = [*variables, *self._parameter_names(), *self._part_numbers()]
-        hint = suggest(name, known) if known else "define it under parameters"
+        hint = self._hint(
+            name, lambda: [*variables, *self._parameter_names(), *self._part_numbers()], "parameters"
+        )
         if text.strip() == name and "." not in name and "did you mean" not in hint:
             return ModelError(f"must be a number, but is {quote(text)}; {FORMS}")
         return ModelError(f"uses the unknown name {quote(name)}; {hint}")
+
+    def _hint(self, name: str, known: Callable[[], Iterable[str]], section: str) -> str:
+        """Return which name may be meant, for the first unknown ones of a file."""
+        self.hints += 1
+        names = [*known()] if self.hints <= MOST_HINTS else []
+        return suggest(name, names) if names else f"define it under {section}"
 
     def _section(self, section: str) -> dict[str, Any]:
         found = self.data.get(section)

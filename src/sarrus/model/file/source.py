@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from itertools import islice
 from os.path import exists  # false, not an error, for names that no file can have
 from pathlib import Path
 
 from ..errors import ModelError
 
 LARGEST = 16 * 1024 * 1024  # bytes
+MOST = 1_000_000  # entries
+ENTRY = re.compile(r"^[ \t]*[^#\s]|,", re.MULTILINE)  # an entry needs a line of its own, or a comma
 SUFFIXES = (".yaml", ".yml", ".json")
 
 
@@ -26,6 +30,8 @@ def read_text(path: Path) -> str:
     text = _decoded(path, read_bytes(path))
     if not text.strip():
         raise _refusal(path, "is empty; give at least a name and bodies")
+    if len(text) > MOST and sum(1 for _ in islice(ENTRY.finditer(text), MOST + 1)) > MOST:
+        raise _refusal(path, f"has more than {MOST:,} entries; build such a model in Python")
     return text
 
 

@@ -35,13 +35,17 @@ def quote(text: str) -> str:
 def suggest(wrong: str, right: Iterable[str]) -> str:
     """Return the question ``did you mean "…"?`` for a misspelt name, or the list of the right ones."""
     names = list(right)
-    near = get_close_matches(wrong, _alike(wrong, names), n=1)
+    near = _but_for_case(wrong, names) or get_close_matches(wrong, _alike(wrong, names), n=1)
     if near:
         return f"did you mean {quote(near[0])}?"
     if not names:
         return "remove it"
     listed = ", ".join(_one_line(name) for name in names[:MOST])
     return f"choose from {listed}" + (", …" if len(names) > MOST else "")
+
+
+def _but_for_case(wrong: str, names: list[str]) -> list[str]:
+    return [name for name in names if name.casefold() == wrong.casefold()]
 
 
 def _alike(wrong: str, names: list[str]) -> list[str]:

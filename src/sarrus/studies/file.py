@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from ..model import Model
 from ..model.file.load import read
 from .conduct import Asked, ask
 from .entries import Entries
-from .parameters import parameter_of
+from .parameters import parameter_of, seconds
 from .responses import responses_of
 from .runs import run_of
 from .samples import sample_of
@@ -44,8 +45,13 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
     responses = file.part(responses_of, "responses")
     run = file.part(run_of, "analysis")
     sample = file.part(sample_of, "sample") if "sample" in data else None
-    model = load(place.parent / str(data["model"]))
-    name, limit = str(data.get("name", place.stem)), float(data.get("time_limit", "inf"))
+    file.check_kind("model", str, "the name of a file")
+    file.check_kind("name", str, "a text")
+    model = load(place.parent / data["model"])
+    name, limit = (
+        data.get("name", place.stem),
+        file.part(seconds, "time_limit") if "time_limit" in data else inf,
+    )
     wanted = {one.name: one.of for one in responses}
 
     def asked(_: Any) -> Asked:

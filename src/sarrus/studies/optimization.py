@@ -19,7 +19,7 @@ from ..results import Optimum
 from ..system import System
 from .differentiable import differentiable
 from .entries import Entries
-from .parameters import number, whole
+from .parameters import number, seconds, whole
 from .responses import Response
 from .runs import Simulation, run_of
 from .source import Source
@@ -89,7 +89,7 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     _check(file)
     data = file.document.data
     run = file.part(_simulation, "analysis")
-    model = load(place.parent / str(data["model"]))
+    model = load(place.parent / data["model"])
     changes = {name: file.part(_change, "parameters", name) for name in data["parameters"]}
     source = Source.of(model)
     file.part(lambda _: source.check(changes), "parameters")
@@ -98,7 +98,7 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     begin = {name: start for name, (_, start) in changes.items() if start is not None}
     system = source.made(begin)[0] if begin else System(model)
     options = {key: file.part(reader, key) for key, reader in OPTIONS.items() if key in data}
-    sought = {"name": str(data.get("name", place.stem)), "system": system, "run": run, "options": options}
+    sought = {"name": data.get("name", place.stem), "system": system, "run": run, "options": options}
     bounds = {name: limits for name, (limits, _) in changes.items()}
     if "fit" in data:
         misfits = [
@@ -125,6 +125,8 @@ def _check(file: Entries) -> None:
     for key in ONLY[other]:
         if key in data:
             raise file.refused(f"{key!r} belongs to {other!r}; leave it out", key)
+    file.check_kind("model", str, "the name of a file")
+    file.check_kind("name", str, "a text")
     for key in ("parameters", "constraints"):
         file.check_kind(key, dict, "a mapping of names")
     file.check_kind("fit", list, "a list of measurements")
@@ -207,7 +209,7 @@ def _cell(path: Path, text: str) -> float:
 
 
 def _solver(given: Any) -> str:
-    if given not in SOLVERS:
+    if not isinstance(given, str) or given not in SOLVERS:
         raise SarrusError(f"there is no solver {given!r}; {suggest(str(given), SOLVERS)}")
     return str(given)
 
@@ -231,5 +233,5 @@ OPTIONS: dict[str, Callable[[Any], Any]] = {
     "starts": lambda given: whole(given, "starts"),
     "seed": lambda given: whole(given, "seed", least=0),
     "iterations": lambda given: whole(given, "iterations"),
-    "time_limit": number,
+    "time_limit": seconds,
 }

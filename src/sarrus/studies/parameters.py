@@ -135,6 +135,7 @@ class Distribution:
             ) from None
 
 
+LARGEST = 2**31 - 1  # of a seed, and of what is counted
 _SCIPY = "see scipy.stats for its arguments"
 
 
@@ -166,7 +167,10 @@ def _of_mapping(given: dict[str, Any]) -> Parameter:
     if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
         told = f"its keys are {', '.join(given) or 'none'}"
         raise SarrusError(f"{told}; give from and to (and count, log), or distribution and its arguments")
-    return Range(number(given["from"]), number(given["to"]), log=bool(given.get("log", False)), **count)
+    log = given.get("log", False)
+    if not isinstance(log, bool):
+        raise SarrusError(f"log must be true or false, but is {show(log)}")
+    return Range(number(given["from"]), number(given["to"]), log=log, **count)
 
 
 def number(given: Any) -> float:
@@ -177,12 +181,25 @@ def number(given: Any) -> float:
         raise SarrusError(f"{given!r} {wrong.sentence}") from None
     if isinstance(found, bool) or not isinstance(found, int | float | np.number):
         raise SarrusError(f"a number is expected, but {show(given)} is given; write it as in 1.5e-3 or 20 mm")
-    return float(found)
+    try:
+        return float(found)
+    except OverflowError:
+        raise SarrusError(f"a finite number is expected, but {show(given)} is given") from None
+
+
+def seconds(given: Any) -> float:
+    """A time that is greater than 0, in s."""
+    found = number(given)
+    if not found > 0:
+        raise SarrusError(f"a time greater than 0 s is expected, but {show(given)} is given")
+    return found
 
 
 def whole(given: Any, what: str, least: int = 1) -> int:
     """A whole number, of at least 1 if nothing else is said."""
     is_number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
-    if not is_number or int(given) != given or given < least:
+    if not is_number or not isfinite(given) or int(given) != given or given < least:
         raise SarrusError(f"{what} must be a whole number of at least {least}, but is {show(given)}")
+    if given > LARGEST:
+        raise SarrusError(f"{what} must be at most {LARGEST:,}, but is {show(given)}")
     return int(given)

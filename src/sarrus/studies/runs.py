@@ -22,7 +22,7 @@ from ..analyses.dynamics import METHODS
 from ..analyses.sensitivity.outputs import Outputs
 from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
 from ..model import SarrusError, collecting
-from ..model.show import suggest
+from ..model.show import show, suggest
 from ..model.written import written_numbers
 from ..results import Equilibrium, Modes, Trajectory
 from ..system import System
@@ -210,7 +210,7 @@ def run_of(given: Any) -> Run:
     if callable(given):
         return OwnRun(given)
     said = dict(given) if isinstance(given, Mapping) else {"type": given}
-    kind = said.pop("type", "simulate")
+    kind = str(said.pop("type", "simulate"))
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}; {suggest(str(kind), KINDS)}")
     run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in said.items()})
@@ -227,11 +227,19 @@ def _built(kind: Any, what: str, said: dict[str, Any]) -> Any:
             said[name] = _method(value)
         elif name in ("steps",):
             said[name] = whole(value, name)
-        elif not isinstance(value, bool):
-            said[name] = value if known[name].type == "str" else number(value)
+        elif known[name].type in ("str", "bool"):
+            _refuse_other(value, str(known[name].type), f"{what}: {name}")
+        else:
+            said[name] = number(value)
     if "until" in known and "until" not in said:
         raise SarrusError(f"{what} needs an end time; give until in s")
     return kind(**said)
+
+
+def _refuse_other(value: Any, kind: str, what: str) -> None:
+    if not isinstance(value, {"str": str, "bool": bool}[kind]):
+        wanted = {"str": "a text", "bool": "true or false"}[kind]
+        raise SarrusError(f"{what} must be {wanted}, but is {show(value)}")
 
 
 def _method(given: Any) -> Any:

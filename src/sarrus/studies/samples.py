@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
+from math import prod
 from typing import Any, ClassVar
 
 import numpy as np
@@ -30,6 +31,14 @@ class Sample(ABC):
         return {"type": self.kind, **asdict(self)}
 
 
+MOST = 1_000_000  # cases
+
+
+def _refuse_many(cases: int) -> None:
+    if cases > MOST:
+        raise SarrusError(f"a study has at most {MOST:,} cases, but these are {cases:,}; take fewer values")
+
+
 @dataclass(frozen=True)
 class Grid(Sample):
     """All combinations of the parameters' values; the last parameter changes fastest."""
@@ -38,7 +47,9 @@ class Grid(Sample):
 
     def cases(self, parameters: Mapping[str, Parameter]) -> Array:
         """The combinations."""
-        found = list(product(*(one.grid() for one in parameters.values())))
+        values = [one.grid() for one in parameters.values()]
+        _refuse_many(prod(len(one) for one in values))
+        found = list(product(*values))
         return np.array(found, dtype=float).reshape(len(found), len(parameters))
 
 
@@ -50,7 +61,7 @@ class Spread(Sample):
     seed: int = 0
 
     def __post_init__(self) -> None:
-        whole(self.count, "the count of a sample")
+        _refuse_many(whole(self.count, "the count of a sample"))
         whole(self.seed, "a seed", 0)
 
     @abstractmethod

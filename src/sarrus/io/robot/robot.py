@@ -91,8 +91,12 @@ class Robot(TreeModel):
         return self.link(link).frame(point, x=x, z=z)
 
     def looks(self) -> list[Look]:
-        """What the description says that links look like, on the bodies that carry them."""
-        return [*super().looks(), *(look_of(visual, self.links, self.origin) for visual in self.visuals)]
+        """What the description says that links look like, on the bodies that carry them.
+
+        A link without mass between two joints that became one has no place, and is not drawn.
+        """
+        seen = (visual for visual in self.visuals if visual.link in self.links)
+        return [*super().looks(), *(look_of(visual, self.links, self.origin) for visual in seen)]
 
     def adding(self, *parts: Joint | Force) -> Robot:
         """Return the robot with further joints and forces, as to close a loop."""

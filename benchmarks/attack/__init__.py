@@ -1,0 +1,1 @@
+"""Attacks on the readers and functions of Sarrus; see ``benchmarks/fuzz.py``."""

@@ -140,6 +140,7 @@ if TYPE_CHECKING:
     from .results import ShapeDerivative as ShapeDerivative
     from .results import Singularity as Singularity
     from .results import Solution as Solution
+    from .results import State as State
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
     from .results import WorkspaceField as WorkspaceField
@@ -192,7 +193,7 @@ _HOMES = {
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
         "Assembly Equilibrium Gradient Happened Hessian InputSingularities Mobility Modes Optimum Reaction "
-        "ShapeDerivative Singularity Solution Trajectory Workspace WorkspaceField WorkspaceRange "
+        "ShapeDerivative Singularity Solution State Trajectory Workspace WorkspaceField WorkspaceRange "
         "WorkspaceVolume load_run"
     ),
     "views": "animate view",

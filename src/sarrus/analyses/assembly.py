@@ -19,6 +19,7 @@ from .held import held_coordinates
 from .least_change import LeastChange
 from .length import extent, lever, units
 from .metric import metric as metric_of
+from .misuse import refuse_other_system
 from .open_joints import open_joints
 from .saddle import Saddle
 from .threads import one_thread_if_small
@@ -90,6 +91,7 @@ def assemble(
     ValueError
         For wrong shapes or a metric that is not positive.
     """
+    refuse_other_system(system, "assemble")
     weight, held = metric_of(system, metric), held_coordinates(system, fixed)
     inverse = np.where(held, 0.0, 1 / weight)
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))

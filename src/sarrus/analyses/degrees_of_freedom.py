@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from ..algebra import Array
@@ -13,9 +12,11 @@ from ..results.mobility import Kind
 from ..system import System
 from .assembly import assemble
 from .length import lever, scaled, units
+from .misuse import refuse_other_system
 from .rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
 from .repetitions import repetitions
 from .second_order import common_zeros
+from .starts import Start, state_of
 from .threads import one_thread_if_small
 
 DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
@@ -26,9 +27,9 @@ STRAIGHT = 1e-6  # curvature that counts as zero, relative to the largest before
 @one_thread_if_small
 def mobility(
     system: System,
-    q: ArrayLike | None = None,
+    q: Start | None = None,
     *,
-    t: float = 0.0,
+    t: float | None = None,
     tolerance: float = TOLERANCE,
     strict: bool = False,
 ) -> Mobility:
@@ -40,8 +41,9 @@ def mobility(
     Parameters
     ----------
     system : System
-    q : (nq,) a position that satisfies the constraints; by default the model's, assembled
-    t : time [s]
+    q : (nq,) a position that satisfies the constraints, or an `Assembly`, a `State` or an `Equilibrium`; by default the
+        model's, assembled
+    t : time [s]; by default that of the state, or 0
     tolerance : relative size of a singular value that counts as zero
     strict : raise the first warning as a `StrictError`
 
@@ -55,7 +57,8 @@ def mobility(
     ValueError
         If no position is given and the model cannot be assembled.
     """
-    at = _assembled(system, t) if q is None else np.asarray(q, dtype=float)
+    refuse_other_system(system, "mobility")
+    at, _, t, _ = state_of(system, _assembled(system, t or 0.0) if q is None else q, None, t)
     J = system.Phi_q(at, t)
     length = lever(system, at, J)
     unitless = scaled(J, length)

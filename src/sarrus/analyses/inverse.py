@@ -13,6 +13,7 @@ from ..model import reports_warnings
 from ..results import Trajectory
 from ..system import System
 from .length import lever
+from .misuse import refuse_other_system
 from .nullspace import NullSpace
 from .onto import largest
 from .recorded_state import RecordedState, histories, recorded_state
@@ -73,6 +74,7 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     ValueError
         If the motion is that of other bodies.
     """
+    refuse_other_system(system, "inverse_dynamics")
     if run.bodies != tuple(system.bodies):
         raise ValueError(f"{run.name} has other bodies than {system.name}")
     b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()

@@ -14,10 +14,12 @@ from .driven_path import Instant, Path
 from .inverse import multipliers
 from .length import lever
 from .lockup import fold_time, involved, last_before
+from .misuse import refuse_other_system
 from .nullspace import NullSpace
 from .onto import onto
 from .progress import Progress, TimeLimit, monitor
 from .recorded_state import RecordedState, histories, recorded_state
+from .starts import Given, Start, state_of
 from .threads import one_thread_if_small
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
@@ -28,7 +30,7 @@ SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lo
 def kinematics(
     system: System,
     times: ArrayLike,
-    q: ArrayLike | None = None,
+    q: Start | None = None,
     *,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
@@ -44,7 +46,8 @@ def kinematics(
     ----------
     system : System
     times : (nt,) rising times to keep [s]
-    q : (nq,) where to start looking for the position at the first of them; by default the model's
+    q : (nq,) where to start looking for the position at the first of them, or an `Assembly`, a `State` or an
+        `Equilibrium`; by default the model's
     progress : True for a bar on standard error, or a function of the time reached
     time_limit : seconds of the clock after which the analysis ends with the status "time limit"
     strict : raise the first warning as a `StrictError`
@@ -65,7 +68,8 @@ def kinematics(
     grid = np.atleast_1d(np.asarray(times, dtype=float))
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers, at least one")
-    run = _Run(system, grid, np.array(system.q0 if q is None else q, dtype=float))
+    refuse_other_system(system, "kinematics")
+    run = _Run(system, grid, state_of(system, system.q0 if q is None else q))
     with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
         run.go(report)
     return run.trajectory()
@@ -74,9 +78,11 @@ def kinematics(
 class _Run:
     """One analysis under way."""
 
-    def __init__(self, system: System, grid: Array, q: Array) -> None:
-        self.system, self.grid, self.guess = system, grid, q
-        self.path = Path(system, q)
+    def __init__(self, system: System, grid: Array, start: Given) -> None:
+        self.system, self.grid, self.guess = system, grid, start.q
+        self.path = Path(system, start.q)
+        if len(start.memory):
+            self.path.b[system.memory_places] = start.memory
         self.kept: list[tuple[Instant, Array, RecordedState]] = []
         self.singular: list[float] = []
         self.status, self.message, self.steps = "finished", "reached the end", 0

@@ -12,8 +12,10 @@ from ..algebra import Array
 from ..model import reports_warnings
 from ..system import System
 from .length import lever
+from .misuse import refuse_other_system
 from .nullspace import NullSpace
 from .onto import largest
+from .starts import Given, Start, state_of
 from .steady import generator
 from .threads import one_thread_if_small
 
@@ -65,10 +67,10 @@ class Around(NamedTuple):
 @one_thread_if_small
 def linearize(
     system: System,
-    q: ArrayLike,
+    q: Start,
     v: ArrayLike | None = None,
     *,
-    t: float = 0.0,
+    t: float | None = None,
     turning: ArrayLike = (0.0, 0.0, 0.0),
     strict: bool = False,
 ) -> Linear:
@@ -83,8 +85,9 @@ def linearize(
     Parameters
     ----------
     system : System
-    q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints
-    t : time [s]
+    q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints. `q` may also
+        be an `Assembly`, a `State` or an `Equilibrium`, which has its own velocities and time
+    t : time [s]; by default that of the state, or 0
     turning : (3,) angular velocity of the observer in global axes [rad/s], e.g. the precession of a top
     strict : raise the first warning as a `StrictError`
 
@@ -92,15 +95,15 @@ def linearize(
     -------
     Linear
     """
-    at, space = around(system, np.asarray(q, dtype=float), v, t)
+    refuse_other_system(system, "linearize")
+    at, space = around(system, state_of(system, q, v, t))
     return reduced(system, at, space, np.asarray(turning, dtype=float))
 
 
-def around(system: System, q: Array, v: ArrayLike | None, t: float) -> tuple[Around, NullSpace]:
+def around(system: System, given: Given) -> tuple[Around, NullSpace]:
     """Accelerations along and across the free directions, then the shortest multipliers."""
-    speed = np.zeros(system.nq) if v is None else np.asarray(v, dtype=float)
-    b = system.b.copy()
-    system.remember(q, b, t)
+    q, t, b = given.q, given.t, given.parameters(system)
+    speed = np.zeros(system.nq) if given.v is None else given.v
     J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
     space = NullSpace(J, lever(system, q, J))
     force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)

@@ -18,6 +18,7 @@ from ..system import System
 from .degrees_of_freedom import normalizations
 from .joint_rate import Rate, rate
 from .length import lever, scaled, units
+from .misuse import refuse_other_system
 from .path import Path
 from .rank import independent_rows, rank_of, unit_rows
 from .threads import one_thread_if_small
@@ -66,6 +67,7 @@ def singularities(
     KeyError
         If there is no such coordinate or joint.
     """
+    refuse_other_system(system, "singularities")
     path, names = Path(system, motion, grid), tuple(inputs)
     watch, found = _Watch(system, path, names), list[Singularity]()
     for s in _roots(watch):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from ..system import System
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
 from .length import extent
+from .misuse import kind, refuse_other_system
 from .rank import row_lengths
 
 Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike
@@ -38,7 +39,7 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
         return assemble(system)
     if isinstance(given, Assembly) and not given.success:
         return given
-    q, v, t = state_of(system, given)
+    q, v, t, _ = state_of(system, given)
     if isinstance(given, Assembly | State):
         return _consistent(system, given, q, v, t)
     found = assemble(system, q, v, t=t)
@@ -46,10 +47,25 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
     return found
 
 
-def state_of(
-    system: System, given: Start, v: ArrayLike | None = None, t: float | None = None
-) -> tuple[Array, Array | None, float]:
-    """Coordinates, velocities (None if unknown) and time of a start; `v` and `t` count where they are given.
+class Given(NamedTuple):
+    """A state: coordinates, velocities (None if unknown), time, and what elements remember, if it says so."""
+
+    q: Array
+    v: Array | None
+    t: float
+    memory: Array
+
+    def parameters(self, system: System) -> Array:
+        """The parameters of the elements, with what they remember."""
+        b = system.b.copy()
+        if len(self.memory):
+            b[system.memory_places] = self.memory
+        system.remember(self.q, b, self.t)
+        return b
+
+
+def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float | None = None) -> Given:
+    """The state that a start means; `v` and `t` count where they are given.
 
     Raises
     ------
@@ -66,15 +82,15 @@ def state_of(
         raise TypeError(
             f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}."
         )
-    own_v, own_t = None, 0.0
+    own_v, own_t, memory = None, 0.0, np.zeros(0)
     if isinstance(given, Assembly | State):
-        own_v, own_t = given.v, float(given.t)
+        own_v, own_t, memory = given.v, float(given.t), given.memory
     elif isinstance(given, Equilibrium):
         own_v, own_t = np.zeros(system.nq), given.t
     q = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)
-    return finite(system, "q", q), found, own_t if t is None else float(t)
+    return Given(finite(system, "q", q), found, own_t if t is None else float(t), memory)
 
 
 def finite(system: System, name: str, given: ArrayLike) -> Array:
@@ -102,28 +118,6 @@ def finite(system: System, name: str, given: ArrayLike) -> Array:
         which = system.coordinate_names[wrong[0]]
         raise ValueError(f"{name} must be {system.nq} finite numbers, but {which} is {found[wrong[0]]}.")
     return found
-
-
-def refuse_other_system(given: object, analysis: str) -> None:
-    """Refuse what is no system.
-
-    Raises
-    ------
-    TypeError
-        With the right call.
-    """
-    if isinstance(given, System):
-        return
-    call = f"sr.{analysis}(sr.System(model), ...)"
-    if isinstance(given, str):
-        call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'
-    raise TypeError(f"{analysis} needs a System, got {kind(given)}. Call {call}.")
-
-
-def kind(given: object) -> str:
-    """What something is, in words."""
-    name = type(given).__name__
-    return "nothing" if given is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
 
 
 def _consistent(system: System, given: Assembly | State, q: Array, v: Array | None, t: float) -> Assembly:

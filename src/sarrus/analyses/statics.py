@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..model import reports_warnings
@@ -13,8 +12,10 @@ from ..system import System
 from .balance import Balance
 from .degrees_of_freedom import mobility
 from .driven_path import coordinate_scale
+from .misuse import refuse_other_system
 from .onto import largest, onto
 from .slide import newton_step, slide_step
+from .starts import Given, Start, state_of
 from .threads import one_thread_if_small
 
 FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
@@ -33,9 +34,9 @@ POOR, GOOD = (
 @one_thread_if_small
 def equilibrium(
     system: System,
-    q: ArrayLike | None = None,
+    q: Start | None = None,
     *,
-    t: float = 0.0,
+    t: float | None = None,
     stable: bool = True,
     iterations: int = 500,
     strict: bool = False,
@@ -49,8 +50,8 @@ def equilibrium(
     Parameters
     ----------
     system : System
-    q : (nq,) where to start; by default the model's
-    t : time at which drivers and forces are held [s]
+    q : (nq,) where to start, or an `Assembly`, a `State` or an `Equilibrium`; by default the model's
+    t : time at which drivers and forces are held [s]; by default that of the start, or 0
     stable : go downhill to a stable equilibrium; if false, to the nearest one, be it stable or not
     iterations : at most so many steps
     strict : raise the first warning as a `StrictError`
@@ -60,8 +61,10 @@ def equilibrium(
     Equilibrium
         With ``success`` false and a sentence if there is none nearby: an open joint, or a motion without end.
     """
-    start = np.array(system.q0 if q is None else q, dtype=float)
-    search = _Search(system, t, start)
+    refuse_other_system(system, "equilibrium")
+    begin = state_of(system, system.q0 if q is None else q, None, t)
+    start, t = begin.q, begin.t
+    search = _Search(system, begin)
     assembled, reached = onto(system, start, t)
     if not reached:
         gap = largest(system.Phi(assembled, t))
@@ -73,9 +76,9 @@ def equilibrium(
 class _Search:
     """One search under way."""
 
-    def __init__(self, system: System, t: float, q: Array) -> None:
-        self.system, self.t, self.b = system, t, system.b.copy()
-        self.scale = coordinate_scale(system, q)
+    def __init__(self, system: System, start: Given) -> None:
+        self.system, self.t, self.b = system, start.t, start.parameters(system)
+        self.scale = coordinate_scale(system, start.q)
         self.radius = FIRST_RADIUS
 
     def at(self, q: Array) -> Balance:

@@ -14,6 +14,8 @@ from ..system import System
 from .eigenvalues import eigenvalues
 from .length import extent, units
 from .linearization import Around, Linear, Terms, around, reduced, terms_of
+from .misuse import refuse_other_system
+from .starts import Start, state_of
 from .steady import generator
 from .threads import one_thread_if_small
 
@@ -25,10 +27,10 @@ RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are rou
 @one_thread_if_small
 def modes(
     system: System,
-    q: ArrayLike,
+    q: Start,
     v: ArrayLike | None = None,
     *,
-    t: float = 0.0,
+    t: float | None = None,
     turning: ArrayLike = (0.0, 0.0, 0.0),
     strict: bool = False,
 ) -> Modes:
@@ -37,8 +39,9 @@ def modes(
     Parameters
     ----------
     system : System
-    q, v : (nq,) an equilibrium (see `equilibrium`), or a state of a steady motion
-    t : time [s]
+    q, v : (nq,) an equilibrium, or a state of a steady motion. `q` may be what `equilibrium` returns, an `Assembly` or
+        a `State`, which has its own velocities and time
+    t : time [s]; by default that of the state, or 0
     turning : (3,) angular velocity in global axes of the observer to whom the motion looks steady [rad/s]
     strict : raise the first warning as a `StrictError`
 
@@ -47,7 +50,8 @@ def modes(
     Modes
         With ``success`` false and a sentence in ``message``, if this is neither an equilibrium nor a steady motion.
     """
-    at, space = around(system, np.asarray(q, dtype=float), v, t)
+    refuse_other_system(system, "modes")
+    at, space = around(system, state_of(system, q, v, t))
     linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, at)
     found = eigenvalues(linear, terms)
     values = np.where(abs(found.s) <= found.round_off, 0.0, found.s)

@@ -44,6 +44,11 @@ class _Alpha(Prescribed):
     step: float | None
     stabilized: bool
 
+    def __post_init__(self) -> None:
+        self.scheme()
+        if self.step is not None and not (np.isfinite(self.step) and self.step > 0):
+            raise ValueError(f"step must be a positive time in s, but is {self.step}")
+
     def scheme(self) -> loop.Scheme:
         """The coefficients of the method."""
         raise NotImplementedError
@@ -52,8 +57,6 @@ class _Alpha(Prescribed):
         """The method at work, see `Stepper`."""
         scheme = self.scheme()
         if self.step is not None:  # no error is seen, so that every step is the longest
-            if not (np.isfinite(self.step) and self.step > 0):
-                raise ValueError(f"step must be a positive time in s, but is {self.step}")
             longest = min(self.step, settings.max_step)
             scheme, settings = (
                 scheme._replace(error=0.0),

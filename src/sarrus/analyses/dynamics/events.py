@@ -17,6 +17,7 @@ from ...results.trajectory import place_of
 from ...system import System
 from .nodes import Nodes
 from .sampler import Sampler
+from .stepper import Trouble
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
@@ -42,6 +43,10 @@ class Impact:
 
     restitution: float = 1.0
     along: str | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.restitution <= 1:
+            raise ValueError(f"restitution of an Impact must be between 0 and 1, but is {self.restitution!r}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,10 +186,20 @@ class Watch:
             self.last = -change
 
     def _value(self, t: float, q: Array, v: Array) -> float:
-        """The function's value; what an impact is along counts its turns, too."""
+        """The function's value; what an impact is along counts its revolutions, too.
+
+        Raises
+        ------
+        Trouble
+            If it is not a number.
+        """
         if self.output is not self.function:
             self.output(t, q, v)
-        return float(self.function(t, q, v))
+        value = float(self.function(t, q, v))
+        if np.isnan(value):
+            told = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
+            raise Trouble("event undefined", told)
+        return value
 
     @property
     def near(self) -> Array:

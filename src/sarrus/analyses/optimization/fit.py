@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
+from ..misuse import refuse_other_system
 from ..sensitivity.responses import Misfit
 from ..threads import one_thread_if_small
 from .problem import Infeasible, Problem
@@ -74,6 +75,7 @@ def fit(
     SarrusError
         If the first guess cannot be simulated.
     """
+    refuse_other_system(system, "fit")
     some = [misfits] if isinstance(misfits, Misfit) else list(misfits)
     end = max(max(one.at) for one in some) if until is None else until
     problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)

@@ -9,6 +9,7 @@ from typing import Any
 from ...model import announce, reports_warnings
 from ...results import Optimum
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .combined import Part
 from .constraint import Within, refuse_others
@@ -88,6 +89,7 @@ def optimize(
     SarrusError
         If the first design cannot be simulated.
     """
+    refuse_other_system(system, "optimize")
     within = refuse_others([constraints] if isinstance(constraints, Within) else constraints)
     solver_of(solver, bool(within))
     if not tolerance > 0 or iterations < 1:

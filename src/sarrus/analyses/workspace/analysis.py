@@ -9,6 +9,7 @@ from typing import Any
 from ...model import reports_warnings
 from ...results.workspace import Workspace
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .formulate import Limits
 from .mapping import REPEATS, WorkspaceMap
@@ -69,6 +70,7 @@ def workspace(
     SarrusError
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
+    refuse_other_system(system, "workspace")
     found = WorkspaceMap(
         system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest
     )

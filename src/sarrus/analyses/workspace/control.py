@@ -11,6 +11,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.input_singularities import InputSingularities, Lost, SingularCurve
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .arc import DENSE, Arc
 from .change import changes
@@ -57,6 +58,7 @@ def input_singularities(
     SarrusError
         If the numbers of inputs or fixed functions do not fit the degrees of freedom.
     """
+    refuse_other_system(system, "input_singularities")
     if lost not in ("inputs", "outputs"):
         raise SarrusError(f"lost is {lost!r}; give 'inputs' or 'outputs'")
     driven = list(inputs)

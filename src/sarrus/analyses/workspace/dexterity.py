@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import reports_warnings
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .formulate import formulate
 from .problem import Problem
@@ -58,6 +59,7 @@ def dexterity(
     fixed : functions that keep their values
     strict : raise the first warning as a `StrictError`
     """
+    refuse_other_system(system, "dexterity")
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
     positions = np.atleast_2d(np.asarray(q, dtype=float)) / problem.scale
     return [dexterity_at(problem, one, problem.normal) for one in positions]

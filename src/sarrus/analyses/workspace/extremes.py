@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.workspace_range import CriticalValue, WorkspaceRange
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .crossing import examine
 from .formulate import Limits, formulate
@@ -59,6 +60,7 @@ def workspace_range(
     SarrusError
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
+    refuse_other_system(system, "workspace_range")
     outputs: Iterable[Any] = output if isinstance(output, tuple | list) else (output,)
     problem = formulate(system, outputs, limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:

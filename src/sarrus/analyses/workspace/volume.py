@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import SarrusError, reports_warnings
 from ...results.workspace_volume import WorkspaceVolume
 from ...system import System
+from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
 from .extremes import workspace_range
 from .formulate import Limits, formulate
@@ -74,6 +75,7 @@ def workspace_volume(
         If there are not three outputs, rtol is not positive, `between` does not rise, or the mechanism cannot be
         assembled within its limits.
     """
+    refuse_other_system(system, "workspace_volume")
     names = tuple(output)
     if len(names) != 3:
         raise SarrusError(f"a volume is of three outputs, not {len(names)}; name as many")

@@ -326,8 +326,9 @@ class Crash(BaseException):
 
 
 @pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("overwrite", [False, True])
 def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain: sr.Trajectory
+    overwrite: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain: sr.Trajectory
 ) -> None:
     """The process ends before each of the files that are written up to the first checkpoint."""
     write, left = checked_file.replace_file, [0]
@@ -339,26 +340,24 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
             raise Crash
         write(path, data)
 
-    modules = (checked_file, saved, saved.stored_array)
     for count in range(20):
         folder, left[0] = tmp_path / f"run{count}", count
-        for module in modules:
-            monkeypatch.setattr(module, "replace_file", crash)
-        with suppress(Crash):
-            sr.simulate(slider_crank(), save=folder, **GIVEN)
-        for module in modules:
-            monkeypatch.setattr(module, "replace_file", write)
+        if overwrite:
+            cut_short(folder)
+        with monkeypatch.context() as patch, suppress(Crash):
+            for module in (checked_file, saved, saved.stored_array):
+                patch.setattr(module, "replace_file", crash)
+            sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
         if (folder / saved.CHECKPOINT).exists():
             break
-        if count:
-            with pytest.raises(
-                FileNotFoundError, match=r"before its first checkpoint. Begin it again with sarrus.resume"
-            ):
+        if count % 2:
+            told = "before its first checkpoint. Begin it again with sarrus.resume"
+            with pytest.raises(FileNotFoundError, match=told):
                 sr.load_run(folder)
             assert same(sr.resume(folder), plain)
         else:
-            with pytest.raises(FileNotFoundError, match="holds no saved run"):
-                sr.resume(folder)
+            with pytest.raises(FileNotFoundError, match=r"holds no saved run|before its first checkpoint"):
+                sr.load_run(folder)
             assert same(sr.simulate(slider_crank(), save=folder, **GIVEN), plain)
     assert (
         count == 13

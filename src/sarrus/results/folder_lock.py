@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from ..model import SarrusError
 from .checked_file import FolderTakenError
 
 LOCK = "lock"
@@ -49,18 +50,28 @@ class FolderLock:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._file = (folder / LOCK).open("a+b")
+        self._path = folder / LOCK
+        self._file = self._path.open("a+b")
         try:
-            if self._is_taken():
-                told = f"{folder}: is being written by {self._writer()}."
-                raise FolderTakenError(f"{told} Wait until it ends, or choose another folder.")
-            self._file.truncate(0)
-            own = {"process": os.getpid(), "host": socket.gethostname()}
-            self._file.write(json.dumps(own).encode())
-            self._file.flush()
+            self._take(folder)
         except BaseException:
             self._file.close()
             raise
+
+    def _take(self, folder: Path) -> None:
+        """Lock the file, which its last owner may have removed after it was opened here; then the new one."""
+        while True:
+            if self._is_taken():
+                told = f"{folder}: is being written by {self._writer()}."
+                raise FolderTakenError(f"{told} Wait until it ends, or choose another folder.")
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(self._file.fileno()), self._path.stat()):
+                    break
+            self._file.close()
+            self._file = self._path.open("a+b")
+        self._file.truncate(0)
+        self._file.write(json.dumps({"process": os.getpid(), "host": socket.gethostname()}).encode())
+        self._file.flush()
 
     def _is_taken(self) -> bool:
         try:
@@ -68,39 +79,52 @@ class FolderLock:
         except BlockingIOError:
             return True
         except OSError:  # a file system without locks: what the file says must do
-            process, host = self._written()
+            process, host = _writer_in(self._path)
             return process > 0 and (host != socket.gethostname() or _is_alive(process))
         return False
 
-    def _written(self) -> tuple[int, str]:
-        """Process and host of the writer; 0 where there is none."""
-        self._file.seek(0)
-        try:
-            written = json.loads(self._file.read())
-            return int(written["process"]), str(written["host"])
-        except (ValueError, TypeError, KeyError, OSError):
-            return 0, ""
-
     def _writer(self) -> str:
-        process, host = self._written()
+        process, host = _writer_in(self._path)
         return f"process {process} on {host}" if process else "another process"
 
     def release(self) -> None:
         """Let others write."""
-        if self._file.closed:
-            return
+        if not self._file.closed:
+            with suppress(OSError):
+                self._path.unlink()
+            self._file.close()
+
+    def abandon(self) -> None:
+        """Let others write; the empty file stays, and shows that the folder is ours before it holds anything else."""
         with suppress(OSError):
             self._file.truncate(0)
         self._file.close()
 
 
+def is_lock(path: Path) -> bool:
+    """Whether a file is the lock of a process, dead or alive; an empty one is that of a process that died early."""
+    return path.is_file() and (not path.stat().st_size or _writer_in(path)[0] > 0)
+
+
+def _writer_in(path: Path) -> tuple[int, str]:
+    """Process and host of the writer; 0 where there is none."""
+    try:
+        written = json.loads(path.read_bytes())
+        return int(written["process"]), str(written["host"])
+    except (ValueError, TypeError, KeyError, OSError):
+        return 0, ""
+
+
 @contextmanager
 def held(lock: FolderLock) -> Iterator[FolderLock]:
-    """Work after which a lock is held, but released where something goes wrong."""
+    """Work after which a lock is held; released where something is refused, abandoned where anything else happens."""
     try:
         yield lock
-    except BaseException:
+    except SarrusError:
         lock.release()
+        raise
+    except BaseException:
+        lock.abandon()
         raise
 
 

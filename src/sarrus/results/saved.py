@@ -38,7 +38,7 @@ from .checked_file import (
     write_checked,
     writing,
 )
-from .folder_lock import LOCK, FolderLock, held, make_folder
+from .folder_lock import LOCK, FolderLock, held, is_lock, make_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
 
 FORMAT = 2
@@ -56,7 +56,9 @@ COLUMNS = {
 }
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
-BEGUN = frozenset((LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT))  # the files of a run before its metadata
+BEGUN = frozenset(
+    (LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY)
+)  # before its metadata
 UNFINISHED = ("cut short", "stopped", "time limit")
 
 
@@ -232,7 +234,8 @@ def _is_ours(folder: Path) -> bool:
     names = {place.name for place in folder.iterdir()}
     if METADATA in names:
         return {"format", "sarrus"} <= set(_attributes(folder))
-    return LOCK in names and names <= BEGUN and (RECIPE not in names or _is_checked(folder / RECIPE))
+    checks = {LOCK: is_lock, RECIPE: _is_checked}
+    return names <= BEGUN and bool(found := names & set(checks)) and all(checks[n](folder / n) for n in found)
 
 
 def _is_checked(path: Path) -> bool:

@@ -29,7 +29,7 @@ from ..results.checked_file import (
     replace_file,
     writing,
 )
-from ..results.folder_lock import LOCK, FolderLock, held, make_folder
+from ..results.folder_lock import LOCK, FolderLock, held, is_lock, make_folder
 from .case import Outcome
 
 STUDY, CASES = "study.json", "cases.jsonl"
@@ -205,8 +205,10 @@ def _locked(folder: Path) -> FolderLock:
 
 def _is_begun(folder: Path) -> bool:
     """Whether a folder is empty, or that of a study of which nothing is stored yet."""
-    sizes = {place.name: place.stat().st_size for place in folder.iterdir()}
-    return sizes.keys() <= BEGUN and (not sizes or LOCK in sizes) and not sizes.get(CASES, 0)
+    names = {place.name for place in folder.iterdir()}
+    if not names <= BEGUN or (LOCK in names and not is_lock(folder / LOCK)):
+        return False
+    return CASES not in names or not (folder / CASES).stat().st_size
 
 
 def _refuse_other(folder: Path, stored: Mapping[str, Any], facts: Mapping[str, Any]) -> None:

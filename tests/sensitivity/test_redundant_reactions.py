@@ -241,3 +241,22 @@ def test_second_derivatives_of_redundant_reactions_are_refused() -> None:
     ):
         sr.hessian(run, "hinge_1.force.z", ["panel.mass"])
     assert np.all(np.isfinite(sr.hessian(run, "panel.velocity.y", ["panel.mass"]).matrix))
+
+
+def test_studies_uncertainties_and_problems_have_the_same_value() -> None:
+    """The force on a hinge of a door, from every analysis of a simulation."""
+    one = subject("hung_door")
+    name, until = "hinge_1.force.z", 0.2
+    wanted = sr.simulate(one.system, until=until, t_eval=[until]).reaction("hinge_1").force[-1, 2]
+    table = sr.study(
+        one.system.model, {"panel.mass": [20.0]}, {"f": name}, analysis=sr.Simulation(until), workers=1
+    )
+    assert table["f"] == pytest.approx([wanted], rel=1e-9)
+    spread = sr.uncertainty(
+        one.system.model, {"panel.mass": [19.6, 20.4]}, {"f": name}, analysis=sr.Simulation(until)
+    )
+    problem = sr.Problem(one.system, sr.Final(name), ["panel.mass"], until=until)
+    by_mass = problem.gradient(problem.x0).matrix[0, 0]
+    assert problem.values(problem.x0) == pytest.approx([wanted], rel=1e-4)
+    assert spread.values[0] == pytest.approx(wanted, rel=1e-4)
+    assert spread.std[0] == pytest.approx(0.4 * abs(by_mass), rel=1e-9)

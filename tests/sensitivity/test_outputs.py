@@ -12,6 +12,8 @@ from tests.sensitivity.test_curves import ARM
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 STIFFNESS = [[0.2, 8], [0.8, 12], [1.5, 20], [3.0, 50]]
 NAMES = ["arm.mass", "pin.point.y", "spring.k.2.y", "coil.k", "line.k", "tip.velocity.y", "gravity.y"]
 POINT = (0.1, 0.2, -0.3)

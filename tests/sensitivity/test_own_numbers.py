@@ -6,6 +6,8 @@ from tests.sensitivity.cases import spatial_slider_crank
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 CASE = spatial_slider_crank()
 SETTINGS = {"rtol": 1e-4, "atol": 1e-5}
 FILE = """

@@ -20,6 +20,8 @@ from sarrus.analyses.sensitivity.radau_chain import RadauChain
 from sarrus.analyses.sensitivity.radau_sweep import RadauSweep
 from sarrus.model.written import with_numbers
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+
 FOLDER = Path(__file__).parent.parent / "reference"
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = [

@@ -178,3 +178,20 @@ def test_a_run_from_an_assembly_at_another_time_starts_there() -> None:
         ValueError, match=r"t_eval must be rising times between the start at 1.5 s and until = 2 s"
     ):
         sr.simulate(system, start, until=2.0, t_eval=[1.0, 2.0])
+
+
+def test_a_driven_motion_keeps_its_revolutions_between_two_times() -> None:
+    system = driven_wheel("9*t + 2*sin(5*t)")
+    times = np.array([0.0, 3.0, 11.0])
+    run = sr.kinematics(system, times)
+    assert run.success, run.message
+    assert run.joint("pin").angle == pytest.approx(9 * times + 2 * np.sin(5 * times), abs=1e-9)
+    on = sr.kinematics(system, [11.0, 13.0], run.final)
+    assert on.joint("pin").angle[-1] == pytest.approx(9 * 13 + 2 * np.sin(65.0), abs=1e-9)
+    assert on.state(13.0).memory == pytest.approx(on.joint("pin").angle[-1])
+
+
+def driven_wheel(motion: str) -> sr.System:
+    """The wheel without a freedom."""
+    model = wheel().model
+    return sr.System(replace(model, drivers=[sr.AngleDriver("drive", "pin", motion)]))

@@ -58,7 +58,7 @@ def mobility(
         If no position is given and the model cannot be assembled.
     """
     refuse_other_system(system, "mobility")
-    at, _, t, _ = state_of(system, _assembled(system, t or 0.0) if q is None else q, None, t)
+    at, _, t, *_ = state_of(system, _assembled(system, t or 0.0) if q is None else q, None, t)
     J = system.Phi_q(at, t)
     length = lever(system, at, J)
     unitless = scaled(J, length)

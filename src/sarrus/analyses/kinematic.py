@@ -7,10 +7,12 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..model import reports_warnings
-from ..results import Trajectory
+from ..results import State, Trajectory
 from ..system import System
 from .branching import branching_time
 from .driven_path import Instant, Path
+from .dynamics.nodes import Nodes
+from .dynamics.winding import Winding
 from .inverse import multipliers
 from .length import lever
 from .lockup import fold_time, involved, last_before
@@ -81,9 +83,11 @@ class _Run:
     def __init__(self, system: System, grid: Array, start: Given) -> None:
         self.system, self.grid, self.guess = system, grid, start.q
         self.path = Path(system, start.q)
-        if len(start.memory):
-            self.path.b[system.memory_places] = start.memory
-        self.kept: list[tuple[Instant, Array, RecordedState]] = []
+        self.path.b[:] = start.parameters(system)
+        self.winding = Winding(system)
+        self.last: Instant | None = None
+        self.winding.begin(start.q, start.revolutions)
+        self.kept: list[tuple[Instant, Array, RecordedState, Array, Array]] = []
         self.singular: list[float] = []
         self.status, self.message, self.steps = "finished", "reached the end", 0
 
@@ -162,8 +166,17 @@ class _Run:
 
     def _accept(self, now: Instant) -> Instant:
         self.system.remember(now.q, self.path.b, now.t)
+        self._count_revolutions(now)
         self.steps += 1
         return now
+
+    def _count_revolutions(self, now: Instant) -> None:
+        """From the last state to this one."""
+        pair = [self.last or now, now]
+        t, q, v = (np.array([getattr(one, name) for one in pair]) for name in ("t", "q", "v"))
+        none = np.zeros((2, 0))
+        self.winding.take(Nodes(t, q, v, none, none, none), t[:0], q[:0], v[:0])
+        self.last = now
 
     def _cross(self, now: Instant, found: Instant) -> Instant | None:
         """Note where the motion could have branched; nothing, if the step was a leap to another branch."""
@@ -196,7 +209,12 @@ class _Run:
 
     def _keep(self, now: Instant) -> Instant:
         lam = self._multipliers(now)
-        self.kept.append((now, lam, recorded_state(self.system, now.t, now.q, now.v, self.path.b)))
+        if self.last is None:
+            self._count_revolutions(now)
+        told = recorded_state(self.system, now.t, now.q, now.v, self.path.b)
+        memory = self.path.b[self.system.memory_places]
+        turns = self.system.joint_coordinates.revolutions(self.winding.values, now.q)
+        self.kept.append((now, lam, told, memory, turns))
         return now
 
     def _multipliers(self, now: Instant) -> Array:
@@ -210,11 +228,12 @@ class _Run:
     def trajectory(self) -> Trajectory:
         """All that was reached."""
         nq, m = self.system.nq, self.system.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,))
-        rows = [(*now[:4], lam) for now, lam, _ in self.kept]
+        places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
+        shapes = ((), (nq,), (nq,), (nq,), (m,), (places,), (joints,))
+        rows = [(*now[:4], lam, memory, turns) for now, lam, _, memory, turns in self.kept]
         columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
-        t, q, v, a, lam = (
-            np.array(c, dtype=float).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True)
+        t, q, v, a, lam, memory, turns = (
+            np.array(c, dtype=float).reshape(len(c), *s) for c, s in zip(columns, shapes, strict=True)
         )
         if self.singular and self.status == "finished":
             told = ", ".join(f"{t:.9g}" for t in self.singular)
@@ -224,7 +243,7 @@ class _Run:
             tuple(self.system.bodies),
             tuple(self.system.coordinate_names),
             *(t, q, v, a, lam),
-            **histories([state for _, _, state in self.kept]),
+            **histories([state for _, _, state, *_ in self.kept]),
             success=self.status == "finished",
             status=self.status,
             message=self.message,
@@ -233,4 +252,9 @@ class _Run:
             joints=self.system.joint_coordinates,
             singular=tuple(self.singular),
             system=self.system,
+            memory=memory,
+            revolutions=turns,
+            final=State(float(t[-1]), q[-1], v[-1], a[-1], lam[-1], memory[-1], turns[-1])
+            if len(t)
+            else None,
         )

@@ -39,7 +39,7 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
         return assemble(system)
     if isinstance(given, Assembly) and not given.success:
         return given
-    q, v, t, _ = state_of(system, given)
+    q, v, t, *_ = state_of(system, given)
     if isinstance(given, Assembly | State):
         return _consistent(system, given, q, v, t)
     found = assemble(system, q, v, t=t)
@@ -48,12 +48,13 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
 
 
 class Given(NamedTuple):
-    """A state: coordinates, velocities (None if unknown), time, and what elements remember, if it says so."""
+    """A state: coordinates, velocities (None if unknown), time; what elements remember and revolutions, if known."""
 
     q: Array
     v: Array | None
     t: float
     memory: Array
+    revolutions: Array
 
     def parameters(self, system: System) -> Array:
         """The parameters of the elements, with what they remember."""
@@ -82,15 +83,15 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
         raise TypeError(
             f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}."
         )
-    own_v, own_t, memory = None, 0.0, np.zeros(0)
+    own_v, own_t, own = None, 0.0, (np.zeros(0), np.zeros(0))
     if isinstance(given, Assembly | State):
-        own_v, own_t, memory = given.v, float(given.t), given.memory
+        own_v, own_t, own = given.v, float(given.t), (given.memory, given.revolutions)
     elif isinstance(given, Equilibrium):
         own_v, own_t = np.zeros(system.nq), given.t
     q = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)
-    return Given(finite(system, "q", q), found, own_t if t is None else float(t), memory)
+    return Given(finite(system, "q", q), found, own_t if t is None else float(t), *own)
 
 
 def finite(system: System, name: str, given: ArrayLike) -> Array:

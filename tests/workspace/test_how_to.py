@@ -21,7 +21,7 @@ def test_the_page(
         exec(compile(block.replace("cells=40", "cells=8"), PAGE.name, "exec"), names)
     plt.close("all")
     told = capsys.readouterr().out
-    assert "arm: the map is not complete; go on with it" in told
+    assert "arm: the map is not complete. Go on with it" in told
     assert "Range of orientation link_3.turn_z [rad]" in told
     assert names["wider"].success
     assert names["lost"].success

@@ -111,7 +111,7 @@ def test_table(arm: sr.Workspace, tmp_path: Path) -> None:
     with (tmp_path / "arm.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == sum(len(curve.u) for curve in arm.curves)
-    x = np.array([[float(row["link_3.x"]), float(row["link_3.y"])] for row in rows])
+    x = np.array([[float(row[name]) for name in arm.outputs] for row in rows])
     assert np.array_equal(x, np.concatenate([curve.u for curve in arm.curves]))
 
 

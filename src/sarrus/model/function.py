@@ -47,8 +47,8 @@ class PointCoordinate(Function):
 
     @property
     def label(self) -> str:
-        """The name that was given, or the body's with the axis."""
-        return self.name or f"{self.point.body.name}.{self.axis}"
+        """The name that was given, or the point's with the axis: ``tool.x`` of the origin, ``tool(0.1, 0, 0).x``."""
+        return self.name or f"{self.point.label}.{self.axis}"
 
     def primitive(self, poses: Poses) -> Primitive:
         """Return e·P as a travel from the ground's origin."""

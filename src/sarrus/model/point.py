@@ -48,6 +48,15 @@ class Point:
     coordinates: Vector
     axes: Axes = "body"
 
+    @property
+    def label(self) -> str:
+        """The body's name, and the coordinates unless it is the origin: ``tool(0.1, 0, 0)``."""
+        at = vector(self.coordinates, "point")
+        if self.axes == "body" and not any(at):
+            return self.body.name
+        place = ", ".join(f"{x:g}" for x in at)
+        return f"{self.body.name}({place}{' global' * (self.axes == 'global')})"
+
     def resolve(self, poses: Poses, field: str) -> LocalPoint:
         """Return the point in body axes."""
         refuse_no_solid(self.body, field)

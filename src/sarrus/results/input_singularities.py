@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from ..algebra import Array
 from .result import Result
+from .workspace import Status
 
 Lost = Literal["inputs", "outputs"]
 
@@ -47,7 +48,7 @@ class InputSingularities(Result):
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     curves: tuple[SingularCurve, ...] = field(repr=False)
-    status: Literal["mapped", "incomplete"]
+    status: Status
     message: str
     lost: Lost
     units: tuple[str, ...]

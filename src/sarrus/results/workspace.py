@@ -10,11 +10,50 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import SarrusError, announce
 from .netcdf import Column, flags, write_netcdf
-from .polygons import inside
+from .outline import inside_curves
 from .result import Result
 
+TRACED = 1e-7  # of the size: how far traced curves may be from true ones; five times what was seen
+
+Status = Literal["mapped", "incomplete", "time limit", "stopped"]
 CurveKind = Literal["outer", "void", "barrier", "crossable"]
+
+
+def places(points: ArrayLike) -> Array:
+    """Points as an array (k, 2).
+
+    Raises
+    ------
+    SarrusError
+        If they are no pairs of finite numbers.
+    """
+    try:
+        found = np.atleast_2d(np.asarray(points, dtype=float))
+    except (TypeError, ValueError):
+        raise SarrusError(f"points: an array of pairs of numbers is needed, not {points!r}.") from None
+    if not found.size:
+        return np.zeros((0, 2))
+    if found.ndim != 2 or found.shape[1] != 2 or not np.isfinite(found).all():
+        raise SarrusError(
+            f"points: an array of pairs of finite numbers is needed, shape (k, 2), not {found.shape}."
+        )
+    return found
+
+
+def place_of(point: ArrayLike) -> Array:
+    """One point as an array (2,).
+
+    Raises
+    ------
+    SarrusError
+        If it is no pair of finite numbers.
+    """
+    found = places(point)
+    if len(found) != 1:
+        raise SarrusError(f"point: one pair of numbers is needed, not {len(found)}.")
+    return np.asarray(found[0])
 
 
 @dataclass(frozen=True)
@@ -63,11 +102,13 @@ class Component:
     ----------
     area, perimeter : of the part
     loops : closed polylines (k, 2): the outer boundary, then holes
+    curves : the same as polynomials of degree 5 (count, 6, 2): coefficients of the powers of a parameter 0 ... 1
     """
 
     area: float
     perimeter: float
     loops: tuple[Array, ...] = field(repr=False)
+    curves: tuple[Array, ...] = field(repr=False, default=())
 
 
 @dataclass(frozen=True)
@@ -148,10 +189,12 @@ class Workspace(Result):
     name : of the system
     outputs : their names, `units` "m" or "rad"
     curves : all parts of boundary, barriers and crossable curves
-    area, area_error, perimeter : of what can be reached; the error is an estimate
+    area, area_error, perimeter : of what can be reached; the error is an estimate; the perimeter of a map of a length
+        and an angle is nan
     components : connected parts, the largest first; no motion leads from one to another
     drawn : number of the part, counted from 0, in which the model's own position lies; None if it is not admissible
-    status : "mapped", or "incomplete" if a curve was lost or a test failed
+    status : "mapped"; "incomplete" if a curve was lost or a test failed; "time limit" or "stopped" (by the user).
+        Unless it is "mapped", areas and lengths of the parts are nan.
     message : one sentence
     verification : of `sarrus.verify_workspace`, None before
     effort : work done
@@ -167,7 +210,7 @@ class Workspace(Result):
     perimeter: float
     components: tuple[Component, ...] = field(repr=False)
     drawn: int | None
-    status: Literal["mapped", "incomplete"]
+    status: Status
     message: str
     verification: Verification | None = None
     effort: Effort | None = field(default=None, repr=False)
@@ -188,9 +231,17 @@ class Workspace(Result):
         return tuple(curve for curve in self.curves if curve.kind == kind)
 
     def contains(self, points: ArrayLike) -> Array:
-        """Which points (k, 2) can be reached; nearer to the boundary than its polyline it may err."""
+        """Which points (k, 2) can be reached; the boundary can, as exactly as it is traced (1e-7 of the size)."""
+        if not self.success:
+            announce(
+                [
+                    f"{self.name}: the map is not complete, so that places may be told wrongly. See its message."
+                ]
+            )
         loops = [loop for part in self.components for loop in part.loops]
-        return inside(loops, np.atleast_2d(np.asarray(points, dtype=float)))
+        curves = [curve for part in self.components for curve in part.curves]
+        size = max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
+        return inside_curves(loops, curves, places(points), TRACED * size)
 
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, kind, cause, both outputs, inward normal."""

@@ -10,7 +10,7 @@ import numpy as np
 from ..algebra import Array
 from .netcdf import Column, write_netcdf
 from .result import Result
-from .workspace import Workspace
+from .workspace import Status, Workspace
 
 Quantity = Literal[
     "solutions",
@@ -42,6 +42,7 @@ class WorkspaceField(Result):
     values : quantity -> (ny, nx)
     positions : how many positions of the mechanism were found
     missed : cells inside the boundary that no solution was found for
+    status : "mapped"; "incomplete" if cells were missed; "time limit" or "stopped" (by the user)
     """
 
     workspace: Workspace = field(repr=False)
@@ -52,6 +53,12 @@ class WorkspaceField(Result):
     values: dict[Quantity, Array] = field(repr=False)
     positions: int
     missed: int
+    status: Status = "mapped"
+
+    @property
+    def success(self) -> bool:
+        """Whether positions were found at all places inside the boundary."""
+        return self.status == "mapped"
 
     @property
     def name(self) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from ..algebra import Array
 from .result import Result
+from .workspace import Status
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class WorkspaceRange(Result):
     unit: str
     intervals: tuple[tuple[float, float], ...]
     critical: tuple[CriticalValue, ...] = field(repr=False)
-    status: Literal["mapped", "incomplete"]
+    status: Status
     message: str
     search: Any = field(default=None, repr=False, compare=False)
 
@@ -67,6 +68,8 @@ class WorkspaceRange(Result):
         told = (
             " and ".join(f"{low:.9g} to {high:.9g} {self.unit}" for low, high in self.intervals) or "nowhere"
         )
+        if not self.success:
+            return f"{self.name}: the values that {self.output} can take are not known. {self.message}."
         ends = {end for pair in self.intervals for end in pair}
         causes = [f"{one.value:.9g} by {one.cause}" for one in self.critical if one.value in ends]
         different = "; ".join(dict.fromkeys(causes))  # many positions may have the same end

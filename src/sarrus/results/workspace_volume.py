@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from ..algebra import Array
 from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
 from .result import Result
+from .workspace import Status
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,8 @@ class WorkspaceVolume(Result):
     ranges : intervals of the third output
     slices : by rising height
     critical : heights between which slices are of one kind
-    volume, volume_error : by integration over slices between critical heights; the error is an estimate
+    volume, volume_error : by integration over slices between critical heights; the error is an estimate; nan unless
+        the status is "mapped"
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : what makes the boundary, and which of them (nt,) makes each triangle
     model : the mechanism, to be drawn
@@ -141,7 +143,7 @@ class WorkspaceVolume(Result):
     triangles: Array = field(repr=False)
     causes: tuple[str, ...] = field(repr=False)
     cause_of: Array = field(repr=False)
-    status: Literal["mapped", "incomplete"]
+    status: Status
     message: str
     model: Any = field(default=None, repr=False, compare=False)
     rates: VolumeRates | None = field(default=None, repr=False, compare=False)
@@ -207,6 +209,8 @@ class WorkspaceVolume(Result):
     def summary(self) -> str:
         """The result in words."""
         heights = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in self.ranges) or "nowhere"
+        if not self.success:
+            return f"{self.name}: the volume that {', '.join(self.outputs)} can reach is not known. {self.message}."
         return (
             f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} "
             f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights}, by {len(self.slices)} slices. "

@@ -12,7 +12,7 @@ from ..algebra import Array
 from ..model import SarrusError
 from ..model.show import quote, suggest
 from ..results.polygons import inside
-from ..results.workspace import BoundaryCurve, Component, CurveKind, Workspace
+from ..results.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
 from .ghosts import draw_ghost
 from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
 from .workspace_words import area_unit
@@ -75,7 +75,12 @@ def plot_workspace(
     _number(ax, found)
     for q in _chosen(found, ghosts) if at is None else _placed(found, at):
         draw_ghost(ax, found, q)
-    title = f"{found.name}: {found.area:.6g} {area_unit(found)} can be reached"
+    told = (
+        f"{found.area:.6g} {area_unit(found)} can be reached"
+        if found.success
+        else f"map not complete ({found.status})"
+    )
+    title = f"{found.name}: {told}"
     ax.set_title(title, loc="left", fontsize=10)
     return _tidy(ax)
 
@@ -139,7 +144,7 @@ def _widest(part: Component) -> Array:
 
 def _placed(found: Workspace, at: ArrayLike) -> Iterator[Array]:
     """Positions with the outputs at given places."""
-    for place in np.atleast_2d(np.asarray(at, dtype=float)):
+    for place in places(at):
         q = found.map.position_at(place)
         if q is None:
             told = ", ".join(f"{number:g}" for number in place)

@@ -21,10 +21,17 @@ def area_unit(found: Workspace) -> str:
 
 def workspace_report(found: Workspace) -> str:
     """What was found, in words: area, parts, voids, barriers with their causes, tests, work."""
+    tested = [found.verification] if found.verification else []
+    if not found.success:
+        told = f"{found.name}: what {' and '.join(found.outputs)} can reach is not known"
+        return "\n".join([f"{told}. {sentence(found.name, found.message)}", *map(str, tested)])
     unit = area_unit(found)
+    perimeter = (
+        f", perimeter {found.perimeter:.9g} {found.units[0]}" if found.units[0] == found.units[1] else ""
+    )
     lines = [
         f"{found.name}: {' and '.join(found.outputs)} can reach {found.area:.9g} {unit} "
-        f"(± {found.area_error:.1g}), perimeter {found.perimeter:.9g}.",
+        f"(± {found.area_error:.1g}){perimeter}.",
         _parts(found, unit),
         *(_causes(found, kind) for kind in TOLD),
         sentence(found.name, found.message),

@@ -10,11 +10,14 @@ from ...model import reports_warnings
 from ...results.workspace import Workspace
 from ...system import System
 from ..misuse import refuse_other_system
+from ..progress import Progress
 from ..threads import one_thread_if_small
 from .formulate import Limits
 from .mapping import REPEATS, WorkspaceMap
+from .refusals import refuse_counts
 from .trace import LONGEST
-from .verify import verify_workspace
+from .verify import reported, tested
+from .watch import POINTS, watched
 
 
 @reports_warnings
@@ -32,6 +35,8 @@ def workspace(
     repeats: int = REPEATS,
     longest: float = LONGEST,
     executor: Executor | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Workspace:
     """Map what two outputs of a mechanism can reach: boundary, voids, barriers and what can be crossed.
@@ -58,6 +63,8 @@ def workspace(
     repeats : starts in a row that lead to nothing new, before the map counts as complete
     longest : steps of curves, free of units; smaller ones give more points
     executor : any executor of `concurrent.futures`, on which positions and rays of the tests are drawn
+    progress : True for a line on the terminal, or a function that is called with the number of points traced so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -71,8 +78,12 @@ def workspace(
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
     refuse_other_system(system, "workspace")
+    refuse_counts(samples=samples, rays=rays)
     found = WorkspaceMap(
         system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest
     )
-    first = found.run().result()
-    return verify_workspace(first, samples, rays, executor=executor) if verify else first
+    with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
+        found.tried()
+        sound = found.stop is None and not found.explorer.endless
+        tests = tested(found, samples, rays, executor) if verify and sound else None
+    return reported(found, tests)

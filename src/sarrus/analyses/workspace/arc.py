@@ -7,10 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
+from ...results.outline import DENSE, POWERS, sampled
 from .step import gauss
-
-DENSE = 8  # points per piece of a polyline
-POWERS = np.arange(6)
 
 
 class Arc:
@@ -46,9 +44,7 @@ class Arc:
     @cached_property
     def polyline(self) -> Array:
         """Points along it, `DENSE` per piece (n, 2); row i is at parameter i / DENSE."""
-        tau = (np.arange(DENSE) / DENSE)[:, None] ** POWERS
-        inner = np.einsum("tp,kpd->ktd", tau, self.pieces).reshape(-1, 2)
-        return np.concatenate([inner, self.pieces[-1].sum(axis=0)[None]])
+        return sampled(self.pieces)
 
     @cached_property
     def box(self) -> Array:

@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...algebra import Array
-from .arc import DENSE, Arc
+from ...results.outline import DENSE
+from .arc import Arc
 
 TOUCH = 2e-6  # free of units: nearer points are one
 ZERO = 1e-8  # length of a curve that counts as a point

@@ -8,18 +8,23 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError, reports_warnings
+from ...model import SarrusError, announce, reports_warnings
 from ...results.input_singularities import InputSingularities, Lost, SingularCurve
+from ...results.outline import DENSE
+from ...results.workspace import Status
 from ...system import System
 from ..misuse import refuse_other_system
+from ..progress import Progress
 from ..threads import one_thread_if_small
-from .arc import DENSE, Arc
+from .arc import Arc
 from .change import changes
 from .explore import Branch
 from .formulate import Limits, formulate
 from .mapping import REPEATS, WorkspaceMap
 from .measures import measures
 from .problem import Problem
+from .refusals import functions, refuse_counts
+from .watch import POINTS, stopped, watched
 
 CROSSINGS = 100  # by random walks, in a row of known curves, until the curves count as complete
 
@@ -36,6 +41,8 @@ def input_singularities(
     fixed: Mapping[Any, float] | None = None,
     seed: int = 0,
     repeats: int = REPEATS,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> InputSingularities:
     """Trace positions at which a motion is possible while all inputs, or all outputs, stand still.
@@ -51,6 +58,8 @@ def input_singularities(
     inputs : as many functions as there are degrees of freedom
     lost : what loses a direction, "inputs" or "outputs"
     fixed : values of functions, one for each degree of freedom beyond two, which choose a section
+    progress : True for a line on the terminal, or a function that is called with the number of points traced so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`
 
     Raises
@@ -61,34 +70,44 @@ def input_singularities(
     refuse_other_system(system, "input_singularities")
     if lost not in ("inputs", "outputs"):
         raise SarrusError(f"lost is {lost!r}; give 'inputs' or 'outputs'")
-    driven = list(inputs)
+    refuse_counts(seed=seed, repeats=repeats)
+    driven = functions(inputs)
     problem = formulate(system, output, limits=limits, fixed=fixed, inputs=driven, singular=lost)
-    names = [one.name for one in measures(system, driven)]
-    _refuse_counts(problem, len(names))
+    _refuse_counts(problem, len(driven))
     table = [one.name for one in problem.table]
-    places = [table.index(name) for name in names]
-    map_ = WorkspaceMap.of(problem, seed, repeats).run()
-    crossed = _follow_changes(map_, seed)
-    trouble = [branch.trouble for branch in map_.branches if branch.trouble]
-    told = (
-        f"{len(trouble)} curves broke off, the first because {trouble[0]}"
-        if trouble
-        else "no curve broke off"
-    )
-    walks = f"the last {crossed} crossings by random walks were of known curves"
-    walks = walks if crossed else "random walks crossed none"
-    return InputSingularities(
+    known = [one.measured for one in problem.table]
+    places = [known.index(one.measured) for one in measures(system, driven)]
+    map_, crossed = WorkspaceMap.of(problem, seed, repeats), [0]
+    with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
+        map_.stop = stopped(lambda: crossed.append(_follow_changes(map_.run(), seed)))
+    status, told = _status(map_, crossed[-1])
+    found = InputSingularities(
         system.name,
         tuple(table[k] for k in problem.outputs),
-        tuple(names),
+        tuple(table[k] for k in places),
         tuple(_curve(branch, places) for branch in map_.branches if _is_singular(branch)),
-        "incomplete" if trouble else "mapped",
-        f"{system.name}: {told}; {walks}",
+        status,
+        f"{system.name}: {told}",
         lost,
         tuple(problem.table[k].unit for k in problem.outputs),
         tuple(problem.table[k].unit for k in places),
         tuple(problem.limits.get(k, (-np.inf, np.inf)) for k in places),
     )
+    announce([] if found.success else [f"{found.message}."])
+    return found
+
+
+def _status(map_: WorkspaceMap, crossed: int) -> tuple[Status, str]:
+    """The status of the curves, and why."""
+    lost = [branch.trouble for branch in map_.branches if branch.trouble]
+    if map_.stop:
+        return map_.stop.status, f"{map_.stop.reason}. Curves may be missing"
+    if map_.explorer.endless:
+        return "incomplete", "curves cross each other without end. Fix other values, a little beside these"
+    if lost:
+        return "incomplete", f"{len(lost)} curves broke off, the first because {lost[0]}. Try another seed"
+    walks = f"the last {crossed} crossings by random walks were of known curves"
+    return "mapped", f"no curve broke off; {walks if crossed else 'random walks crossed none'}"
 
 
 def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
@@ -105,6 +124,8 @@ def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
 
 
 def _refuse_counts(problem: Problem, inputs: int) -> None:
+    if len(problem.outputs) != 2:
+        raise SarrusError(f"singular curves are of two outputs, not {len(problem.outputs)}; name as many")
     freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
     if inputs != freedoms:
         told = f"{name} has {freedoms} degrees of freedom, but {inputs} inputs are given"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...model import reports_warnings
+from ...model import SarrusError, reports_warnings
 from ...system import System
 from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
@@ -61,7 +61,16 @@ def dexterity(
     """
     refuse_other_system(system, "dexterity")
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
-    positions = np.atleast_2d(np.asarray(q, dtype=float)) / problem.scale
+    positions = np.atleast_2d(np.asarray(q, dtype=float))
+    if positions.shape[-1] != problem.n or not np.isfinite(positions).all():
+        told = (
+            f"q must be finite coordinates, shape ({problem.n},) or (k, {problem.n}), got {positions.shape}"
+        )
+        raise SarrusError(f"{told}. Pass system.q0 or a result's q.")
+    if len(problem.normal) not in (problem.freedoms, problem.freedoms + len(problem.held)):
+        told = f"{system.name}: {problem.freedoms} degrees of freedom, but {len(problem.normal)} inputs"
+        raise SarrusError(f"{told}. Give as many inputs.")
+    positions = positions / problem.scale
     return [dexterity_at(problem, one, problem.normal) for one in positions]
 
 

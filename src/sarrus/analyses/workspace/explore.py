@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ...algebra import Array
+from ..progress import TimeLimit
 from .event import Event
 from .newton import NoPoint, Tally
 from .point import Point
@@ -18,8 +19,12 @@ from .same import signs
 from .step import Step
 from .stratum import Active, Stratum
 from .trace import LONGEST, Trace
-from .vertex import Half, Vertex, describe, seed, vertex_of
+from .vertex import Half, Vertex, describe, loses_rank, seed, vertex_of
+from .watch import POINTS, reached
 
+MOST_SINGULAR = (
+    16  # configurations at which constraints are dependent; where these are a curve, they have no end
+)
 ON_CURVE = 1e-4  # of unknowns from a curve's interpolation, free of units
 
 
@@ -59,6 +64,7 @@ class Explorer:
     branches, vertices : so far
     open : half curves that have not been followed yet
     tally : work done
+    endless : whether so many curves cross at singular configurations that they would never end
     """
 
     def __init__(self, problem: Problem, *, longest: float = LONGEST) -> None:
@@ -67,6 +73,8 @@ class Explorer:
         self.vertices: list[Vertex] = []
         self.open: deque[tuple[Vertex, Half]] = deque()
         self.tally = Tally()
+        self.endless = False
+        self._singular = 0
         self._strata: dict[Active, Stratum] = {}
 
     def stratum(self, key: Active) -> Stratum:
@@ -93,19 +101,24 @@ class Explorer:
         return self
 
     def __next__(self) -> Branch:
-        while self.open:
+        while self.open and not self.endless:
             vertex, half = self.open.popleft()
             if not half.done:
                 return self._follow(vertex, half)
         raise StopIteration
 
     def _follow(self, vertex: Vertex, half: Half) -> Branch:
-        half.done = True
         stratum = self.stratum(half.key)
         trace = Trace(stratum, half.point, half.own, vertex.kind == "seed", self.tally, longest=self.longest)
-        for _ in trace:
-            pass
+        try:
+            for _ in trace:
+                pass
+        except (TimeLimit, KeyboardInterrupt):
+            self.open.appendleft((vertex, half))  # to be followed when the map goes on
+            raise
+        half.done = True
         end = self._end(stratum, trace, vertex)
+        reached(self.tally.points, POINTS)
         branch = Branch(stratum, trace.points, vertex, end, trace.trouble)
         self.branches.append(branch)
         return branch
@@ -130,4 +143,6 @@ class Explorer:
                 return vertex
         found = vertex_of(self.stratum, stratum, event, self.tally)
         self._add(found)
+        self._singular += kind == "branch" and loses_rank(stratum, found.q)
+        self.endless = self._singular > MOST_SINGULAR
         return found

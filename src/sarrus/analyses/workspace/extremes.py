@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError, reports_warnings
+from ...model import SarrusError, announce, reports_warnings
+from ...results.workspace import Status
 from ...results.workspace_range import CriticalValue, WorkspaceRange
 from ...system import System
 from ..misuse import refuse_other_system
+from ..progress import Progress
 from ..threads import one_thread_if_small
 from .crossing import examine
 from .formulate import Limits, formulate
@@ -21,10 +23,12 @@ from .newton import Tally
 from .problem import Problem
 from .ray import Ray
 from .reach import reach
+from .refusals import functions, refuse_counts
 from .same import SAME, apart
 from .sample import Samples
 from .seeds import Start, random_start
 from .stratum import Stratum
+from .watch import STARTS, reached, stopped, watched
 
 ONE = 1e-7  # free of units: nearer values are one
 MOST_ALIKE = 8  # positions with one value and the same active limits that are kept
@@ -41,6 +45,8 @@ def workspace_range(
     fixed: Mapping[Any, float] | None = None,
     seed: int = 0,
     repeats: int = REPEATS,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceRange:
     """The values that one output can take: from where it stops to where it stops.
@@ -49,6 +55,8 @@ def workspace_range(
     ----------
     system, limits, fixed, seed, repeats : see `sarrus.workspace`
     output : one function of the position, such as ``"slider.x"``
+    progress : True for a line on the terminal, or a function that is called with the number of starts so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -61,11 +69,16 @@ def workspace_range(
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
     refuse_other_system(system, "workspace_range")
-    outputs: Iterable[Any] = output if isinstance(output, tuple | list) else (output,)
-    problem = formulate(system, outputs, limits=limits, fixed=fixed)
+    refuse_counts(seed=seed, repeats=repeats)
+    problem = formulate(system, functions(output), limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:
         raise SarrusError(f"a range is of one output, not {len(problem.outputs)}; see workspace for two")
-    return Search(problem, seed, repeats).result()
+    with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
+        search = Search(problem, seed, repeats)
+    found = search.result()
+    if not found.success:
+        announce([f"{system.name}: the range of {found.output} is not complete. {found.message}."])
+    return found
 
 
 class Search:
@@ -75,8 +88,15 @@ class Search:
         self.problem, self.seed = problem, seed
         self.found: list[Start] = []
         self.met: list[Array] = []
-        random, tally, self.in_a_row = np.random.default_rng(seed), Tally(), 0
+        self.in_a_row = 0
+        self.stop = stopped(lambda: self._run(repeats))
+        self.complete = self.stop is None and self.in_a_row >= repeats
+
+    def _run(self, repeats: int) -> None:
+        problem, seed = self.problem, self.seed
+        random, tally = np.random.default_rng(seed), Tally()
         for _, q in zip(range(MOST_STARTS), Samples(problem, seed), strict=False):
+            reached(len(self.met), STARTS)
             self.met.append(q)
             direction = np.array([random.choice((-1.0, 1.0))])
             by_ray = len(self.met) % 2 == 1
@@ -87,7 +107,6 @@ class Search:
                 self.in_a_row = 0 if self._is_new(start) else self.in_a_row + 1
             if self.in_a_row >= repeats:
                 break
-        self.complete = self.in_a_row >= repeats
 
     def _is_new(self, start: Start) -> bool:
         """Whether it is another position; one of a family of positions with the same value tells nothing new."""
@@ -119,14 +138,25 @@ class Search:
             "rad" if one.kind == "angle" else "m",
             _merged(ends, can),
             tuple(critical),
-            "mapped" if self.complete and self.found else "incomplete",
+            self._status(),
             self._message(),
             self,
         )
 
+    def _status(self) -> Status:
+        if self.stop:
+            return self.stop.status
+        return "mapped" if self.complete and self.found else "incomplete"
+
     def _message(self) -> str:
+        if self.stop:
+            return f"{self.stop.reason[0].upper()}{self.stop.reason[1:]}, so that ends may be missing"
+        if not self.met:
+            return (
+                "No position within the limits was found. Widen them, or check that they can be met together"
+            )
         if not self.found:
-            return "No end was found; is there a limit or a singularity at all?"
+            return "No end was found. Check that a limit or a singularity ends it"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
         told = f"The last {self.in_a_row} starts led to nothing new, so with {CONFIDENCE:.0%} confidence"
         return f"{told} ends that were missed attract less than {share:.1%} of starts"

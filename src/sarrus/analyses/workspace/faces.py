@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...algebra import Array
-from ...results.polygons import inside
-from .arrangement import Division, Piece
+from ...results.outline import inside_curves
+from .arrangement import TOUCH, Division, Piece
 
-NEAR = 1e-3  # free of units: where the order of curves around a node is looked at
+NEAR = 1e-3  # free of units: where the order of curves around a node is looked at first
+WIDER = 4  # distances, each four times the last, at which it is looked at where curves touch
+CLEAR = 4  # times the size of a node: curves that are farther apart have a certain order
 
 Side = tuple[int, int]  # number of a piece; 0 runs along it, its left is meant; 1 runs against it
 
@@ -58,11 +60,18 @@ class Cells:
         return {node: self._sorted(node, sides) for node, sides in leaving.items()}
 
     def _sorted(self, node: int, sides: list[Side]) -> list[Side]:
-        pieces = self.division.pieces
-        radius = min([NEAR, *(0.3 * pieces[n].arc.length for n, _ in sides)])
-        centre = self.division.nodes[node]
-        angles = [_angle_at(pieces[n], way, centre, radius) for n, way in sides]
-        return [sides[k] for k in np.argsort(angles)]
+        """By the directions at a distance at which tangential curves can be told apart in spite of the node's size."""
+        pieces, centre = self.division.pieces, self.division.nodes[node]
+        farthest = 0.3 * min(pieces[n].arc.length for n, _ in sides)
+        best, order = 0.0, np.arange(len(sides))
+        for radius in sorted({min(farthest, NEAR * 4**k) for k in range(WIDER)}):
+            angles = np.array([_angle_at(pieces[n], way, centre, radius) for n, way in sides])
+            clear = radius * _separation(angles)
+            if clear > best:
+                best, order = clear, np.argsort(angles)
+            if best > CLEAR * TOUCH:
+                break
+        return [sides[k] for k in order]
 
     def _walks(self) -> list[list[Side]]:
         open_sides = {side for sides in self._around.values() for side in sides}
@@ -103,22 +112,18 @@ class Cells:
         return (last, first) if side[1] else (first, last)
 
     def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
-        """An island belongs to the smallest cell around it."""
-        n, way = walk[0]
-        piece = self.division.pieces[n]
-        p = piece.arc.point(0.5 * piece.arc.end)
+        """An island belongs to the smallest cell around it; it may touch that, so that most of its points count."""
         mine = {n for n, _ in walk}
+        points = np.concatenate([self.division.pieces[n].arc.polyline for n in sorted(mine)])
         around = [
             (areas[k], k)
             for k, other in enumerate(outer)
-            if not mine & {n for n, _ in other} and self._holds(other, p)
+            if not mine & {n for n, _ in other}
+            and 2 * np.count_nonzero(self._encloses(other, points)) > len(points)
         ]
         cell = self.cells[1 + min(around)[1]] if around else self.cells[0]
         cell.walks.append(walk)
         cell.area += area
-
-    def _holds(self, walk: list[Side], p: Array) -> bool:
-        return bool(inside([self.division.pieces[n].arc.polyline for n, _ in walk], p[None])[0])
 
     def polylines(self, cell: Cell) -> list[Array]:
         """The pieces around a cell as polylines."""
@@ -129,8 +134,13 @@ class Cells:
         found = np.zeros(len(points), dtype=int)
         for k, cell in enumerate(self.cells):
             if cell.bounded:
-                found[inside(self.polylines(cell), points)] = k
+                found[self._encloses([side for walk in cell.walks for side in walk], points)] = k
         return found
+
+    def _encloses(self, walk: list[Side], points: Array) -> Array:
+        """Which points (k, 2) the pieces of a walk go around."""
+        arcs = [self.division.pieces[n].arc for n, _ in walk]
+        return inside_curves([arc.polyline for arc in arcs], [arc.pieces for arc in arcs], points)
 
     def inner_point(self, cell: Cell) -> Array | None:
         """A point well inside a cell: the middle of the widest chord through it."""
@@ -151,6 +161,12 @@ def _cuts(line: Array, height: float) -> Array:
     k = np.flatnonzero(above[1:] != above[:-1])
     share = (height - line[k, 1]) / (line[k + 1, 1] - line[k, 1])
     return np.asarray(line[k, 0] + share * (line[k + 1, 0] - line[k, 0]))
+
+
+def _separation(angles: Array) -> float:
+    """The smallest angle between neighbouring directions."""
+    ordered = np.sort(angles)
+    return float(np.diff(np.append(ordered, ordered[0] + 2 * np.pi)).min())
 
 
 def _angle_at(piece: Piece, way: int, centre: Array, radius: float) -> float:

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError, reports_warnings
+from ...model import SarrusError, announce, reports_warnings
 from ...results.workspace import Workspace
 from ...results.workspace_field import Quantity, WorkspaceField
+from ..progress import Progress
 from ..threads import one_thread_if_small
 from .dexterity import dexterity_at
 from .flood import Flood, around
@@ -19,7 +20,10 @@ from .formulate import TURN, formulate
 from .mapping import WorkspaceMap
 from .problem import Problem
 from .reach import reach
+from .refusals import functions, refuse_counts, refuse_result
 from .sample import Samples
+from .watch import CELLS as COUNTED
+from .watch import Stop, stopped, watched
 
 CELLS = {2: 60, 3: 30}
 STARTS = 200  # random positions from which ways of assembly are filled
@@ -36,6 +40,8 @@ def workspace_field(
     cells: int | None = None,
     starts: int = STARTS,
     seed: int = 0,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceField:
     """Tell how well inputs move the outputs at all places of a workspace, how many solutions and which turns there are.
@@ -53,6 +59,8 @@ def workspace_field(
     cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these
+    progress : True for a bar on the terminal, or a function that is called with the number of cells filled so far
+    time_limit : seconds of the clock after which it ends with the cells filled so far, and a warning
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -67,29 +75,53 @@ def workspace_field(
     SarrusError
         If a name is unknown, numbers of inputs and degrees of freedom do not fit, or nothing can be reached.
     """
+    refuse_result(found)
+    refuse_counts(starts=starts, seed=seed, **({} if cells is None else {"cells": cells}))
     map_: WorkspaceMap = found.map
     _, output, limits, fixed = map_.asked
-    driven, turns = list(inputs), [] if turn is None else [turn]
+    driven, turns = list(functions(inputs)), [] if turn is None else [turn]
     problem = formulate(
         map_.problem.system, output, limits=limits, fixed=fixed, inputs=[*driven, *turns], singular="inputs"
     )
     _refuse_counts(problem, len(driven), bool(turns))
-    _refuse_numbers(found, cells, starts)
+    _refuse_nothing(found)
     x, y, inside = _grid(found, CELLS[problem.freedoms] if cells is None else cells)
     if not inside.any():
         raise SarrusError(f"{found.name}: no cell's centre lies inside; give more cells")
     units = problem.units[problem.outputs]
     places = np.stack(np.meshgrid(x, y), axis=-1)[inside] / units
-    flood = _filled(problem, places, inside, islice(Samples(problem, seed), starts), map_.met)
+    flood = Flood(problem, places, list(around(inside)))
+    drawn = islice(Samples(problem, seed), starts)
+    with watched(progress, len(places), done="filled", unit=COUNTED, time_limit=time_limit):
+        stop = stopped(lambda: _fill(flood, drawn, map_.met))
     values = {name: np.full(inside.shape, np.nan) for name in _quantities(problem, bool(driven), bool(turns))}
     for name, column in _columns(flood, problem.normal[: len(driven)], problem.normal[len(driven) :]):
         values[name][inside] = column
     names = [problem.table[k].name for k in problem.normal]
     told = names[-1] if turns else ""
     counts = [len(some) for some in flood.at]
-    return WorkspaceField(
-        found, tuple(names[: len(driven)]), told, x, y, values, sum(counts), counts.count(0)
+    field = WorkspaceField(
+        found,
+        tuple(names[: len(driven)]),
+        told,
+        x,
+        y,
+        values,
+        sum(counts),
+        counts.count(0),
+        stop.status if stop else "incomplete" if 0 in counts else "mapped",
     )
+    announce([] if field.success else [_shortcoming(field, stop)])
+    return field
+
+
+def _shortcoming(field: WorkspaceField, stop: Stop | None) -> str:
+    if stop:
+        return (
+            f"{field.name}: {stop.reason}, and solutions are missing. Allow more time, or give fewer cells."
+        )
+    told = f"{field.name}: no position was found at {field.missed} places inside the boundary"
+    return f"{told}. Give more starts."
 
 
 def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
@@ -113,11 +145,7 @@ def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
         )
 
 
-def _refuse_numbers(found: Workspace, cells: int | None, starts: int) -> None:
-    if cells is not None and cells < 1:
-        raise SarrusError(f"{cells} cells are no grid; give at least 1")
-    if starts < 0:
-        raise SarrusError(f"{starts} starts are none; give at least 0")
+def _refuse_nothing(found: Workspace) -> None:
     if not found.components:
         raise SarrusError(f"{found.name}: nothing can be reached, so there is no field; see its message")
 
@@ -135,11 +163,9 @@ def _grid(found: Workspace, cells: int) -> tuple[Array, Array, Array]:
     return x, y, found.contains(points.reshape(-1, 2)).reshape(points.shape[:2])
 
 
-def _filled(
-    problem: Problem, places: Array, inside: Array, drawn: Iterable[Array], met: Iterable[Array]
-) -> Flood:
+def _fill(flood: Flood, drawn: Iterable[Array], met: Iterable[Array]) -> None:
     """All positions that random ones lead to; a place that nothing led to is tried from those nearest to it."""
-    flood = Flood(problem, places, list(around(inside)))
+    problem, places = flood.problem, flood.places
     outputs = problem.m + problem.outputs
     for q in (*met, *drawn):
         away = np.linalg.norm(places - problem.values(q)[outputs], axis=1)
@@ -153,7 +179,6 @@ def _filled(
         if there is not None:
             flood.take(k, there)
             flood.spread()
-    return flood
 
 
 def _quantities(problem: Problem, driven: bool, turns: bool) -> list[Quantity]:

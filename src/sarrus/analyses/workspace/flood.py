@@ -16,6 +16,7 @@ from ...model.coordinates import WIDTH
 from .problem import Problem
 from .settle import allowed, constrained, settle
 from .svd import singular
+from .watch import CELLS, reached
 
 SAME = 1e-3  # free of units: positions nearer to each other are one, where they are single
 STRIDE = 0.15  # free of units: of motions that leave the outputs where they are
@@ -45,6 +46,7 @@ class Flood:
         self.at: list[list[Array]] = [[] for _ in places]
         self.strides: list[list[tuple[Array, Array]]] = [[] for _ in places]
         self._open: deque[tuple[int, Array]] = deque()
+        self._filled = 0
         self._apart = 0.5 * STRIDE if problem.freedoms > len(problem.outputs) else SAME
 
     def take(self, k: int, q: Array) -> bool:
@@ -55,6 +57,7 @@ class Flood:
     def spread(self) -> None:
         """Go on from all positions until nothing is new."""
         while self._open:
+            reached(self._filled, CELLS)
             k, q = self._open.popleft()
             inverse, still = self._inverse(q)
             for other in self.neighbours[k]:
@@ -68,6 +71,7 @@ class Flood:
     def _keep(self, k: int, q: Array) -> bool:
         if self._known(k, q, self._apart) is not None:
             return False
+        self._filled += not self.at[k]
         self.at[k].append(q)
         self._open.append((k, q))
         return True

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..rank import unit_rows
 from .idle import locks
 from .measures import Measure, measures
 from .problem import Problem
+from .refusals import functions, pair_of, refuse_twice, value_of
 from .sample import Samples
 
 TURN = 2 * np.pi
@@ -40,12 +42,19 @@ def formulate(
     SarrusError
         If a name is unknown, a limit is empty, or the outputs cannot move.
     """
-    given = _of_model(system) if limits == "model" else dict(limits or {})
-    table, places = _table(system, [list(output), list(given), list(fixed or {}), list(inputs)])
+    given, kept_at = (
+        _mapping("limits", _of_model(system) if limits == "model" else limits),
+        _mapping("fixed", fixed),
+    )
+    groups = [functions(output), list(given), list(kept_at), functions(inputs)]
+    table, places = _table(system, groups)
+    for kind, mine in zip(("output", "limits", "fixed", "inputs"), places, strict=True):
+        refuse_twice(kind, mine, [one.name for one in table])
     outputs, limited, held, driven = places
     _refuse_outputs([table[k] for k in outputs])
+    _refuse_held([table[k].name for k in outputs if k in held])
     bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
-    targets = {k: float(x) for k, x in zip(held, (fixed or {}).values(), strict=True)}
+    targets = {k: value_of(table[k].name, x) for k, x in zip(held, kept_at.values(), strict=True)}
     _refuse_beyond(table, targets, bounds)
     bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
     normal = outputs if singular == "outputs" else driven
@@ -62,26 +71,42 @@ def formulate(
     return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, drawn)
 
 
+def _mapping(kind: str, given: Any) -> dict[Any, Any]:
+    """Limits or fixed values by function."""
+    if given is not None and not isinstance(given, Mapping):
+        told = "(lowest, highest)" if kind == "limits" else "value"
+        raise TypeError(f"{kind} must be a dict, got {given!r}. Pass {{'q1.angle': {told}}}.")
+    return dict(given or {})
+
+
 def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:
     """The limits that a robot description gives; none for other models."""
     found = getattr(system.model, "limits", {})
     return {name: (limit.lower, limit.upper) for name, limit in found.items() if limit.lower is not None}
 
 
-def _table(system: System, groups: list[list[Any]]) -> tuple[list[Measure], list[list[int]]]:
+def _table(system: System, groups: Sequence[Sequence[Any]]) -> tuple[list[Measure], list[list[int]]]:
     """All measures, each once, and the places of those of each group."""
     table: list[Measure] = []
     places: list[list[int]] = []
     for group in groups:
         mine: list[int] = []
         for one in measures(system, group):
-            names = [other.name for other in table]
-            if one.name not in names:
-                table.append(one)
-                names.append(one.name)
-            mine.append(names.index(one.name))
+            known = [other.measured for other in table]
+            if one.measured not in known:
+                table.append(_named_apart(one, [other.name for other in table]))
+                known.append(one.measured)
+            mine.append(known.index(one.measured))
         places.append(mine)
     return table, places
+
+
+def _named_apart(one: Measure, names: list[str]) -> Measure:
+    """A measure with a number behind its name if another one has the same: two legs between the same bodies."""
+    numbered = (f"{one.name} ({n})" for n in count(2))
+    return (
+        one._replace(name=next(name for name in numbered if name not in names)) if one.name in names else one
+    )
 
 
 def _refuse_outputs(found: list[Measure]) -> None:
@@ -92,9 +117,15 @@ def _refuse_outputs(found: list[Measure]) -> None:
         raise SarrusError(f"the length {squares[0]} can be limited or fixed, but is no output; take a travel")
 
 
-def _bounds(one: Measure, pair: tuple[float | None, float | None]) -> tuple[float, float]:
-    low = -np.inf if pair[0] is None else float(pair[0])
-    high = np.inf if pair[1] is None else float(pair[1])
+def _refuse_held(names: list[str]) -> None:
+    if names:
+        raise SarrusError(
+            f"fixed: {names[0]} is an output, which must be free. Take it out of fixed, or map another."
+        )
+
+
+def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
+    low, high = pair_of(one.name, pair)
     if one.kind == "square" and low <= 0:
         low = -np.inf
     if not low < high:

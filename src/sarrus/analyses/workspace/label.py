@@ -15,6 +15,9 @@ from .problem import Problem
 from .reach import reach
 
 SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross cannot be told from one
+TOUCHING = (
+    0.05  # free of units: on pieces that are shorter, curves that touch (curvatures 6e-3 apart) look like one
+)
 TRIES = 12  # of inverse kinematics for a cell of which nothing is known
 
 
@@ -25,15 +28,18 @@ def labels(
     cells: Cells,
     met: Array,
     seed: int,
+    tries: int,
 ) -> Array:
     """Whether each cell can be reached (count,).
 
     A barrier tells that the cell on its open side can be reached, a curve that can be crossed tells both. Cells of
-    which no curve tells anything are decided by admissible positions `met` (k, n), then by inverse kinematics.
+    which no curve tells anything are decided by admissible positions `met` (k, n), then by inverse kinematics from so
+    many of them.
     """
     found = np.zeros(len(cells.cells), dtype=bool)
     for k, piece in enumerate(cells.division.pieces):
-        if piece.arc.length < SHORT:
+        several = len({n for n, *_ in piece.owners}) > 1
+        if piece.arc.length < (TOUCHING if several else SHORT):
             continue
         for way, can in enumerate(_sides(k, branches, crossings, cells)):
             found[cells.of[k, way]] |= can
@@ -45,7 +51,7 @@ def labels(
         if cell.bounded and not found[k] and len(met):
             target = cells.inner_point(cell)
             random = np.random.default_rng(seed + k)
-            found[k] = target is not None and reach(problem, target, met, TRIES, random) is not None
+            found[k] = target is not None and reach(problem, target, met, tries, random) is not None
     return found
 
 

@@ -11,24 +11,29 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import Model, SarrusError
 from ...results.polygons import inside
-from ...results.workspace import Component, Effort, Verification, Workspace
+from ...results.workspace import Component, Effort, Verification, Workspace, place_of
 from ...system import System
+from ..misuse import refuse_other_system
 from .crossing import Crossing, crossing
 from .explore import Branch, Explorer
 from .formulate import Limits, formulate
+from .label import TRIES
 from .newton import Tally
 from .problem import Problem
 from .ray import Ray
 from .reach import reach
-from .region import Region, component_of
+from .refusals import functions, refuse_counts
+from .region import Region, component_of, measured
 from .sample import Samples
 from .seeds import Start, random_start
 from .settle import allowed, constrained, settle
 from .trace import LONGEST
+from .watch import Stop, stopped
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
 MOST_STARTS = 600
 CONFIDENCE = 0.95
+BESIDE = 1e-4  # of a critical value: another one that is proposed
 NEAREST = 40  # known positions from which one at a place is looked for
 
 
@@ -60,6 +65,7 @@ class WorkspaceMap:
     problem : the equations; `asked` what they were made of
     explorer : the graph of curves
     starts, in_a_row : starts so far; how many of the last led to known curves
+    stop : why it ended early, if it did
     """
 
     def __init__(
@@ -73,7 +79,9 @@ class WorkspaceMap:
         repeats: int = REPEATS,
         longest: float = LONGEST,
     ) -> None:
-        wanted = tuple(output)
+        refuse_other_system(system, "WorkspaceMap")
+        wanted = functions(output)
+        refuse_counts(seed=seed, repeats=repeats, longest=longest)
         problem = formulate(system, wanted, limits=limits, fixed=fixed)
         _refuse_counts(problem)
         self.asked: Asked = (system.model, wanted, limits, fixed)
@@ -85,9 +93,10 @@ class WorkspaceMap:
         self.random, self.samples = np.random.default_rng(seed), Samples(problem, seed)
         self.met: list[Array] = []
         self.starts = self.in_a_row = 0
+        self.stop: Stop | None = None
         self._crossings: dict[int, Crossing] = {}
         self._checks = Tally()
-        self._region: tuple[int, int, Region] | None = None
+        self._region: tuple[tuple[int, int, bool], Region] | None = None
 
     @classmethod
     def of(
@@ -106,6 +115,8 @@ class WorkspaceMap:
         while True:
             for branch in self.explorer:
                 return branch
+            if self.explorer.endless:
+                raise StopIteration
             if self.in_a_row >= self.repeats or self.starts >= MOST_STARTS or not self._start():
                 raise StopIteration
 
@@ -113,6 +124,11 @@ class WorkspaceMap:
         """Trace all there is."""
         for _ in self:
             pass
+        return self
+
+    def tried(self) -> WorkspaceMap:
+        """Trace all there is, until the time limit of the analysis passes or the user interrupts it."""
+        self.stop = stopped(self.run)
         return self
 
     def _start(self) -> bool:
@@ -142,7 +158,7 @@ class WorkspaceMap:
         """A position (nq,) with the outputs at a place (2,), within all limits; nothing, if none is found."""
         p = self.problem
         known = [point.x[: p.n] for branch in self.branches for point in branch.points]
-        target = np.asarray(place, dtype=float) / p.units[p.outputs]
+        target = place_of(place) / p.units[p.outputs]
         q = reach(p, target, np.array([*self.met, *known]), NEAREST, np.random.default_rng(self.seed))
         return None if q is None else q * p.scale
 
@@ -155,16 +171,20 @@ class WorkspaceMap:
     def is_closed(self) -> bool:
         """Whether every curve so far ends where others begin, and bounds what can be reached."""
         lost = self.explorer.open or any(branch.trouble for branch in self.explorer.branches)
-        return not lost and not self.region().can[0]
+        return not lost and self.region().is_consistent
 
     def region(self) -> Region:
         """The plane divided by the curves so far."""
         branches = self.branches
-        mark = (len(branches), len(self.met))
-        if self._region is None or self._region[:2] != mark:
+        mark = (len(branches), len(self.met), self.stop is None)
+        if self._region is None or self._region[0] != mark:
             found = [self._crossing(branch) for branch in branches]
-            self._region = (*mark, Region(self.problem, branches, found, np.array(self.met), self.seed))
-        return self._region[2]
+            tries = TRIES if self.stop is None else 0
+            self._region = (
+                mark,
+                Region(self.problem, branches, found, np.array(self.met), self.seed, tries),
+            )
+        return self._region[1]
 
     def _crossing(self, branch: Branch) -> Crossing:
         if id(branch) not in self._crossings:
@@ -178,15 +198,16 @@ class WorkspaceMap:
         names = [p.table[k].name for k in p.limited]
         status, message = self._status(region, verification)
         one, other = (p.table[k] for k in p.outputs)
-        parts = tuple(component_of(part, units) for part in region.components())
+        known = status == "mapped"
+        parts = tuple(component_of(part, units, known) for part in region.components())
         return Workspace(
             p.system.name,
             (one.name, other.name),
             (one.unit, other.unit),
             tuple(region.curves(names)),
-            region.area * float(units.prod()),
-            region.area_error(self._checks) * float(units.prod()),
-            region.perimeter * float(units[0]),
+            region.area * float(units.prod()) if known else np.nan,
+            region.area_error(self._checks) * float(units.prod()) if known else np.nan,
+            measured(region.perimeter, units) if known else np.nan,
             parts,
             self._drawn(parts),
             status,
@@ -210,8 +231,11 @@ class WorkspaceMap:
         return Effort(tally.points, tally.newton, tally.factorizations, len(self.met), self.starts)
 
     def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
-        trouble = self._trouble(region, tests)
         name = self.problem.system.name
+        if self.stop:
+            told = "The curves traced so far are returned; go on with its `map`, or allow more time"
+            return self.stop.status, f"{name}: {self.stop.reason}. {told}"
+        trouble = self._trouble(region, tests)
         if trouble:
             return "incomplete", f"{name}: {trouble}"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
@@ -229,16 +253,29 @@ class WorkspaceMap:
         lost = [branch.trouble for branch in branches if branch.trouble]
         if not self.met:
             return (
-                "no position within the limits was found; widen them, or check that they can be met together"
+                "no position within the limits was found. Widen them, or check that they can be met together"
             )
+        if self.explorer.endless:
+            return self._endless()
         if not branches:
-            return "no boundary curve was found; is there a limit or a singularity at all?"
+            return "no boundary curve was found. Check that a limit or a singularity ends it"
         if self.explorer.open or self.in_a_row < self.repeats:
-            return "the map is not complete; go on with it, or give it more starts"
+            return "the map is not complete. Go on with it, or give it more starts"
         if lost:
-            told = f"{len(lost)} of {len(branches)} curves were lost on the way, the first because {lost[0]}"
-            return f"{told}; take smaller steps (longest)"
-        if region.can[0]:
-            return "a curve tells that the unbounded part of the plane can be reached; take smaller steps (longest)"
+            told = f"{len(lost)} of {len(branches)} curves were lost, the first because {lost[0]}"
+            return f"{told}. Take smaller steps (longest)"
+        if not region.is_consistent:
+            return "the curves contradict each other about what can be reached. Take smaller steps (longest)"
         failed = tests is not None and not tests.success
-        return "a test failed; see the verification" if failed else ""
+        return "a test failed. See the verification" if failed else ""
+
+    def _endless(self) -> str:
+        """Where a function is held at a critical value: the mechanism is singular on a whole curve."""
+        p = self.problem
+        held = [(p.table[k].name, p.fixed[k]) for k in p.fixed if k not in p.locked]
+        told = "the mechanism is singular on whole curves of configurations, where boundary curves cross without end"
+        if not held:
+            return f"{told}. Change its dimensions a little, or map other outputs"
+        name, value = held[-1]
+        beside = value + BESIDE * (abs(value) or p.size)
+        return f"{told}: {name} = {value:.9g} is a critical value. Fix it beside, such as at {beside:.9g}"

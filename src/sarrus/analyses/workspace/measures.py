@@ -27,6 +27,11 @@ class Measure(NamedTuple):
     kind: str  # "length", "angle" or "square" (of a length)
 
     @property
+    def measured(self) -> tuple[Any, ...]:
+        """What is measured, whatever its name: the same for equal functions."""
+        return self.placed.element, self.placed.bodies, repr(self.placed.values)
+
+    @property
     def unit(self) -> str:
         """Of what the user is told."""
         return "rad" if self.kind == "angle" else "m"

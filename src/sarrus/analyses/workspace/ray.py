@@ -14,6 +14,7 @@ from .problem import Problem
 from .seeds import Start, onto
 from .settle import allowed, constrained, settle
 from .stratum import Active, Linear, Stratum
+from .watch import check
 
 STRIDE = 0.12  # of one climbing step, free of units
 STEPS = 120
@@ -43,6 +44,7 @@ class Ray:
     def end(self) -> Start | None:
         """The point at which the outputs can go no further; nothing, if the climb got lost."""
         for _ in range(STEPS):
+            check()
             way, multipliers, slope = self._way()
             if slope < STEEP:
                 found = self._stopped()

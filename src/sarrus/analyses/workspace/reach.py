@@ -7,6 +7,7 @@ import numpy as np
 from ...algebra import Array
 from .problem import Problem
 from .settle import allowed, constrained, drawn_in, settle
+from .watch import check
 
 DRAWS = 4  # of random distances from limits, for each start
 
@@ -26,6 +27,7 @@ def reach(
     both, wanted = np.concatenate([rows, outputs]), np.concatenate([goal, target])
     away = [float(np.linalg.norm(problem.values(q)[outputs] - target)) for q in starts]
     for k in np.argsort(away)[:tries]:
+        check()
         there = settle(problem, starts[k], both, wanted)
         for _ in range(DRAWS):
             q = None if there is None else drawn_in(problem, there, both, wanted, random)

@@ -10,7 +10,7 @@ import numpy as np
 from ...algebra import Array
 from ...results.workspace import BoundaryCurve, Component, CurveKind
 from .arc import Arc
-from .arrangement import Division, Piece, divide
+from .arrangement import TOUCH, Division, Piece, divide
 from .crossing import Crossing
 from .explore import Branch
 from .faces import Cells
@@ -28,17 +28,18 @@ Cause = tuple[
 
 
 class Loop(NamedTuple):
-    """A closed part of the boundary: points, where runs of one cause begin, and the causes of the runs."""
+    """A closed part of the boundary: points, where runs of one cause begin, their causes, and the curve."""
 
     line: Array
     corners: tuple[int, ...]
     causes: tuple[frozenset[Cause], ...]
+    pieces: Array
 
 
 class _Edge(NamedTuple):
     """A piece of the boundary, run through with the region on its left."""
 
-    line: Array
+    arc: Arc
     start: int
     end: int
     first: Array
@@ -62,16 +63,23 @@ class Region:
         crossings: Sequence[Crossing],
         met: Array,
         seed: int,
+        tries: int,
     ) -> None:
         self.problem, self.branches, self.crossings = problem, branches, crossings
         arcs = [Arc(np.array([step.quintic() for step in branch.steps()])) for branch in branches]
         self.division: Division = divide(arcs)
         self.cells = Cells(self.division)
-        self.can = labels(problem, branches, crossings, self.cells, met, seed)
+        self.can = labels(problem, branches, crossings, self.cells, met, seed, tries)
         self.sides = np.array(
             [(self.cells.of[k, 0], self.cells.of[k, 1]) for k in range(len(self.division.pieces))], dtype=int
         ).reshape(-1, 2)
         self.bounds = self.can[self.sides[:, 0]] != self.can[self.sides[:, 1]]
+
+    @property
+    def is_consistent(self) -> bool:
+        """Whether no curve tells that the unbounded cell can be reached, and no cell has a negative area."""
+        areas = np.array([cell.area for cell in self.cells.cells[1:]])
+        return not self.can[0] and bool(np.all(areas > -TOUCH))
 
     @property
     def area(self) -> float:
@@ -127,10 +135,10 @@ class Region:
     def _edge(self, k: int) -> _Edge:
         piece = self.division.pieces[k]
         first, last = piece.arc.slope(0.0), piece.arc.slope(piece.arc.end)
-        line, causes = piece.arc.polyline, self._causes(k)
+        causes = self._causes(k)
         if self.can[self.sides[k, 0]]:
-            return _Edge(line, piece.start, piece.end, first, last, causes)
-        return _Edge(line[::-1], piece.end, piece.start, -last, -first, causes)
+            return _Edge(piece.arc, piece.start, piece.end, first, last, causes)
+        return _Edge(piece.arc.reversed(), piece.end, piece.start, -last, -first, causes)
 
     def _causes(self, k: int) -> frozenset[Cause]:
         """What makes a piece of the boundary: limits that are reached, and whether it is a singularity."""
@@ -233,10 +241,12 @@ def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
     while leaving.get(node):
         edges.append(leaving[node].pop())
         node = edges[-1].end
-    places = np.cumsum([0, *(len(edge.line) - 1 for edge in edges)]).tolist()
+    lines = [edge.arc.polyline for edge in edges]
+    places = np.cumsum([0, *(len(line) - 1 for line in lines)]).tolist()
     new = [n for n, edge in enumerate(edges) if not _goes_on(edges[n - 1], edge)]
-    line = np.concatenate([edges[0].line[:1], *(edge.line[1:] for edge in edges)])
-    return Loop(line, tuple(places[n] for n in new), tuple(edges[n].causes for n in new or [0]))
+    line = np.concatenate([lines[0][:1], *(line[1:] for line in lines)])
+    pieces = np.concatenate([edge.arc.pieces for edge in edges])
+    return Loop(line, tuple(places[n] for n in new), tuple(edges[n].causes for n in new or [0]), pieces)
 
 
 def _goes_on(before: _Edge, after: _Edge) -> bool:
@@ -264,9 +274,17 @@ def _error(branch: Branch, tally: Tally) -> float:
     return total
 
 
-def component_of(part: tuple[float, float, list[Loop]], units: Array) -> Component:
-    """A component in real units."""
+def measured(length: float, units: Array) -> float:
+    """A length in the plane of the outputs in real units; nan where these differ, so that it has none."""
+    return length * float(units[0]) if units[0] == units[1] else np.nan
+
+
+def component_of(part: tuple[float, float, list[Loop]], units: Array, known: bool) -> Component:
+    """A component in real units; its measures are nan unless the map is complete."""
     area, perimeter, loops = part
     return Component(
-        area * float(units.prod()), perimeter * float(units[0]), tuple(loop.line * units for loop in loops)
+        area * float(units.prod()) if known else np.nan,
+        measured(perimeter, units) if known else np.nan,
+        tuple(loop.line * units for loop in loops),
+        tuple(loop.pieces * units for loop in loops),
     )

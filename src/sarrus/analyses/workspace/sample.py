@@ -10,6 +10,7 @@ from ...algebra import Array
 from .opened import tree_rows
 from .problem import Problem
 from .settle import allowed, constrained, drawn_in, settle
+from .watch import check
 
 LEAPS, LEAP = 6, 1.6  # of the opened mechanism, for each of its freedoms, free of units
 STRIDE, STRIDES = 0.8, 3  # of a walk, free of units
@@ -43,6 +44,7 @@ class Samples:
 
     def __next__(self) -> Array:
         for _ in range(TRIES):
+            check()
             self.tried += 1
             q = self._one()
             if q is not None:

@@ -9,6 +9,7 @@ with the elements' own derivatives `_b`: no second derivative is needed, and non
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -19,7 +20,7 @@ from ...elements.operators import Axis
 from ...model import SarrusError, reports_warnings
 from ...model.show import suggest
 from ...results.shape import ShapeDerivative
-from ...results.workspace import Workspace
+from ...results.workspace import Workspace, place_of
 from ...results.workspace_range import WorkspaceRange
 from ...results.workspace_volume import WorkspaceVolume
 from ..sensitivity.chain import Gradients
@@ -29,6 +30,7 @@ from .explore import Branch
 from .extremes import ONE
 from .newton import NoPoint, Row, Tally, correct
 from .problem import Problem
+from .refusals import listed, refuse_incomplete, refuse_other
 from .region import Region
 from .step import Step, gauss
 from .stratum import Linear, Stratum
@@ -36,6 +38,7 @@ from .stratum import Linear, Stratum
 FOOT = 1e-4  # free of units: so near to the interpolated boundary its foot is found
 NODES = 6  # of Gauss's rule in a step
 SAME = 1e-9
+IN_BRACKETS = re.compile(r"\([^()]*\)")
 LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are singular there
 
 
@@ -48,7 +51,7 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     ----------
     found : Workspace
     wrt : names of numbers: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
-        (``"link_3.x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
+        (``"link_3(1, 0, 0).x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -62,7 +65,8 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     SarrusError
         If there is no such number.
     """
-    names, problem = list(wrt), found.map.problem
+    refuse_incomplete(found, Workspace)
+    names, problem = listed(wrt), found.map.problem
     numbers = _Numbers(problem, names)
     total, kinked = area_rates(problem, found.map.region())
     rates = numbers.derivatives(total)
@@ -107,7 +111,8 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     SarrusError
         If there is no such number, or the volume was mapped without derivatives.
     """
-    names, rates = list(wrt), found.rates
+    refuse_incomplete(found, WorkspaceVolume)
+    names, rates = listed(wrt), found.rates
     if rates is None:
         told = "map it by workspace_volume(..., derivatives=True)"
         raise SarrusError(f"{found.name}: this volume was mapped without derivatives; {told}")
@@ -144,7 +149,8 @@ def end_gradient(
     SarrusError
         If there is no such number, no critical value, or the constraints alone are singular there.
     """
-    search, names = found.search, list(wrt)
+    refuse_other(found, WorkspaceRange)
+    search, names = found.search, listed(wrt)
     problem: Problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
     values = [one * unit for one in search.values()]
@@ -188,14 +194,15 @@ def distance_gradient(
         If there is no such number, the outputs have different units, there is no boundary, or the nearest place is a
         corner or one where the constraints alone are singular.
     """
-    map_, names = found.map, list(wrt)
+    refuse_incomplete(found, Workspace)
+    map_, names, place = found.map, listed(wrt), place_of(point)
     problem, region = map_.problem, map_.region()
     units = problem.units[problem.outputs]
     if found.units[0] != found.units[1]:
         raise SarrusError(
             f"{found.name}: {found.units[0]} and {found.units[1]} make no distance; choose other outputs"
         )
-    p, numbers = np.asarray(point, dtype=float) / units, _Numbers(problem, names)
+    p, numbers = place / units, _Numbers(problem, names)
     branch, side, x = _foot(region, p, map_.explorer.tally)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
     length = float(np.linalg.norm(c))
@@ -271,6 +278,14 @@ def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers)
     return total
 
 
+def _without_places(names: Sequence[str]) -> dict[str, str]:
+    """Names without the place of the point, ``link.x[x].s_j.x`` for ``link(1, 0, 0).x[x].s_j.x``, if one is meant."""
+    short = [IN_BRACKETS.sub("", name) for name in names]
+    return {
+        one: name for one, name in zip(short, names, strict=True) if short.count(one) == 1 and one != name
+    }
+
+
 class _Numbers:
     """Gradients of the boundary's motion by all numbers: of elements, of functions, of limits; free of units.
 
@@ -284,6 +299,7 @@ class _Numbers:
         own = problem.functions.axis_names(Axis.NUMBERS)
         self.own = [*own, *limits]
         self._places = {name: self.sizes[0] + n for n, name in enumerate(self.own)}
+        self._places |= {short: self._places[name] for short, name in _without_places(self.own).items()}
         self._names = list(names)
         others = [name for name in names if name not in self._places]
         try:

@@ -24,6 +24,7 @@ from .settle import allowed, constrained, settle
 from .shape import area_rates
 from .stratum import Active, Stratum
 from .vertex import balanced
+from .watch import SLICES, reached
 
 FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
@@ -114,14 +115,17 @@ class Slicer:
             near = {one.height for one in self._good_around(height)}
             self._made_from[height] = self._made_from.get(height, set()) | near
         tasks = [Task(height, self._near(height), self._met(height)) for height in heights]
+        for one in self._made(tasks):
+            self.known[one.height] = one
+            reached(len(self.known), SLICES)
+
+    def _made(self, tasks: Sequence[Task]) -> Iterator[Slice]:
         if self._executor is None:
-            found = _sliced(self.problem, self._asked, tasks)
-        else:
-            parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
-            found = [
-                one for some in self._executor.map(_work, [self._asked] * len(parts), parts) for one in some
-            ]
-        self.known |= {one.height: one for one in found}
+            yield from (_slice(self.problem, self._asked, task) for task in tasks)
+            return
+        parts = [tasks[k : k + PER_TASK] for k in range(0, len(tasks), PER_TASK)]
+        for some in self._executor.map(_work, [self._asked] * len(parts), parts):
+            yield from some
 
     def around(self, height: float) -> list[Slice]:
         """The nearest known slices on both sides."""
@@ -156,16 +160,13 @@ def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
 
 def _work(asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
     """Slices in a worker, which makes its own system."""
-    return _sliced(_formulated(System(asked.model), asked), asked, tasks)
+    problem = _formulated(System(asked.model), asked)
+    return [_slice(problem, asked, task) for task in tasks]
 
 
 def _formulated(system: System, asked: Asked) -> Problem:
     fixed = {**asked.fixed, asked.output[2]: asked.middle}
     return formulate(system, asked.output[:2], limits=asked.limits, fixed=fixed)
-
-
-def _sliced(problem: Problem, asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
-    return [_slice(problem, asked, task) for task in tasks]
 
 
 def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
@@ -273,13 +274,14 @@ def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
     rates, kinked = area_rates(map_.problem, map_.region()) if derivatives else (None, 0.0)
-    found, region = map_.result(), map_.region()
+    found, region, units = map_.result(), map_.region(), map_.problem.units[map_.problem.outputs]
+    area, perimeter = region.area * float(units.prod()), region.perimeter * float(units.max())
     starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
     barriers = tuple(curve.u for curve in found.of_kind("barrier") if not curve.again)
     loops = tuple(_loops(region))
-    error = found.area_error + moved * found.perimeter
-    return Slice(height, found.area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)
+    error = region.area_error(Tally()) * float(units.prod()) + moved * perimeter
+    return Slice(height, area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)
 
 
 def _loops(region: Region) -> Iterator[Loop]:

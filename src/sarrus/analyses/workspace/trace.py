@@ -13,6 +13,7 @@ from .newton import NoPoint, Tally, Tangent, correct, plane
 from .point import Point, point_at, point_with
 from .step import Step
 from .stratum import Stratum
+from .watch import check
 
 ANGLE = 0.22  # rad that the tangent may turn in one step
 SHORTEST = 1e-7
@@ -70,6 +71,7 @@ class Trace:
     def __next__(self) -> Point:
         if self.event is not None or self.trouble:
             raise StopIteration
+        check()
         told = "the curve bends too much at its start"
         while self._h > SHORTEST:
             try:

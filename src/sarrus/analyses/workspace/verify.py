@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model import reports_warnings
+from ...model import announce, reports_warnings
 from ...results.workspace import Verification, Workspace
 from ...system import System
+from ..progress import Progress
 from ..threads import one_thread_if_small
 from .change import can_change, changes_along
 from .formulate import formulate
@@ -22,9 +23,11 @@ from .newton import Tally
 from .problem import Problem
 from .ray import Ray
 from .reach import reach
+from .refusals import refuse_counts, refuse_result
 from .region import Region
 from .sample import Samples
 from .seeds import Start
+from .watch import POINTS, stopped, watched
 
 TOLERANCE = 1e-6  # free of units: farther outside, a position is outside
 DEPTH = 1e-3  # of places just inside the boundary, free of units
@@ -60,6 +63,8 @@ def verify_workspace(
     rays: int = 40,
     *,
     executor: Executor | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Workspace:
     """Test a workspace, trace what was missed, and return it with a `Verification`.
@@ -74,18 +79,41 @@ def verify_workspace(
     found : Workspace
     samples, rays : how many of each; as many crossings as rays
     executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
+    progress : True for a line on the terminal, or a function that is called with the number of points traced so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`
     """
+    refuse_result(found)
+    refuse_counts(samples=samples, rays=rays)
     map_: WorkspaceMap = found.map
-    known, tests = len(map_.branches), None
-    for number in range(1, ROUNDS + 1):
-        before = len(map_.branches)
-        drawn = _drawn(map_, list(_parts(map_.seed + number, samples, rays)), executor)
-        tests = _round(map_, drawn)
-        tests = replace(tests, rounds=number, found_late=len(map_.branches) - known)
-        if len(map_.branches) == before:
-            break
-    return map_.result(tests)
+    with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
+        tests = tested(map_, samples, rays, executor)
+    return reported(map_, tests)
+
+
+def tested(map_: WorkspaceMap, samples: int, rays: int, executor: Executor | None) -> Verification | None:
+    """Test a map and trace what was missed; the last tests that were finished."""
+    tests: list[Verification] = []
+
+    def work() -> None:
+        known = len(map_.branches)
+        for number in range(1, ROUNDS + 1):
+            before = len(map_.branches)
+            drawn = _drawn(map_, list(_parts(map_.seed + number, samples, rays)), executor)
+            last = _round(map_, drawn)
+            tests.append(replace(last, rounds=number, found_late=len(map_.branches) - known))
+            if len(map_.branches) == before or map_.explorer.endless:
+                break
+
+    map_.stop = stopped(work)
+    return tests[-1] if tests else None
+
+
+def reported(map_: WorkspaceMap, tests: Verification | None = None) -> Workspace:
+    """The result of a map; a warning tells if it is not complete."""
+    found = map_.result(tests)
+    announce([] if found.success else [f"{found.message}."])
+    return found
 
 
 def _round(map_: WorkspaceMap, drawn: Drawn) -> Verification:

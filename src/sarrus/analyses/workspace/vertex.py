@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...algebra import Array
-from .bifurcation import directions, normals
+from .bifurcation import DROPS, directions, normals
 from .event import Event
 from .newton import NoPoint, Tally, Tangent, tangent
 from .point import Point, point_with
@@ -107,6 +107,12 @@ def vertex_of(strata: Strata, stratum: Stratum, event: Event, tally: Tally) -> V
     elif kind == "branch":
         vertex.halves = list(_at_branch(stratum, event.point, tally))
     return vertex
+
+
+def loses_rank(stratum: Stratum, q: Array) -> bool:
+    """Whether constraints, held functions and active limits are dependent: motion is not determined to first order."""
+    sizes = singular(stratum.problem.jacobian(q)[stratum.rows])[1]
+    return bool(sizes[-1] < DROPS * sizes[0])
 
 
 def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:

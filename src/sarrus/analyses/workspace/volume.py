@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError, reports_warnings
-from ...results.workspace_volume import WorkspaceVolume
+from ...model import SarrusError, announce, reports_warnings
+from ...model.announcement import collecting
+from ...results.workspace import Status
+from ...results.workspace_range import WorkspaceRange
+from ...results.workspace_volume import Slice, WorkspaceVolume
 from ...system import System
 from ..misuse import refuse_other_system
+from ..progress import Progress
 from ..threads import one_thread_if_small
 from .extremes import workspace_range
 from .formulate import Limits, formulate
 from .loft import loft
 from .measures import measures
 from .quadrature import NEAR, Integral
+from .refusals import functions, refuse_counts
 from .sample import Samples
 from .slicing import Asked, Slicer
 from .trace import LONGEST
+from .watch import SLICES, Stop, check, stopped, watched
 
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 WALK = 5  # positions of a random walk from each assembled one
@@ -44,6 +50,8 @@ def workspace_volume(
     seed: int = 0,
     longest: float = LONGEST,
     derivatives: bool = False,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceVolume:
     """Map what three outputs can reach, by slices at values of the third.
@@ -63,6 +71,8 @@ def workspace_volume(
     samples : random admissible positions, which must lie inside
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
     derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
+    progress : True for a line on the terminal, or a function that is called with the number of slices so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and the slices made so far
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -76,52 +86,127 @@ def workspace_volume(
         assembled within its limits.
     """
     refuse_other_system(system, "workspace_volume")
-    names = tuple(output)
+    names = functions(output)
+    refuse_counts(seed=seed, samples=samples, most=most, longest=longest)
+    _refuse(names, rtol, between)
+    search = _Search(system, names, limits, fixed, between, seed)
+    with watched(progress, done="made", unit=SLICES, time_limit=time_limit):
+        stop = stopped(lambda: search.run(rtol, most, samples, executor, longest, derivatives))
+    found = search.result(stop, derivatives)
+    announce(_shortcomings(found, rtol))
+    return found
+
+
+def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | None) -> None:
     if len(names) != 3:
         raise SarrusError(f"a volume is of three outputs, not {len(names)}; name as many")
-    if not rtol > 0:
+    if not 0 < rtol < np.inf:
         raise SarrusError(f"rtol must be positive, but is {rtol:g}; choose another, such as 1e-4")
-    if between is not None and not between[0] < between[1]:
+    if between is not None and np.shape(between) != (2,):
+        raise SarrusError(f"between must be a pair (lowest, highest), got {between!r}. Pass e.g. (0.0, 1.0).")
+    if between is not None and not -np.inf <= between[0] < between[1] <= np.inf:
         raise SarrusError(
             f"between must rise, but is {between[0]:g} to {between[1]:g}; give the lower value first"
         )
-    reach = workspace_range(system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS)
-    ranges = tuple(_cut(reach.intervals, between))
-    middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
-    span = max((high - low for low, high in ranges), default=1.0)
-    asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
-    positions = list(_positions(system, asked, samples))
-    standing = [(one.value, one.q / reach.search.problem.scale) for one in reach.critical]
-    slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
-    expected = sorted({one.value for one in reach.critical})
-    integral = Integral(slicer, ranges, expected, rtol, most)
-    integral.run()
-    outside = _outside(slicer, positions, ranges) + _missed(positions, reach.intervals, between, NEAR * span)
-    found = sorted(slicer.known.values(), key=lambda one: one.height)
-    surface = loft(integral.groups())
-    lost = sum(not one.success for one in found)
-    status: Any = "incomplete" if lost or outside or not found else "mapped"
-    labels: Any = tuple(one.name for one in measures(system, names))
-    told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
-    if not found:
-        told = "Nothing can be reached" + (
-            " between these heights" if between else " over a range of heights"
+
+
+def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
+    """What a user must know of a volume that is not complete, or not as exact as asked."""
+    if not found.success:
+        yield f"{found.name}: the volume is not complete, so that none is given. {found.message}."
+    elif found.volume_error > rtol * found.volume:
+        told = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"
+        yield f"{told}. Allow more slices (most)."
+
+
+class _Search:
+    """The steps to a volume; what was found when they end early is given, too."""
+
+    def __init__(
+        self,
+        system: System,
+        names: tuple[Any, ...],
+        limits: Limits | None,
+        fixed: Mapping[Any, float] | None,
+        between: tuple[float, float] | None,
+        seed: int,
+    ) -> None:
+        self.system, self.names, self.limits, self.fixed = system, names, limits, fixed
+        self.between, self.seed = between, seed
+        self.reach: WorkspaceRange | None = None
+        self.integral: Integral | None = None
+        self.outside = self.tested = 0
+
+    def run(
+        self,
+        rtol: float,
+        most: int,
+        samples: int,
+        executor: Executor | None,
+        longest: float,
+        derivatives: bool,
+    ) -> None:
+        """The range of heights, slices and their integral, random positions."""
+        system, names, limits, fixed, seed = self.system, self.names, self.limits, self.fixed, self.seed
+        with collecting():
+            reach = workspace_range(
+                system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS
+            )
+        self.reach = reach
+        check()
+        ranges = self.ranges
+        middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
+        span = max((high - low for low, high in ranges), default=1.0)
+        asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
+        positions = list(_positions(system, asked, samples))
+        standing = [(one.value, one.q / reach.search.problem.scale) for one in reach.critical]
+        slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
+        expected = sorted({one.value for one in reach.critical})
+        self.integral = Integral(slicer, ranges, expected, rtol, most)
+        self.integral.run()
+        missed = _missed(positions, reach.intervals, self.between, NEAR * span)
+        self.outside, self.tested = _outside(slicer, positions, ranges) + missed, len(positions)
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Of the third output, as far as they are asked for."""
+        return tuple(_cut(self.reach.intervals, self.between)) if self.reach else ()
+
+    def result(self, stop: Stop | None, derivatives: bool) -> WorkspaceVolume:
+        """What was found; volume and surface only if it is complete."""
+        integral = self.integral
+        found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
+        status, message = self._status(found, stop)
+        whole = integral if integral and found and not stop else None
+        return WorkspaceVolume(
+            self.system.name,
+            tuple(one.name for one in measures(self.system, self.names)),  # type: ignore[arg-type]
+            self.ranges,
+            tuple(integral.critical) if integral else (),
+            tuple(found),
+            whole.value if whole and status == "mapped" else np.nan,
+            whole.error if whole and status == "mapped" else np.nan,
+            *loft(whole.groups() if whole else []),
+            status,
+            message,
+            self.system.model,
+            whole.rates(self.reach) if whole and self.reach and derivatives else None,
         )
-    told += f"; of {len(positions)} random admissible positions {outside or 'none'} lay outside"
-    return WorkspaceVolume(
-        system.name,
-        labels,
-        ranges,
-        tuple(integral.critical),
-        tuple(found),
-        integral.value,
-        integral.error,
-        *surface,
-        status,
-        told,
-        system.model,
-        integral.rates(reach) if derivatives and found else None,
-    )
+
+    def _status(self, found: Sequence[Slice], stop: Stop | None) -> tuple[Status, str]:
+        if stop:
+            return stop.status, f"{stop.reason[0].upper()}{stop.reason[1:]}; {len(found)} slices were made"
+        lost = sum(not one.success for one in found)
+        told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
+        if not found:
+            heights = "between these heights" if self.between else "over a range of heights"
+            told = f"Nothing can be reached {heights}"
+        known = self.reach is not None and self.reach.success
+        told += (
+            "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
+        )
+        told += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
+        return "mapped" if found and known and not lost and not self.outside else "incomplete", told
 
 
 def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:

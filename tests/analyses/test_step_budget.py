@@ -135,3 +135,17 @@ def _height(cart: float, inertia: float, times: np.ndarray) -> np.ndarray:
     found = solve_ivp(rate, (0, 1), [0, 0, 0, 0], "DOP853", times, rtol=1e-10, atol=1e-12)
     height: np.ndarray = -np.sin(found.y[1])
     return height
+
+
+def test_a_vibration_between_the_outputs_that_forces_the_steps_is_a_warning() -> None:
+    with pytest.warns(sr.SarrusWarning, match=r"vibration of b.r.x at some 1e\+03 Hz.*Radau"):
+        run = sr.simulate(spring(1e8), until=1.0)  # 1.6e3 Hz
+    assert run.nsteps > 20_000
+
+
+def test_a_vibration_that_the_outputs_show_is_none() -> None:
+    run = sr.simulate(
+        spring(1e6), until=4.0, t_eval=np.linspace(0, 4, 1001)
+    )  # 0.6 periods between two outputs
+    assert run.nsteps > 20_000
+    assert run.warnings == ()

@@ -30,6 +30,7 @@ from .room import refuse_too_large
 from .step_budget import StepBudget
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
+from .vibration_check import fast_vibration
 
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
@@ -141,7 +142,7 @@ def simulate(
                 run = recipe.march(system, None, told).go(begin)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
-    announce(energy_growth(system, run, settings.tolerances))
+    announce([*energy_growth(system, run, settings.tolerances), *fast_vibration(run)])
     return run
 
 

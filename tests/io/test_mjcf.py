@@ -149,6 +149,7 @@ LOOPS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")  # the file draws the loop open
 @pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.parametrize("sites", [False, True])
 def test_a_loop_blocks_what_it_blocks_in_mujoco(name: str, sites: bool, tmp_path: Path) -> None:

@@ -364,6 +364,46 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
     )  # the recipe, the attributes of the group and of eleven arrays, and the first checkpoint
 
 
+@pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()], ids=repr)
+def test_a_run_is_resumed_to_the_same_bits_and_counts_from_every_checkpoint(
+    method: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the one at the start, and from those behind resets, where methods start anew, on."""
+    balls = [
+        sr.Body(n, mass=1, inertia=(1, 1, 1), position=(x, 0, 0.3)) for x, n in enumerate(("one", "two"))
+    ]
+    resets = [sr.Event(f"{b.name}.z", reset=sr.Impact(e)) for b, e in zip(balls, (0.8, 0.7), strict=True)]
+    system = sr.System(sr.Model("balls", bodies=balls, gravity=(0, 0, -9.81)))
+    given = {
+        "until": 1.0,
+        "t_eval": np.linspace(0, 1, 31),
+        "events": resets,
+        "method": method,
+        "max_step": 0.04,
+    }
+    for name, value in (("PAUSE", 0.0), ("PATIENT", 0.0), ("WATCHED", 2)):
+        monkeypatch.setattr(march, name, value)
+    plain, stretches = sr.simulate(system, **given), list[float]()
+    sr.simulate(system, progress=stretches.append, **given)
+    assert len(plain.events) >= 4
+    for count in range(0, len(stretches), 4):
+        calls, pause = [], 0.0 if count else 1e9  # at 0 only the checkpoint of the start is there
+
+        def stop(t: float, calls: list[float] = calls, count: int = count) -> None:
+            calls.append(t)
+            if len(calls) > count:
+                raise KeyboardInterrupt
+
+        monkeypatch.setattr(march, "PAUSE", pause)
+        folder = tmp_path / f"run{count}"
+        assert sr.simulate(system, save=folder, progress=stop, **given).status == "stopped"
+        resumed = sr.resume(folder)
+        assert same(resumed, plain), count
+        for name in ("nfev", "njev", "nlu", "nsteps", "nrejected", "status"):
+            assert getattr(resumed, name) == getattr(plain, name), (count, name)
+        assert [(e.name, e.t) for e in resumed.events] == [(e.name, e.t) for e in plain.events]
+
+
 @pytest.mark.usefixtures("small")
 def test_chunks_are_on_the_disk_before_a_checkpoint_refers_to_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -75,6 +75,7 @@ class ODEStepper:
             )
         except ValueError:  # SciPy's choice of a first step meets what is not finite
             raise self._explained(q, v) from None
+        self._count()
         if not np.all(np.isfinite(self._solver.f)):
             raise self._explained(q, v)
 
@@ -95,9 +96,12 @@ class ODEStepper:
             if len(rows) == 1:
                 raise self._stuck_at(trouble) from None
         finally:
-            self.tally.nfev = self.motion.evaluations
-            self.tally.nlu = self.tally.nfev
+            self._count()
         return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
+
+    def _count(self) -> None:
+        """Each evaluation of the motion factors its matrix."""
+        self.tally.nfev = self.tally.nlu = self.motion.evaluations
 
     def _step(self) -> list[tuple[Any, ...]]:
         """One step, and its nodes: some of the solver's own interpolant, then the projected end."""

@@ -17,6 +17,11 @@ def allowed(J: csr_array, q: Array, length: float, tolerance: float) -> Array:
     `tolerance` is a displacement in parts of the length, or a rotation [rad]; round-off is always allowed, so that a
     mechanism far from the origin can be assembled, too.
     """
+    return np.maximum(tolerance * row_sizes(J, length), round_off_of(J, q))
+
+
+def round_off_of(J: csr_array, q: Array) -> Array:
+    """The round-off of Φ, for each equation (m,)."""
     rows = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr))
     terms = np.bincount(rows, weights=abs(J.data) * abs(q)[J.indices], minlength=J.shape[0])
-    return np.maximum(tolerance * row_sizes(J, length), ROUND_OFF * terms)
+    return np.asarray(ROUND_OFF * terms)

@@ -13,6 +13,7 @@ from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...results import Assembly, Steps, StepsTaken
 from ...system import System
+from ..closure import round_off_of
 from ..factored import DENSE_BELOW, SingularSystem
 from ..linear import SingularMatrix
 from . import alpha_loop as loop
@@ -130,8 +131,9 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
     made = calls() | compiled_solver() | {"weigh": compiled_part(weigh)}
-    order = "residual evaluate factor size update correct weights_of renew newton round_off polish replace"
-    for name in (*order.split(), *["predict", "accept", "keep", "stretch", "rescale", "remember"]):
+    order = "residual evaluate factor size update correct weights_of renew round_off ignored_round_off newton polish"
+    rest = "replace predict accept keep stretch rescale remember"
+    for name in f"{order} {rest}".split():
         made[name] = compiled_part(getattr(loop, name), **made)
     return made | {"advance": compiled_function(loop.advance, **made)}
 
@@ -169,7 +171,7 @@ class AlphaStepper(Implicit):
         self.matrix.numbers.keep(self.independence.kept)
         self._advance, self._weigh = compiled_parts()["advance"], weigh
         self._entries: Any = loop.Entries(**entries(system, KINDS))
-        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq)
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)
         self._state: Any = loop.State(*(np.zeros(length) for length in widths))
@@ -187,6 +189,7 @@ class AlphaStepper(Implicit):
         for name, value in {"q": q, "v": v, "a": a, "x": a, "lam": lam}.items():
             for place in (getattr(self._state, f"{name}0"), getattr(self._state, f"{name}1")):
                 place[:] = value
+        self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
         numbers, given = self._control.numbers, self.keeping.given()
         numbers[:] = 0.0
         numbers[0], numbers[7] = t, 1.0

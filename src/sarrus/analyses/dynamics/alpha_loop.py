@@ -77,7 +77,7 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Operators' outputs and work arrays."""
+    """Operators' outputs and work arrays; `noise` is the round-off of every equation of Φ."""
 
     Phi: Any
     Phi_qT_lam: Any
@@ -89,6 +89,7 @@ class Memory(NamedTuple):
     right: Any
     solution: Any
     previous: Any
+    noise: Any
 
 
 class Matrix(NamedTuple):
@@ -184,8 +185,14 @@ def update(scheme: Any, h: Any, state: Any) -> Any:
         state.v1[k] = state.v0[k] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x1)
 
 
-def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> Any:
-    """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step."""
+def residual(
+    entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
+) -> Any:
+    """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step.
+
+    Of Φ as many times its round-off as `ignored` says is left out: in very short steps β' would make accelerations
+    of it.
+    """
     n = len(state.q0)
     RESIDUAL(entries.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
     MOMENTUM(entries.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
@@ -193,7 +200,9 @@ def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: An
     for k in range(n):
         memory.right[k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
     for k in range(len(memory.Phi)):
-        memory.right[n + k] = memory.Phi[k] / beta if left_out[k] == 0.0 else state.lam1[k]
+        gap, noise = memory.Phi[k], ignored * memory.noise[k]
+        gap = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
+        memory.right[n + k] = gap / beta if left_out[k] == 0.0 else state.lam1[k]
 
 
 def evaluate(entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any) -> None:
@@ -274,6 +283,11 @@ def round_off(h: Any, state: Any, tol: Any) -> Any:
     return 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5
 
 
+def ignored_round_off(h: Any, state: Any, tol: Any) -> Any:
+    """1 where the round-off of Φ is more in v than Newton's method may leave there, as in very short steps, else 0."""
+    return 1.0 if round_off(h, state, tol) > NEWTON_SHARE else 0.0
+
+
 def polish(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
     rate: Any, before: Any,
@@ -285,10 +299,11 @@ def polish(
     """
     beta, gamma = weights_of(scheme, h)
     enough, renewed = max(EXACT, ROUND * round_off(h, state, tol)), False
+    ignored = ignored_round_off(h, state, tol)
     for taken in range(POLISHES):
         if before * (rate if rate > 0.0 else 1.0) <= enough:
             return taken
-        residual(entries, b, t, state, memory, matrix.left_out, beta)
+        residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
         control.counts[2] += 1
         old = before
         if not renewed and before > NOISE and before * rate**FURTHER > enough:
@@ -319,9 +334,10 @@ def newton(
     """Solve one step. Returns (iterations, contraction, change): 0 iterations if it fails, -1 for pivots to renew."""
     beta, gamma = weights_of(scheme, h)
     rate, before, renewals = 0.0, 0.0, 0
+    ignored = ignored_round_off(h, state, tol)
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
-        residual(entries, b, t, state, memory, matrix.left_out, beta)
+        residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
         control.counts[2] += 1
         if control.numbers[2] != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
             return -1, 0.0, 0.0

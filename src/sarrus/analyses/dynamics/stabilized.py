@@ -29,7 +29,16 @@ def compiled_advance() -> Any:
     """The time loop, compiled once for all systems."""
     plain, made = compiled_parts(), calls() | compiled_solver()
     made |= {f"plain_{name}": plain[name] for name in PLAIN}
-    shared = ("size", "weights_of", "round_off", "replace", "stretch", "keep", "remember")
+    shared = (
+        "size",
+        "weights_of",
+        "round_off",
+        "ignored_round_off",
+        "replace",
+        "stretch",
+        "keep",
+        "remember",
+    )
     made |= {name: plain[name] for name in shared}
     made["weigh"] = compiled_part(weigh)
     made["evaluate"] = compiled_part(radau_loop.evaluate, **made)
@@ -53,7 +62,7 @@ class StabilizedStepper(AlphaStepper):
         self._advance, self._weigh = compiled_advance(), weigh
         self._entries = loop.Entries(**entries(system, (*KINDS, "TURNING")))
         whole = 2 * (nq + m)
-        rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, nq, whole)
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, m, nq, whole)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m, m, m, nq, nq)
         self._state = loop.State(*(np.zeros(length) for length in widths))

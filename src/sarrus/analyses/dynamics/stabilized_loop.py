@@ -64,6 +64,7 @@ class Memory(NamedTuple):
     right: Any
     solution: Any
     previous: Any
+    noise: Any
     Phi_qT_eta: Any
     whole: Any
 
@@ -109,9 +110,11 @@ def update(scheme: Any, h: Any, state: Any) -> None:
         state.q1[k] += state.shift1[k]
 
 
-def residual(entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any) -> None:
+def residual(
+    entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
+) -> None:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step, Φ_q v and Φ_t there, and Φ_q(q₀)ᵀη."""
-    plain_residual(entries, b, t, state, memory, left_out, beta)
+    plain_residual(entries, b, t, state, memory, left_out, beta, ignored)
     VELOCITY(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
     RESIDUAL(entries.residual, b, t, state.q0, state.eta1, memory.Phi, memory.Phi_qT_eta)
 

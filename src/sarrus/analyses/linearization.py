@@ -12,6 +12,7 @@ from ..algebra import Array
 from ..model import reports_warnings
 from ..system import System
 from .length import lever
+from .missing_inertia import refuse_missing_inertia
 from .misuse import refuse_other_system
 from .nullspace import NullSpace
 from .onto import largest
@@ -107,6 +108,7 @@ def around(system: System, given: Given) -> tuple[Around, NullSpace]:
     J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
     space = NullSpace(J, lever(system, q, J))
     force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
+    refuse_missing_inertia(system, q, space.Z, M)
     across = space.change(system.gamma(q, speed, t, b=b))
     along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
     a = across + space.Z @ along

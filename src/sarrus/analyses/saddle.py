@@ -17,6 +17,8 @@ from .once import once_alike
 class Saddle:
     """The matrix [W Φ_qᵀ; Φ_q 0] for W = M ("M") or the identity ("I"), its pattern made once.
 
+    Masses are divided by a power of two near the largest: pivots would else be chosen by their unit.
+
     Where constraints are dependent, `kept` are the places in Φ of independent ones; the multipliers of the others are
     0.
     """
@@ -37,6 +39,7 @@ class Saddle:
             self._order = numbered.data.astype(np.int64) - 1
             self._indptr, self._indices = (x.astype(np.int64) for x in (numbered.indptr, numbered.indices))
         self._factors: Any = None
+        self._unit = 1.0
 
     def factor(self, W: Array, Phi_q: Array) -> None:
         """Factor the matrix of the numbers of W and Φ_q.
@@ -46,7 +49,8 @@ class Saddle:
         SingularSystem
             If it cannot be factored.
         """
-        numbers = np.concatenate([W, Phi_q[self._used], Phi_q[self._used]])
+        self._unit = _power_of_two(W)
+        numbers = np.concatenate([W / self._unit, Phi_q[self._used], Phi_q[self._used]])
         if self._dense is not None:
             self._dense[self._rows, self._columns] = numbers
             self._factors = Factored(self._dense)
@@ -65,18 +69,23 @@ class Saddle:
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g, or a column of both for each of theirs."""
-        right = np.concatenate([f, g[self._kept]])
+        right = np.concatenate([f / self._unit, g[self._kept]])
         solution = self._solved(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
         y = np.zeros((self._all, *f.shape[1:]))
-        y[self._kept] = solution[self.nq :]
+        y[self._kept] = self._unit * solution[self.nq :]
         return solution[: self.nq], y
 
     def _solved(self, right: Array) -> Array:
         if self._dense is not None or right.ndim == 1:
             return np.asarray(self._factors.solve(right))
         return np.array([self._factors.solve(column) for column in right.T]).reshape(right.T.shape).T
+
+
+def _power_of_two(W: Array) -> float:
+    """The largest one that is not above |W|; 1 for zeros."""
+    return float(2.0 ** (np.frexp(abs(W).max(initial=0.0))[1] - 1)) if np.any(W) else 1.0
 
 
 def _places_in(system: System, weight: str, kept: Array) -> tuple[Array, Array, Array]:

@@ -12,6 +12,7 @@ from ..system import System
 from .balance import Balance
 from .degrees_of_freedom import mobility
 from .driven_path import coordinate_scale
+from .missing_inertia import refuse_missing_inertia
 from .misuse import refuse_other_system
 from .onto import largest, onto
 from .slide import newton_step, slide_step
@@ -87,6 +88,7 @@ class _Search:
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
         now, last = self.at(q), np.inf
+        refuse_missing_inertia(self.system, now.q, now.Z, self.system.M(now.q, b=self.b))
         for count in range(iterations):
             step = slide_step(now, self.scale, self.radius) if stable else newton_step(now)
             size = largest(step / self.scale)

@@ -15,6 +15,7 @@ from ...results import Assembly, Steps, StepsTaken
 from ...system import System
 from ..closure import round_off_of
 from ..factored import DENSE_BELOW, SingularSystem
+from ..length import extent
 from ..linear import SingularMatrix
 from . import alpha_loop as loop
 from .implicit import GROUPS, Accelerations, Implicit, calls, entries
@@ -28,6 +29,7 @@ from .started import independence_at, remember_start
 from .stepper import Settings, Tally
 
 ROOM = 300_000  # numbers of the record of one chunk of steps, at most
+FAR = 1e4  # of the system's size: distances from the origin at which positions have four digits fewer
 FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half of the one before
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
@@ -230,6 +232,13 @@ class AlphaStepper(Implicit):
         return self.matrix
 
     def _why_small(self) -> str:
+        r = self._state.q0.reshape(-1, 7)[:, :3]
+        far = float(abs(r).max(initial=0.0))
+        if far > FAR * extent(self.system, self._state.q0) and self._control.numbers[4] < self._finest():
+            return (
+                f"bodies are {far:.3g} m from the origin, where positions have fewer digits than the tolerances "
+                "ask for. Place the model near the origin, give a larger atol, or use Radau()"
+            )
         return REASONS[float(self._control.numbers[8])]
 
     def _count(self, before: Array) -> None:

@@ -12,11 +12,13 @@ from ...elements.evaluation import dense, element_from
 from ...system import System
 from ...system.local import GROUND, local
 from ..independence import Independence
+from ..missing_inertia import missing_inertia
 from ..rank import rank_of
 from .stepper import Trouble
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 CLOSE = 0.3  # the same where a step failed for another reason, that is told first
+LOST = 1e-8  # the same: dependent to round-off
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
@@ -90,7 +92,9 @@ def trouble_of(
                 f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
                 "root or logarithm of what may become negative there, or a division by zero",
             )
-    rows = dependent_rows(system, q, t, first)
+    rows, lacking = dependent_rows(system, q, t, first), missing_inertia(system, q, t, b)
+    if lacking and len(dependent_rows(system, q, t, first, LOST)) == 0:
+        return Trouble("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
     return (
         singular(t, rows) if rows else _with_weak_rows(otherwise, dependent_rows(system, q, t, first, CLOSE))
     )

@@ -98,7 +98,7 @@ def _verdict(
 def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool:
     """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
     X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
-    missing = unit * abs(terms.M @ (at.a - X @ at.v)).reshape(-1)
+    missing = unit * abs(system.M(at.q, b=at.b) @ (at.a - X @ at.v))
     force = unit * (terms.force + terms.M @ abs(X @ at.v))
     round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
     allowed = STEADY * np.repeat(force.reshape(-1, 7).max(axis=1), 7) + round_off

@@ -21,6 +21,7 @@ from ..dynamics.events import restitutions_of
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
+from ..progress import Progress, TimeLimit, monitor
 from ..starts import Start, start_of
 from ..threads import one_thread_if_small
 from .chain import FIELDS, Gradients, Nodes, through
@@ -64,6 +65,8 @@ def sensitivity_by_checkpoints(
     memory: float = 100e6,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Gradient:
     """Simulate and differentiate with the memory of some states: see `simulate` and `sensitivity`, whose result it is.
@@ -73,27 +76,38 @@ def sensitivity_by_checkpoints(
     system, until, start, method, rtol, atol, max_step, events : as for `simulate`
     responses, wrt, design, formula : as for `sensitivity`
     memory : for kept states, events, and the steps between two kept states [bytes]
+    progress : True for a bar on standard error, or a function of the simulated time, forwards and backwards: it goes to
+        twice `until`
+    time_limit : seconds of the clock after which the analysis is given up
     strict : raise the first warning as a `StrictError`
 
     Raises
     ------
     ValueError
-        For an end time that is none, where the memory is too small, and where the run does not reach its end.
+        For an end time that is none, where the memory is too small, and where the run does not reach its end or not
+        within the time limit.
     """
     begin = start_of(system, start, "sensitivity_by_checkpoints")
     refuse_end(until, begin.t)
     watched = [events] if isinstance(events, Event) else list(events)
     if not begin.success:
         raise ValueError(f"derivatives need a start that is assembled, but {system.name}: {begin.message}")
-    task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory)
     parameters = Parameters(
         system, wrt, design=design, formula=formula, start=begin, restitutions=restitutions_of(watched)
     )
     try:
-        return task.gradient(system, as_responses(responses), parameters)
-    except Trouble as trouble:
-        told = f"derivatives need a run that reached its end, but {system.name}: {trouble.sentence}"
-        raise ValueError(told) from None
+        with monitor(progress, 2 * until, done="differentiated", time_limit=time_limit) as report:
+            back = partial(_backwards, report, 2 * until)
+            task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back)
+            return task.gradient(system, as_responses(responses), parameters)
+    except (Trouble, TimeLimit) as trouble:
+        told = trouble.sentence if isinstance(trouble, Trouble) else trouble
+        raise ValueError(f"derivatives need a run that reached its end, but {system.name}: {told}") from None
+
+
+def _backwards(report: Progress, whole: float, t: float) -> None:
+    """Progress of the sweep, which has come back to a time."""
+    report(whole - t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +116,7 @@ class LongTask:
 
     Attributes
     ----------
-    progress : called with the time reached
+    progress, back : called with the time reached forwards, and then backwards
     """
 
     start: Assembly
@@ -114,6 +128,7 @@ class LongTask:
     events: Sequence[Event]
     memory: float
     progress: Callable[[float], None] | None = None
+    back: Callable[[float], None] | None = None
 
     def gradient(self, system: System, responses: Sequence[Response], parameters: Parameters) -> Gradient:
         """Values and derivatives of responses.
@@ -129,7 +144,7 @@ class LongTask:
         run = LongRun(system, *told, self.events, self.progress)
         precise = isinstance(self.method, Radau)
         wanted = [fine(response) for response in responses] if precise else responses
-        return LongGradient(run, wanted, parameters).gradient()
+        return LongGradient(run, wanted, parameters).gradient(self.back)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +279,7 @@ class LongGradient:
                 found[r][own] = signal[: len(own)]
         return found
 
-    def gradient(self) -> Gradient:
+    def gradient(self, report: Callable[[float], None] | None = None) -> Gradient:
         """Values and derivatives of all responses."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
@@ -274,6 +289,8 @@ class LongGradient:
         back = Backward(run.system, stretches_of(run.system, run.kind, k), k, parameters.c_size)
         for n in reversed(range(len(run))):
             self._over(n, weights, by_times, total, back)
+            if report is not None:
+                report(run.plan.until * n / len(run))
         values, missing = total.values, total.missing
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):

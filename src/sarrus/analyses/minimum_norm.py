@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..system import System
+from .factored import DENSE_BELOW
 from .saddle import Saddle
 
 
@@ -28,6 +29,7 @@ class MinimumNorm:
         self._nq, self._m = system.nq, system.m
         self._saddle = Saddle(system, "I", kept)
         self._dropped = np.setdiff1d(np.arange(system.m), kept)
+        self._small = system.nq < DENSE_BELOW
 
     def combinations(self, J: csr_array) -> Array:
         """For every equation left out, itself less what it follows from (m, k): nᵀΦ_q = 0.
@@ -38,7 +40,7 @@ class MinimumNorm:
             If the equations chosen are dependent there.
         """
         self._saddle.factor(np.ones(self._nq), J.data)
-        found = -self.forces(J[self._dropped].toarray().T)
+        found = -self.forces(J.toarray()[self._dropped].T if self._small else J[self._dropped].toarray().T)
         found[self._dropped, np.arange(len(self._dropped))] = 1
         return found
 

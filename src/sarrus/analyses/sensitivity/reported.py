@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, hstack
+from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
@@ -33,6 +33,36 @@ class Place(NamedTuple):
     node: int
 
 
+class Changes(NamedTuple):
+    """Changes of the coordinates (nq, k), the parameters (len(b), k) and the time (k,), or gradients by them."""
+
+    q: Array
+    b: Array
+    t: Array
+
+
+class Partials(NamedTuple):
+    """The derivatives of an operator by the coordinates, by the parameters, also those of curves, and by the time."""
+
+    q: csr_array
+    b: csr_array
+    curves: csr_array | None
+    t: Array
+
+    def along(self, change: Changes) -> Array:
+        """The operator's change."""
+        found = self.q @ change.q + self.b @ change.b[: self.b.shape[1]] + np.outer(self.t, change.t)
+        return np.asarray(found if self.curves is None else found + self.curves @ change.b)
+
+    def add_gradients(self, bar: Array, to: Changes) -> None:
+        """Add the gradients of what has the gradient `bar` by the operator."""
+        to.q[:] += self.q.T @ bar
+        to.b[: self.b.shape[1]] += self.b.T @ bar
+        to.t[:] += self.t @ bar
+        if self.curves is not None:
+            to.b[:] += self.curves.T @ bar
+
+
 class Slopes(NamedTuple):
     """The derivatives of λ̂ at a node.
 
@@ -40,25 +70,26 @@ class Slopes(NamedTuple):
     ----------
     minimum : solves at this node
     null : (m, k) orthonormal basis of the left null space
-    pull : (nq, nq + len(b) + 1) of Jᵀμ by q, the parameters and the time
-    push : (m, nq + len(b) + 1) of J ξ
+    pull : those of Jᵀμ
+    push : those of J ξ
     """
 
     minimum: MinimumNorm
     null: Array
-    pull: csr_array
-    push: csr_array
+    pull: Partials
+    push: Partials
 
-    def along(self, changes: Array, lam: Array) -> Array:
-        """λ̂' (m, k) for changes of (q, b, t) and of λ."""
-        moved = shortest(lam + self.minimum.forces(self.pull @ changes), self.null)
-        return np.asarray(moved + self.null @ (self.null.T @ (self.push @ changes)))
+    def along(self, change: Changes, lam: Array) -> Array:
+        """λ̂' (m, k) for changes of the state and of λ."""
+        moved = shortest(lam + self.minimum.forces(self.pull.along(change)), self.null)
+        return np.asarray(moved + self.null @ (self.null.T @ self.push.along(change)))
 
-    def transposed(self, bar: Array) -> tuple[Array, Array]:
-        """Gradients by (q, b, t) and by λ of those by λ̂ (m, k)."""
+    def transposed(self, bar: Array, to: Changes) -> Array:
+        """Gradients by λ of those by λ̂ (m, k); those by the state are added."""
         across = shortest(bar, self.null)
-        by = self.pull.T @ self.minimum.motions(across) + self.push.T @ (bar - across)
-        return np.asarray(by), across
+        self.pull.add_gradients(self.minimum.motions(across), to)
+        self.push.add_gradients(bar - across, to)
+        return across
 
 
 class Reported:
@@ -74,9 +105,12 @@ class Reported:
         self._pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
         timed = any(p.kind.rows and p.kind.timed for p in system.populations)
         self._moving = timed and isinstance(steps, Pieces)
-        self._curves = CurveDerivatives(system)
         self._known: dict[int, Array] = {}
         self._choices: dict[bytes, MinimumNorm] = {}
+
+    @cached_property
+    def _curves(self) -> CurveDerivatives:
+        return CurveDerivatives(self._system)
 
     @cached_property
     def redundant(self) -> bool:
@@ -95,14 +129,14 @@ class Reported:
     def pulled_back(self, nodes: Nodes) -> Array:
         """Turn gradients by reported multipliers into those by the states; those by the parameters (len(b), k)."""
         by_b = np.zeros((len(self._b), nodes.lam.shape[2]))
+        if not self.redundant:
+            return by_b
         for row in np.flatnonzero(nodes.lam.any(axis=(1, 2))).tolist():
             place = self._place(row)
             slopes = self._slopes(place)
             if slopes is not None:
-                by, nodes.lam[row] = slopes.transposed(nodes.lam[row])
-                nodes.q[row] += by[: self._system.nq]
-                by_b += by[self._system.nq : -1]
-                nodes.shift[place.piece] += by[-1]
+                to = Changes(nodes.q[row], by_b, nodes.shift[place.piece])
+                nodes.lam[row] = slopes.transposed(nodes.lam[row], to)
         return by_b
 
     def along(self, nodes: Nodes, b: Array, rows: Array | None = None) -> Nodes:
@@ -112,8 +146,8 @@ class Reported:
             place = self._place(row)
             slopes = self._slopes(place)
             if slopes is not None:
-                changes = np.concatenate([nodes.q[row], b, nodes.shift[place.piece][None]])
-                lam[row] = slopes.along(changes, lam[row])
+                change = Changes(nodes.q[row], b, nodes.shift[place.piece])
+                lam[row] = slopes.along(change, lam[row])
         return Nodes(nodes.q, nodes.v, nodes.a, lam, nodes.shift)
 
     def _place(self, row: int) -> Place:
@@ -162,22 +196,21 @@ class Reported:
         pull = self._by("Phi_qT_lam", place, steps.lam[place.node] - lam)
         return Slopes(minimum, null, pull, self._by("Phi_q_xi", place, xi))
 
-    def _by(self, name: str, place: Place, operand: Array) -> csr_array:
-        """An operator by q, the parameters and the time."""
+    def _by(self, name: str, place: Place, operand: Array) -> Partials:
+        """The derivatives of an operator."""
         system, steps = self._system, self._pieces[place.piece]
         q, t, b = steps.q[place.node], float(steps.t[place.node]), self._b
         by_q = getattr(system, f"{name}_q")(q, operand, t, b=b)
         by_b = getattr(system, f"{name}_b")(q, operand, t, b=b)
-        by_b = csr_array((by_b.data, by_b.indices, by_b.indptr), shape=(by_b.shape[0], len(b)))
-        if self._curves:
-            by_b = by_b + self._curves.matrix(name, b, t, q=q, **{OPERATORS[name].operands[0]: operand})
-        return csr_array(hstack([by_q, by_b, self._by_time(name, q, t, operand)]))
+        operands = {OPERATORS[name].operands[0]: operand}
+        curves = self._curves.matrix(name, b, t, q=q, **operands) if self._curves else None
+        return Partials(by_q, by_b, curves, self._by_time(name, q, t, operand))
 
     def _by_time(self, name: str, q: Array, t: float, operand: Array) -> Array:
-        """The same by the time alone (height, 1), which matters where events move the nodes."""
+        """The same by the time alone (height,), which matters where events move the nodes."""
         system, b = self._system, self._b
         if not self._moving:
-            return np.zeros((system.m if name == "Phi_q_xi" else system.nq, 1))
+            return np.zeros(system.m if name == "Phi_q_xi" else system.nq)
         if name == "Phi_q_xi":
-            return np.asarray(system.Phi_q_xi_t(q, operand, t, b=b))[:, None]
-        return np.array([[operand @ system.Phi_q_xi_t(q, xi, t, b=b)] for xi in np.eye(system.nq)])
+            return np.asarray(system.Phi_q_xi_t(q, operand, t, b=b))
+        return np.array([operand @ system.Phi_q_xi_t(q, xi, t, b=b) for xi in np.eye(system.nq)])

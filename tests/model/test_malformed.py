@@ -183,7 +183,7 @@ EDITS = [
         'starting with a letter, but is "left wheel"; r',
     ),
     Wrong("  wheel:\n", "  7:\n", 44, 'force "7"', "its name must be letters, digits, _ and -, starting"),
-    Wrong("name: pendulum\n", "", 1, "model", "name is missing; add it"),
+    Wrong("name: pendulum\n", 'name: ""\n', 1, "model", "name must be a text on one line"),
     Wrong("name: pendulum", "name: 5", 1, "model", "name must be a text, but is 5.0; put it in quotes"),
     Wrong("name: pendulum", "name: ''", 1, "model", 'name must be a text on one line, but is ""; name it'),
     Wrong(

@@ -11,14 +11,10 @@ from jsonschema import Draft202012Validator
 
 from sarrus import mechanisms
 from sarrus.model.file import schema
-from sarrus.model.file.load import read
+from sarrus.model.file.load import load, read
 
 GUIDE = Path(__file__).parents[2] / "docs" / "model-file.md"
-EXAMPLES = [
-    path
-    for path in sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
-    if "\nname:" in path.read_text()  # one is only included by others
-]
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 FULL = """\
 name: all of it
 include: [a.yaml, {file: b.yaml, prefix: b_, parameters: {l: 2*l}}]
@@ -68,7 +64,7 @@ def test_all_forms_are_valid(tmp_path: Path, validator: Draft202012Validator) ->
         ("parameters: {l: 20 mm", "parameters: {l: [1]"),
         ("[[0 mm, 1], [1, 2 N]]", "[[0 mm, 1], [1]]"),
         ("length: 1 m,", ""),
-        ("name: all of it", "description: no name"),
+        ("name: all of it", "name: [all, of, it]"),
     ],
 )
 def test_wrong_files_are_not(old: str, new: str, tmp_path: Path, validator: Draft202012Validator) -> None:
@@ -83,8 +79,15 @@ def test_bodies_may_come_from_included_files(validator: Draft202012Validator) ->
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_the_examples_are_valid(path: Path, validator: Draft202012Validator) -> None:
+def test_the_examples_are_valid_and_load(path: Path, validator: Draft202012Validator) -> None:
     validator.validate(plain(path))
+    assert load(path).name
+
+
+def test_a_file_without_a_name_has_its_own(tmp_path: Path, validator: Draft202012Validator) -> None:
+    (tmp_path / "axle.yaml").write_text("bodies:\n  a: {mass: 1, inertia: [1, 1, 1]}\n")
+    validator.validate(plain(tmp_path / "axle.yaml"))
+    assert load(tmp_path / "axle.yaml").name == "axle"
 
 
 def test_the_schema_tells_editors_the_units() -> None:

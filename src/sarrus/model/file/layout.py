@@ -29,7 +29,10 @@ def layout() -> type[Entry]:
 def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[type, ...]) -> type[Entry]:
     definitions: dict[str, Any] = {
         "schema_": (StrictStr, Field(default="", alias="$schema", description="For editors.")),
-        "name": (StrictStr, Field(description="Any text on one line.")),
+        "name": (
+            StrictStr,
+            Field(default_factory=lambda: None, description="Any text on one line; the file's name if left out."),
+        ),
         "description": (StrictStr, Field(default="", description="For people.")),
         "gravity": (
             list_in("m/s^2", 3),

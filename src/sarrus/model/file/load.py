@@ -107,7 +107,8 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     findings.raise_first()
     said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
-    return Model(entry.name, *parts, origin=document.origin, formulas=said)
+    name = Path(document.origin.file).stem if entry.name is None else entry.name
+    return Model(name, *parts, origin=document.origin, formulas=said)
 
 
 def _build(

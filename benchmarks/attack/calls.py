@@ -91,7 +91,7 @@ def functions() -> dict[str, tuple[Any, dict[str, Any]]]:
         "HHT": (sr.HHT, {"alpha": -0.1}),
         "GeneralizedAlpha": (sr.GeneralizedAlpha, {}),
         "Radau": (sr.Radau, {}),
-        "Event": (sr.Event, {"function": lambda x: 1.0}),
+        "Event": (sr.Event, {"function": lambda t, q, v: 1.0}),
         "Final": (sr.Final, {"of": "slider.x", "name": "a"}),
     }  # fmt: skip
     return {name: call for name, call in found.items() if _fits(*call)}

@@ -19,7 +19,7 @@ from .held import held_coordinates
 from .least_change import LeastChange
 from .length import extent, lever, units
 from .metric import metric as metric_of
-from .misuse import refuse_other_system
+from .misuse import kind, refuse_other_system
 from .open_joints import open_joints
 from .saddle import Saddle
 from .threads import one_thread_if_small
@@ -110,7 +110,10 @@ def assemble(
 
 
 def _vector(name: str, value: ArrayLike, size: int) -> Array:
-    vector = np.array(value, dtype=float)
+    try:
+        vector = np.array(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} must be {size} finite numbers, got {kind(value)}.") from None
     if vector.shape != (size,) or not np.all(np.isfinite(vector)):
         raise ValueError(f"{name} must be {size} finite numbers")
     return vector

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..system import System
+from .misuse import kind
 
 
 def place_of(system: System, name: str) -> int | None:
@@ -31,6 +32,8 @@ def held_coordinates(system: System, fixed: Iterable[str]) -> Array:
     """
     held = np.zeros(system.nq, dtype=bool)
     for name in fixed:
+        if not isinstance(name, str):
+            raise TypeError(f"fixed must be names of bodies or coordinates, got {kind(name)}.")
         if name in system.bodies:
             held[system.coordinates_of(name)] = True
         else:
@@ -46,9 +49,13 @@ def known(system: System, name: str) -> int:
     return place
 
 
-def unknown(system: System, name: str, kind: str) -> str:
+def unknown(system: System, name: str, what: str) -> str:
     """The sentence for a name that does not exist."""
+    if name in system.bodies:
+        return f"{name!r} is a body, not a {what}; give one such as {name}.x, {name}.z or {name}.e0"
     short = [n.replace(".r.", ".").replace(".p.", ".") for n in system.coordinate_names]
-    near = get_close_matches(name, [*system.bodies, *system.rows, *short], 3)
+    known_names = [*system.bodies, *system.rows, *short]
+    near = [one for one in known_names if one.casefold() == name.casefold()]
+    near = near or get_close_matches(name, known_names, 3)
     hint = f"did you mean {' or '.join(near)}?" if near else f"try {system.bodies[0]} or {short[0]}"
-    return f"no {kind} {name!r} in {system.name}; {hint}"
+    return f"no {what} {name!r} in {system.name}; {hint}"

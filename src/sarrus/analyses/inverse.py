@@ -13,7 +13,7 @@ from ..model import reports_warnings
 from ..results import Trajectory
 from ..system import System
 from .length import lever
-from .misuse import refuse_other_system
+from .misuse import kind, refuse_other_system
 from .nullspace import NullSpace
 from .onto import largest
 from .recorded_state import RecordedState, histories, recorded_state
@@ -75,6 +75,10 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
         If the motion is that of other bodies.
     """
     refuse_other_system(system, "inverse_dynamics")
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"inverse_dynamics needs the Trajectory of a run, got {kind(run)}. Call sr.simulate first."
+        )
     if run.bodies != tuple(system.bodies):
         raise ValueError(f"{run.name} has other bodies than {system.name}")
     b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()

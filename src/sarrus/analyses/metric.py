@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..system import System
 from .length import extent, thousands, units
+from .misuse import kind
 
 
 def metric(system: System, given: str | ArrayLike) -> Array:
@@ -31,7 +32,10 @@ def metric(system: System, given: str | ArrayLike) -> Array:
                 f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}'
             )
         return _unit(system) if given == "unit" else _mass(system)
-    weight = np.array(given, dtype=float)
+    try:
+        weight = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f'metric must be "unit", "mass" or numbers, got {kind(given)}.') from None
     if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
         raise ValueError(f"a metric must be {system.nq} positive numbers, one for each coordinate")
     return weight

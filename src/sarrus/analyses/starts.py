@@ -106,7 +106,7 @@ def finite(system: System, name: str, given: ArrayLike) -> Array:
     """
     try:
         found = np.array(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(
             f"{name} must be {system.nq} numbers, an Assembly, a State or an Equilibrium, got {kind(given)}."
         ) from None

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ..model import Model, ModelError, load
+from ..model.arguments import checked
 from ..model.show import suggest
 
 
+@checked
 def load_any(path: str | os.PathLike[str], **wishes: Any) -> Model:
     """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf) or an MJCF (.xml).
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar, cast
 
+from .arguments import checker
 from .errors import SarrusWarning, StrictError
 
 P = ParamSpec("P")
@@ -83,11 +84,14 @@ def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int =
 def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
     """Decorate a public analysis: what is announced in it is issued at its end and stored in its result.
 
-    The analysis has a keyword ``strict``, with which the first message is raised where it arises.
+    The analysis has a keyword ``strict``, with which the first message is raised where it arises. Its arguments are
+    checked before it runs, see `arguments`.
     """
+    check = checker(analysis)
 
     @wraps(analysis)
     def reporting(*args: P.args, **kwargs: P.kwargs) -> R:
+        check(args, kwargs)
         with collecting(bool(kwargs.get("strict", False))) as found:
             result = analysis(*args, **kwargs)
         return with_warnings(result, announce(found.messages))

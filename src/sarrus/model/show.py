@@ -45,7 +45,7 @@ def suggest(wrong: str, right: Iterable[str]) -> str:
 
 
 def _but_for_case(wrong: str, names: list[str]) -> list[str]:
-    return [name for name in names if name.casefold() == wrong.casefold()]
+    return [name for name in names if str(name).casefold() == wrong.casefold()]
 
 
 def _alike(wrong: str, names: list[str]) -> list[str]:

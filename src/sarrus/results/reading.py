@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.arguments import checked
 from .happened import happened_of
 from .saved import arrays_of, recipe_of
 from .solution import State
@@ -17,6 +18,7 @@ from .trajectory import Trajectory
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 
 
+@checked
 def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
     """Open a run saved by ``simulate(..., save=path)``, also one that was cut short or is still going on.
 

@@ -6,7 +6,7 @@ that is not reduced stands for its final value.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,6 +111,8 @@ def responses_of(given: Any) -> tuple[Response, ...]:
         return tuple(Response(str(name), _formula(of, name)) for name, of in given.items())
     if isinstance(given, str) or callable(given):
         given = [given]
+    if not isinstance(given, Sequence):
+        raise SarrusError(f"responses must be formulas such as max(slider.x), but are {given!r:.60}")
     return tuple(Response(_title(of), _formula(of, _title(of))) for of in given)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..model import SarrusError
+from ..model.arguments import checked
 from ..results.result import Result
 from .ledger import read_cases, read_study
 from .parameters import Array
@@ -184,6 +185,7 @@ def _written(entry: Any) -> Any:
     return repr(float(entry)) if isinstance(entry, float | np.floating) else entry
 
 
+@checked
 def open_study(folder: str | Path) -> StudyTable:
     """Read the table of a study from its folder, also while it runs or after it was stopped.
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
+from ...model.arguments import Number, real
 from ...results import Assembly, Steps, StepsTaken
 from ...system import System
 from ..closure import round_off_of
@@ -49,8 +50,8 @@ class _Alpha(Prescribed):
 
     def __post_init__(self) -> None:
         self.scheme()
-        if self.step is not None and not (np.isfinite(self.step) and self.step > 0):
-            raise ValueError(f"step must be a positive time in s, but is {self.step}")
+        if self.step is not None:
+            Number(positive=True)("step", self.step)
 
     def scheme(self) -> loop.Scheme:
         """The coefficients of the method."""
@@ -92,7 +93,7 @@ class HHT(_Alpha):
     stabilized: bool = False
 
     def scheme(self) -> loop.Scheme:
-        if not -1 / 3 <= self.alpha <= 0:
+        if not -1 / 3 <= real("alpha", self.alpha) <= 0:
             raise ValueError(f"alpha of HHT must lie between -1/3 and 0, but is {self.alpha}")
         return _scheme(0.0, -self.alpha)
 
@@ -109,7 +110,7 @@ class GeneralizedAlpha(_Alpha):
     stabilized: bool = False
 
     def scheme(self) -> loop.Scheme:
-        if not 0 <= self.rho_inf <= 1:
+        if not 0 <= real("rho_inf", self.rho_inf) <= 1:
             raise ValueError(f"rho_inf must lie between 0 and 1, but is {self.rho_inf}")
         rho = self.rho_inf
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))

@@ -116,7 +116,7 @@ def simulate(
         where the steps of a run with events cannot be kept.
     """
     refuse_time_limit(time_limit)
-    chosen, watched = _method(method), [events] if isinstance(events, Event) else list(events)
+    chosen, watched = _method(method), _events(events)
     if keep_steps and watched:
         kept_events.refuse(chosen, save is not None)
     try:
@@ -155,6 +155,13 @@ def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
             f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s"
         )
     return times
+
+
+def _events(given: Event | Sequence[Event]) -> list[Event]:
+    found: Sequence[object] = [given] if isinstance(given, Event) else given
+    if not isinstance(found, list | tuple) or not all(isinstance(one, Event) for one in found):
+        raise TypeError(f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}.")
+    return [*found]
 
 
 def _first(step: float | None) -> float:

@@ -74,7 +74,12 @@ def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
         raise ValueError(
             f'{name} with a unit goes by kind, {{"position": "{given}", "orientation": "0.01 deg"}}'
         )
-    values = np.asarray(given, dtype=float)
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(
+            f"{name} must be a number, or {system.nq} numbers, got {type(given).__name__}"
+        ) from None
     if values.shape not in ((), (system.nq,)):
         raise ValueError(
             f"{name} must be a number or {system.nq} numbers, one for each coordinate, but has {values.size}"
@@ -88,7 +93,8 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
     unknown = [kind for kind in given if kind not in KINDS]
     if unknown or "position" not in given:
         raise ValueError(
-            f'{name} by kind needs "position" and may have {", ".join(list(KINDS)[1:])}, but has {", ".join(given)}'
+            f'{name} by kind needs "position" and may have {", ".join(list(KINDS)[1:])}, '
+            f"but has {', '.join(map(str, given))}"
         )
     for kind, value in given.items():
         _refuse(f"{name} of {kind}", np.asarray(value, dtype=float))

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ...model.arguments import checked
 from ...model.errors import ModelError
 from ...model.quantity import triple
 from ..loops import close
@@ -19,6 +20,7 @@ from .loops import closing_joints, mimics_of
 from .notes import notes
 
 
+@checked
 def load_mjcf(
     path: str | os.PathLike[str],
     *,

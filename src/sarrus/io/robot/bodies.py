@@ -29,7 +29,9 @@ def bodies_of(
         If a body has no mass, or an inertia that no body can have.
     """
     if not merged.edges:
-        sentence = 'nothing in it moves; import it with base="floating", or give it a joint that moves'
+        urdf = told.file.lower().endswith(".urdf")
+        remedy = 'import it with base="floating", or give it' if urdf else "give a body"
+        sentence = f"nothing in it moves; {remedy} a joint that moves"
         raise ModelError(sentence, part="robot", where=told.file)
     kind = Body if inertia == "check" else GivenBody
     bodies = []

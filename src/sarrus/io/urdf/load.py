@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ...model.arguments import checked
 from ...model.quantity import Vector, vector
 from ..loops import close
 from ..robot import Robot, Wishes, build
@@ -16,6 +17,7 @@ from .describe import describe
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
 
+@checked
 def load_urdf(
     path: str | os.PathLike[str],
     *,

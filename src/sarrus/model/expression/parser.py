@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from ..arguments import checked
 from ..errors import ModelError
 from ..show import quote, suggest
 from .functions import CONSTANTS, FUNCTIONS
@@ -21,6 +22,7 @@ POWERS = ("**", "^")
 NAMES = ("name", "quoted")
 
 
+@checked
 def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     """Return the tree of a formula.
 

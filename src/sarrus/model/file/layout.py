@@ -31,7 +31,9 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
         "schema_": (StrictStr, Field(default="", alias="$schema", description="For editors.")),
         "name": (
             StrictStr,
-            Field(default_factory=lambda: None, description="Any text on one line; the file's name if left out."),
+            Field(
+                default_factory=lambda: None, description="Any text on one line; the file's name if left out."
+            ),
         ),
         "description": (StrictStr, Field(default="", description="For people.")),
         "gravity": (

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import checked
 from ..body import Body
 from ..drivers import Driver
 from ..errors import ModelError
@@ -26,14 +27,18 @@ if TYPE_CHECKING:
     from .fields import Solids
     from .numbers import Numbers
 
+PACKAGED = Path(__file__).resolve().parents[2] / "mechanisms"
 
+
+@checked
 def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None) -> Model:
     """Read a model from a YAML or JSON file and check all of it.
 
     Parameters
     ----------
     path
-        A file whose name ends in ``.yaml``, ``.yml`` or ``.json``; see docs/model-file.md.
+        A file whose name ends in ``.yaml``, ``.yml`` or ``.json``, see docs/model-file.md; or ``"slider_crank"`` or
+        ``"hmmwv"``, which come with the package.
     parameters
         New values for parameters of the file: numbers in SI units, or texts as in the file.
 
@@ -51,12 +56,19 @@ def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] 
     from .include import with_included
     from .numbers import Numbers
 
-    document = with_included(read(Path(path)))
+    document = with_included(read(shipped(path)))
     exchange(document, parameters or {})
     numbers = Numbers(document.data)
     model = build_model(validate(document, numbers), document, numbers)
     expand(model)
     return model
+
+
+def shipped(path: str | os.PathLike[str]) -> Path:
+    """The path itself, or that of a mechanism of the package if a name of one is given and there is no such file."""
+    own = PACKAGED / f"{path}.yaml"
+    plain = str(path).isidentifier() and not Path(path).exists()
+    return own if plain and own.is_file() else Path(path)
 
 
 def read(path: Path) -> Document:

@@ -74,9 +74,36 @@ def _literal(ctx: dict[str, Any], value: Any) -> str:
 
 def _tag(ctx: dict[str, Any], value: Any) -> str:
     right = [word.strip(" '") for word in str(ctx["expected_tags"]).split(",")]
-    return f"has the unknown type {quote(str(ctx['tag']))}; {suggest(str(ctx['tag']), right)}"
+    given = str(ctx["tag"])
+    meant = [kind for kind in MEANT.get(given.lower().replace(" ", "_"), ()) if kind in right]
+    hint = f"did you mean {' or '.join(map(quote, meant))}?" if meant else suggest(given, right)
+    return f"has the unknown type {quote(given)}; {hint}"
 
 
+MEANT = {  # the types of joints, drivers and forces by other names that they have
+    **dict.fromkeys(("spring", "damper", "spring_damper", "shock", "strut", "actuator"), ("tsda", "rsda")),
+    **dict.fromkeys(("torsion_spring", "rotational_spring", "torsional_spring"), ("rsda",)),
+    **dict.fromkeys(("hinge", "pin", "rotational", "rotary", "pivot"), ("revolute",)),
+    **dict.fromkeys(("slider", "slide", "prismatic", "linear"), ("translational",)),
+    **dict.fromkeys(("ball", "ball_joint", "ball_and_socket", "socket"), ("spherical",)),
+    **dict.fromkeys(("weld", "rigid", "lock", "bolted"), ("fixed",)),
+    **dict.fromkeys(("cardan", "hooke", "u_joint", "cross"), ("universal",)),
+    **dict.fromkeys(
+        ("link", "rod", "massless_link"), ("distance", "revolute_revolute", "revolute_spherical")
+    ),
+    **dict.fromkeys(("helical",), ("screw",)),
+    **dict.fromkeys(("gears", "gear_pair"), ("gear",)),
+    **dict.fromkeys(("rack", "pinion"), ("rack_and_pinion",)),
+    **dict.fromkeys(("motor", "rotation", "angle_driver"), ("angle",)),
+    **dict.fromkeys(("translation", "displacement", "cylinder"), ("travel", "tsda")),
+    **dict.fromkeys(("force", "load"), ("point_force",)),
+    **dict.fromkeys(("moment",), ("torque",)),
+    **dict.fromkeys(("mount", "rubber", "beam"), ("bushing",)),
+    **dict.fromkeys(("contact", "ball_contact"), ("sphere_contact",)),
+    **dict.fromkeys(("wheel", "tire"), ("tyre", "road_tyre")),
+    **dict.fromkeys(("friction",), ("angle_friction", "travel_friction")),
+    **dict.fromkeys(("stop", "limit", "bumper", "end_stop"), ("length_stop", "travel_stop", "angle_stop")),
+}
 LISTS = {  # how a list is written, where three numbers are not the only form
     "inertia": "write it in brackets, as in [1, 1, 1] for the principal moments, or {xx: 1, yy: 1, zz: 1}",
     "orientation": "write Euler parameters as [1, 0, 0, 0], a rotation as {axis: [0, 0, 1], angle: 1.57} or "

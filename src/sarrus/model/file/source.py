@@ -13,6 +13,7 @@ LARGEST = 16 * 1024 * 1024  # bytes
 MOST = 1_000_000  # entries
 ENTRY = re.compile(r"^[ \t]*[^#\s]|,", re.MULTILINE)  # an entry needs a line of its own, or a comma
 SUFFIXES = (".yaml", ".yml", ".json")
+ROBOTS = {".urdf": ("a URDF", "load_urdf"), ".xml": ("an MJCF or URDF", "load_mjcf")}
 
 
 def read_text(path: Path) -> str:
@@ -25,6 +26,9 @@ def read_text(path: Path) -> str:
     """
     if exists(path / "zarr.json"):
         raise _refusal(path, "is the folder of a saved run, not a model; open it with sarrus.load_run")
+    if path.suffix.lower() in ROBOTS:
+        kind, reader = ROBOTS[path.suffix.lower()]
+        raise _refusal(path, f'is {kind}; read it with sarrus.{reader}("{path}"), or with sarrus.load_any')
     if path.suffix.lower() not in SUFFIXES and not (path.suffix == "" and not exists(path)):
         raise _refusal(path, f"must end in {', '.join(SUFFIXES)}; rename it")
     text = _decoded(path, read_bytes(path))

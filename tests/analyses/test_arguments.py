@@ -1,0 +1,99 @@
+"""Arguments that no caller should give: a TypeError or ValueError of ours that names the argument."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus import mechanisms
+from sarrus.model.arguments import CHECKS, Number, Whole, checked
+
+NAN = float("nan")
+HOSTILE: list[Any] = [
+    NAN, float("inf"), "", "text", -1, 10**400, b"x", 1j, [NAN], [None], ["a"], [1, [2]], {1: 2},
+    np.array(["a"]),
+    np.zeros((2, 2)), Path("nowhere"), len, object, sr, sr.HHT,
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def crank() -> tuple[sr.System, sr.Assembly]:
+    system = sr.System(sr.load(mechanisms.path("slider_crank")))
+    return system, sr.assemble(system)
+
+
+CALLS: dict[str, tuple[Callable[..., Any], str]] = {
+    "simulate": (sr.simulate, "until rtol atol max_step first_step t_eval breakpoints events max_steps method strict"),
+    "assemble": (sr.assemble, "q v t tolerance iterations restarts seed fixed rates metric"),
+    "equilibrium": (sr.equilibrium, "q t iterations stable"),
+    "mobility": (sr.mobility, "q t tolerance"),
+    "kinematics": (sr.kinematics, "times q time_limit progress"),
+    "linearize": (sr.linearize, "q v t turning"),
+    "inverse_dynamics": (sr.inverse_dynamics, "run"),
+}  # fmt: skip
+
+
+def error_of(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Exception | None:
+    try:
+        function(*args, **kwargs)
+    except Exception as error:
+        return error
+    return None
+
+
+@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.filterwarnings("ignore::sarrus.SarrusWarning")
+def test_hostile_arguments_are_refused_by_name(name: str, crank: tuple[sr.System, sr.Assembly]) -> None:
+    system, start = crank
+    function, names = CALLS[name]
+    good: dict[str, Any] = (
+        {"until": 0.001} if name == "simulate" else {"times": [0.0]} if name == "kinematics" else {}
+    )
+    good |= {"q": start.q} if name == "linearize" else {}
+    for argument in names.split():
+        for value in HOSTILE:
+            raised = error_of(function, system, **{**good, argument: value})
+            if raised is not None:
+                last = traceback.extract_tb(raised.__traceback__)[-1]
+                ours = "/sarrus/" in last.filename and (last.line or "").startswith("raise")
+                assert ours, (argument, value, raised, last)
+
+
+READERS = [sr.load, sr.load_any, sr.load_urdf, sr.load_run, sr.open_study, sr.parse_expression]
+
+
+@pytest.mark.parametrize("function", READERS)
+def test_what_is_no_path_or_text_is_refused(function: Callable[..., Any]) -> None:
+    for value in (None, 1, 2.5, b"x", [], {}, len, np.zeros(3)):
+        with pytest.raises(TypeError, match=r"(path|folder|text) must be"):
+            function(value)
+
+
+def test_numbers_and_whole_numbers() -> None:
+    Number()("t", np.float64(2.0))
+    Number(positive=True, infinite=True)("max_step", np.inf)
+    for wrong in (0.0, -1.0, NAN, np.inf):
+        with pytest.raises(ValueError, match=r"^step must be a positive number"):
+            Number(positive=True)("step", wrong)
+    with pytest.raises(TypeError, match=r"^seed must be a whole number, got float 1\.5\.$"):
+        Whole()("seed", 1.5)
+    with pytest.raises(TypeError, match="got bool True"):
+        Whole()("seed", True)
+
+
+def test_arguments_that_are_left_out_or_unknown_pass() -> None:
+    @checked
+    def function(path: str, seed: int | None = None, other: Any = None) -> Any:
+        return path, seed, other
+
+    assert function("a", None, other=len) == ("a", None, len)
+    assert function("a", seed=3) == ("a", 3, None)
+    with pytest.raises(TypeError, match="unexpected keyword"):
+        function("a", sead=3)  # type: ignore[call-arg]
+    assert {"until", "path", "seed"} <= CHECKS.keys()

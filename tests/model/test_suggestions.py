@@ -1,0 +1,76 @@
+"""Hints name what was meant: by meaning, without regard to capitals, and with the reader that a file needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import sarrus as sr
+from sarrus.model.drivers import Driver
+from sarrus.model.file.sentences import MEANT
+from sarrus.model.forces import Force
+from sarrus.model.joints import Joint
+from sarrus.model.show import suggest
+
+HEAD = "name: a\nbodies:\n  b: {mass: 1, inertia: [1, 1, 1]}\n"
+
+
+@pytest.mark.parametrize(
+    ("section", "given", "meant"),
+    [
+        ("forces", "spring", '"tsda" or "rsda"'),
+        ("forces", "Damper", '"tsda" or "rsda"'),
+        ("joints", "hinge", '"revolute"'),
+        ("joints", "prismatic", '"translational"'),
+        ("joints", "slider", '"translational"'),
+        ("joints", "ball", '"spherical"'),
+        ("joints", "weld", '"fixed"'),
+        ("drivers", "motor", '"angle"'),
+        ("joints", "Revolute", '"revolute"'),
+    ],
+)
+def test_types_by_other_names(section: str, given: str, meant: str, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(f"{HEAD}{section}:\n  x: {{type: {given}}}\n")
+    with pytest.raises(sr.ModelError, match=rf"unknown type .*; did you mean {meant}\?"):
+        sr.load(tmp_path / "a.yaml")
+
+
+def test_what_is_meant_exists() -> None:
+    kinds = {*Joint.kinds, *Force.kinds, *Driver.kinds}
+    assert {kind for meant in MEANT.values() for kind in meant} <= kinds
+    assert not kinds & MEANT.keys()
+
+
+def test_capitals_do_not_count() -> None:
+    assert suggest("crank.X", ["crank.z", "crank.x"]) == 'did you mean "crank.x"?'
+    assert suggest("q7", [f"p{k}" for k in range(5000)]).startswith("choose from p0")
+
+
+def test_a_robot_file_names_its_reader(tmp_path: Path) -> None:
+    for name, reader in (("a.urdf", "load_urdf"), ("a.xml", "load_mjcf")):
+        (tmp_path / name).write_text("<robot/>")
+        with pytest.raises(sr.ModelError, match=rf"read it with sarrus\.{reader}\(.*sarrus\.load_any"):
+            sr.load(tmp_path / name)
+
+
+def test_shipped_mechanisms_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert len(sr.load("slider_crank").bodies) == len(sr.load_any("slider_crank").bodies) > 0
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(sr.ModelError, match="does not exist"):
+        sr.load("slider_crunk.yaml")
+
+
+def test_a_body_is_no_coordinate() -> None:
+    system = sr.System(sr.load("slider_crank"))
+    with pytest.raises(
+        KeyError, match=r"'crank' is a body, not a coordinate or joint; give one such as crank\.x"
+    ):
+        sr.assemble(system, rates={"crank": 1.0})
+
+
+def test_an_mjcf_where_nothing_moves(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    (tmp_path / "a.xml").write_text('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
+    with pytest.raises(sr.ModelError, match="nothing in it moves; give a body a joint that moves"):
+        sr.load_mjcf(tmp_path / "a.xml")

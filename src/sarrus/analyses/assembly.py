@@ -69,8 +69,9 @@ def assemble(
     q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
     t : time [s]
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
-    rates : velocities that are given, by coordinate [m/s, 1/s] or by joint: those of any angle [rad/s] or travel [m/s],
-        ``"pin"`` where the joint has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
+    rates : velocities that are given, besides the model's initial rates, which count where `v` is left out: by
+        coordinate [m/s, 1/s] or by joint, those of any angle [rad/s] or displacement [m/s], ``"pin"`` where the joint
+        has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
     metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.metric.metric`
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
@@ -96,7 +97,9 @@ def assemble(
     inverse = np.where(held, 0.0, 1 / weight)
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
     speed = _vector("v", system.v0 if v is None else v, system.nq)
-    asked = Asked(guess, speed, weight, held, dict(rates or {}), float(t))
+    asked = Asked(
+        guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t)
+    )
     given = Rates(system, asked.rates)
     reached = _search(system, asked, inverse, tolerance, iterations, restarts, seed)
     if not reached.ok:

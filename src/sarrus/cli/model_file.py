@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..model import Model
+    from ..model import Expression, Model
 
 WISHES = ("base", "mimic", "inertia", "loops")
 
@@ -23,6 +24,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--mimic", choices=("couple", "free", "lock"), help="joints that follow another (couple)"
     )
     parser.add_argument("--inertia", choices=("check", "given"), help="of imported links (check)")
+    parser.add_argument(
+        "--rate",
+        nargs="+",
+        default=[],
+        type=_rate,
+        metavar="JOINT=VALUE",
+        help="initial rates of joints, e.g. pin=5 or pin='50 rpm' or slide='0.2 m/s'",
+    )
     parser.add_argument("--loops", help="file of joints and forces that an imported robot lacks")
 
 
@@ -35,4 +44,28 @@ def read(chosen: argparse.Namespace) -> Model:
     if file in mechanisms.names() and not Path(file).exists():
         file = mechanisms.path(file)
     wishes = {name: getattr(chosen, name) for name in WISHES}
-    return load_any(file, **{name: value for name, value in wishes.items() if value is not None})
+    model = load_any(file, **{name: value for name, value in wishes.items() if value is not None})
+    return _with_rates(model, dict(chosen.rate)) if chosen.rate else model
+
+
+def _with_rates(model: Model, given: dict[str, Expression]) -> Model:
+    """The model with further initial rates."""
+    from ..model.expand import expand
+    from ..model.rates import check_units
+
+    rates = {name: float(tree.value()) for name, tree in given.items()}
+    model = replace(model, rates={**model.rates, **rates})
+    check_units(expand(model), given, None)
+    return model
+
+
+def _rate(text: str) -> tuple[str, Expression]:
+    from ..model import ModelError, parse_expression
+
+    name, equals, value = text.partition("=")
+    try:
+        if equals:
+            return name.strip(), parse_expression(value)
+    except ModelError as error:
+        raise argparse.ArgumentTypeError(f"{text!r}: {error.sentence}") from None
+    raise argparse.ArgumentTypeError(f"must be JOINT=VALUE, but is {text}")

@@ -35,6 +35,11 @@ class Coordinate(NamedTuple):
         return self.measure.label
 
 
+def is_angle(measure: Primitive) -> bool:
+    """Whether a coordinate is an angle, which has revolutions."""
+    return "Memory" in measure.element.fields.values()
+
+
 Known: TypeAlias = Mapping[str, tuple[Coordinate, ...]]  # by the joint's name
 
 

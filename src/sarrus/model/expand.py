@@ -19,6 +19,7 @@ from .names import check_name
 from .pose import GROUND_POSE, Pose, Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, vector
+from .rates import check_rates
 from .show import quote, show
 from .solid import GROUND
 
@@ -71,6 +72,8 @@ def expand(model: Model) -> Expanded:
     known: dict[str, tuple[Coordinate, ...]] = {}
     constraints = (*_joints(model, poses, findings, known), *_drivers(model, poses, findings, known))
     forces = _forces(model, poses, findings)
+    if not findings.errors:
+        check_rates(model, known, findings)
     findings.raise_first()
     coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
     return Expanded(bodies, (*constraints, *_loads(bodies, gravity), *forces), tuple(coordinates))

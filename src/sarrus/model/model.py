@@ -40,6 +40,9 @@ class Model:
         The file that the model was read from.
     formulas
         The parameters of that file, and the formulas that give numbers of the model from them.
+    rates
+        Initial rates of joints, ``{"pin": 5.0, "sleeve.travel": 0.2}`` [rad/s], [m/s]: `assemble` completes the
+        velocities of all bodies by them.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Model:
     drivers: Sequence[Driver] = ()
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
     formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
+    rates: Mapping[str, float] = field(default_factory=dict, kw_only=True)
 
     @property
     def parameters(self) -> Mapping[str, float]:

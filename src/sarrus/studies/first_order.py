@@ -112,7 +112,7 @@ def uncertainty_of(
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    begin = assemble(system, start.q, start.v)
+    begin = assemble(system, start.q, start.v, rates=system.model.rates)
     steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
     watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
     motion = simulate(system, begin, until=run.until, keep_steps=True, **steps, **watched)

@@ -103,7 +103,7 @@ class Simulation(Run):
         grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
         given = {n: getattr(self, n) for n in ("method", "rtol", "atol", "max_step")}
         with collecting():  # the nominal state is a guess for the case
-            begin = assemble(system, start.q, start.v)
+            begin = assemble(system, start.q, start.v, rates=system.model.rates)
         return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
 
     def short(self) -> Run | None:

@@ -17,7 +17,7 @@ from .form import list_of, mapping_of, marked
 from .forms import entry_model
 from .include import IncludeForm
 from .parameters import Parameters
-from .stated import list_in
+from .stated import list_in, number_in
 
 
 def layout() -> type[Entry]:
@@ -53,6 +53,10 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
         "joints": (mapping_of(_any_of(joints)), Field(default={}, description="By name.")),
         "drivers": (mapping_of(_any_of(drivers)), Field(default={}, description="By name.")),
         "forces": (mapping_of(_any_of(forces)), Field(default={}, description="By name.")),
+        "rates": (
+            mapping_of(number_in("")),
+            Field(default={}, description="Initial rates of joints by name [rad/s], [m/s]."),
+        ),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
     model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)

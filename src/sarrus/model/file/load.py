@@ -12,12 +12,14 @@ from ..body import Body
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expand import expand
+from ..expression import Expression
 from ..findings import Findings
 from ..forces import Force
 from ..formulas import Formulas
 from ..joints import Joint
 from ..model import Model
 from ..quantity import number
+from ..rates import SECTION, check_units
 from ..show import quote, suggest
 from ..solid import GROUND, ground
 
@@ -60,7 +62,7 @@ def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] 
     exchange(document, parameters or {})
     numbers = Numbers(document.data)
     model = build_model(validate(document, numbers), document, numbers)
-    expand(model)
+    check_units(expand(model), _written_rates(model), model.origin)
     return model
 
 
@@ -69,6 +71,15 @@ def shipped(path: str | os.PathLike[str]) -> Path:
     own = PACKAGED / f"{path}.yaml"
     plain = str(path).isidentifier() and not Path(path).exists()
     return own if plain and own.is_file() else Path(path)
+
+
+def _written_rates(model: Model) -> dict[str, Expression]:
+    """The initial rates that were written as formulas."""
+    return {
+        str(path[1]): tree
+        for path, tree in model.expressions.items()
+        if path[0] == SECTION and len(path) == 2
+    }
 
 
 def read(path: Path) -> Document:
@@ -120,7 +131,7 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
     name = Path(document.origin.file).stem if entry.name is None else entry.name
-    return Model(name, *parts, origin=document.origin, formulas=said)
+    return Model(name, *parts, origin=document.origin, formulas=said, rates=dict(entry.rates))
 
 
 def _build(

@@ -1,0 +1,92 @@
+"""Initial rates of joints, in models, model files and the shell."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.cli import main
+
+FILE = """name: arm
+bodies:
+  crank: {mass: 1, inertia: [1, 1, 1], position: [0.5, 0, 0]}
+  block: {mass: 1, inertia: [1, 1, 1], position: [1, 1, 0]}
+joints:
+  pin: {type: revolute, bodies: [ground, crank], point: [0, 0, 0], axis: [0, 0, 1]}
+  sleeve: {type: cylindrical, bodies: [ground, block], point: [1, 1, 0], axis: [1, 0, 0]}
+"""
+RATES = "rates: {pin: 30 rpm, sleeve.travel: 20 cm/s, sleeve.angle: 2}\n"
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "arm.yaml"
+    file.write_text(text)
+    return file
+
+
+def test_rates_of_a_file_are_the_velocities_of_the_start(tmp_path: Path) -> None:
+    system = sr.System(sr.load(written(tmp_path, FILE + RATES)))
+    run = sr.simulate(system, until=0.5)
+    assert run["crank"].angular_velocity[0] == pytest.approx([0, 0, np.pi])
+    assert run["crank"].velocity[0] == pytest.approx([0, np.pi / 2, 0])
+    assert run["block"].velocity[-1] == pytest.approx([0.2, 0, 0])
+    assert run["block"].angular_velocity[0] == pytest.approx([2.0, 0, 0])
+
+
+def test_rates_add_to_those_of_the_model_and_give_way_to_velocities(tmp_path: Path) -> None:
+    system = sr.System(sr.load(written(tmp_path, FILE + RATES)))
+    other = sr.assemble(system, rates={"pin": 1.0})
+    assert system.joint("pin")["angle"].rate(other.q, other.v) == pytest.approx(1.0)
+    assert system.joint("sleeve")["travel"].rate(other.q, other.v) == pytest.approx(0.2)
+    assert sr.assemble(system, v=np.zeros(system.nq)).v == pytest.approx(np.zeros(system.nq))
+
+
+def test_studies_begin_with_the_rates(tmp_path: Path) -> None:
+    model = sr.load(written(tmp_path, FILE + RATES))
+    analysis = sr.Simulation(until=0.5)
+    found = sr.study(model, {"crank.mass": [1.0]}, {"y": "final(block.x)"}, analysis=analysis, workers=1)
+    assert found["y"] == pytest.approx([1.1])
+    spread = sr.uncertainty(model, {"block.mass": sr.Range(1, 2)}, {"y": "final(block.x)"}, analysis=analysis)
+    assert spread.values == pytest.approx([1.1])
+
+
+@pytest.mark.parametrize(
+    ("rates", "told"),
+    [
+        ("{pn: 1}", r'arm.yaml:8: .*there is no joint "pn" with an angle or a travel; did you mean "pin"'),
+        ("{sleeve: 1}", r"give sleeve.travel or sleeve.angle|give sleeve.angle or sleeve.travel"),
+        ("{pin: 3 m/s}", r"rates: pin is in m s\^-1; give it in rad/s"),
+        ("{sleeve.travel: 30 rpm}", "give it in m/s"),
+        ("{pin: .nan}", "pin"),
+        ("[1, 2]", "rates"),
+        ("{pin: '2*${speed}'}", r"rates: pin depends on \"speed\"; give a number in rad/s"),
+    ],
+)
+def test_wrong_rates_are_refused(tmp_path: Path, rates: str, told: str) -> None:
+    text = FILE + f"rates: {rates}\n" + ("parameters: {speed: 3}\n" if "speed" in rates else "")
+    with pytest.raises(sr.ModelError, match=told):
+        sr.load(written(tmp_path, text))
+
+
+def test_a_model_checks_its_rates(tmp_path: Path) -> None:
+    model = sr.load(written(tmp_path, FILE))
+    for rates in ({"pn": 1.0}, {"pin": np.nan}, {"pin": "fast"}, [1.0]):
+        with pytest.raises(sr.ModelError, match="rates"):
+            sr.System(replace(model, rates=rates))  # type: ignore[arg-type]
+
+
+def test_the_shell_takes_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(written(tmp_path, FILE + RATES))
+    words = ["run", file, "--until", "0.5", "--rate", "pin=60 rpm", "sleeve.travel=-0.1", "-q", "--json"]
+    assert main(words) == 0
+    bodies = json.loads(capsys.readouterr().out)["bodies"]
+    assert bodies["crank"]["angular_velocity"][2] == pytest.approx(2 * np.pi, rel=1e-4)
+    assert bodies["block"]["velocity"][0] == pytest.approx(-0.1)
+    for wrong, told in (("pin", "JOINT=VALUE"), ("pin=1 m/s", "give it in rad/s"), ("pn=1", "did you mean")):
+        assert main(["run", file, "--rate", wrong, "-q"]) == 2
+        assert told in capsys.readouterr().err

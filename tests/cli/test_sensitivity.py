@@ -196,3 +196,18 @@ def test_a_missing_column_is_named(tmp_path: Path) -> None:
     file = written(tmp_path, FIT.replace("slider.r.x", "slider.q"))
     with pytest.raises(ModelError, match=r"has no column 'slider.q'"):
         read_optimization_file(file, load)
+
+
+def test_the_shell_has_the_tolerances_of_python() -> None:
+    """One default, from one place, of everything that simulates."""
+    from inspect import signature
+
+    from sarrus.cli.parser import build
+    from sarrus.defaults import ATOL, RTOL
+
+    for function in (sr.simulate, sr.Problem, sr.sensitivity_by_checkpoints, sr.Simulation):
+        known = signature(function).parameters
+        assert (known["rtol"].default, known["atol"].default) == (RTOL, ATOL), function
+    for line in (["run", "slider_crank"], ["sensitivity", "slider_crank", "--response", "slider.x"]):
+        chosen = build(line[:1]).parse_args(line)
+        assert (chosen.rtol, chosen.atol) == (RTOL, ATOL)

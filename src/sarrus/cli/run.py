@@ -29,7 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the end time, and what to write."""
     model_file.arguments(parser)
     shared.times(parser)
-    shared.tolerances(parser, 1e-8, 1e-10)
+    shared.tolerances(parser)
     shared.method(parser)
     shared.time_limit(parser)
     parser.add_argument(

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from ..defaults import ATOL, RTOL
 from .values import figure_file, finite, intervals, natural, positive
 
 METHODS = ("hht", "generalizedalpha", "radau", "ode", "ida")
@@ -30,10 +31,10 @@ def until(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
 
 
-def tolerances(parser: argparse.ArgumentParser, rtol: float, atol: float) -> None:
+def tolerances(parser: argparse.ArgumentParser) -> None:
     """``--rtol`` and ``--atol`` of a simulation."""
-    parser.add_argument("--rtol", type=positive, default=rtol, help=f"relative tolerance ({rtol:g})")
-    parser.add_argument("--atol", type=positive, default=atol, help=f"absolute tolerance ({atol:g})")
+    parser.add_argument("--rtol", type=positive, default=RTOL, help=f"relative tolerance ({RTOL:g})")
+    parser.add_argument("--atol", type=positive, default=ATOL, help=f"absolute tolerance ({ATOL:g})")
 
 
 def method(parser: argparse.ArgumentParser, of: tuple[str, ...] = METHODS) -> None:

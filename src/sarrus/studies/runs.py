@@ -21,6 +21,7 @@ from ..analyses import (
 from ..analyses.dynamics import METHODS
 from ..analyses.sensitivity.outputs import Outputs
 from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
+from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
 from ..model.show import show, suggest
 from ..model.written import written_numbers
@@ -93,8 +94,8 @@ class Simulation(Run):
     until: float
     steps: int = 1000
     method: Any = None
-    rtol: float = 1e-6
-    atol: float = 1e-8
+    rtol: float = RTOL
+    atol: float = ATOL
     max_step: float = np.inf
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:

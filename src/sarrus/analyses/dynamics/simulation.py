@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...defaults import ATOL, RTOL
 from ...model import announce, reports_warnings
 from ...results import Trajectory
 from ...system import System
@@ -57,8 +58,8 @@ def simulate(
     until: float,
     t_eval: ArrayLike | None = None,
     method: Method | None = None,
-    rtol: Given = 1e-6,
-    atol: Given = 1e-8,
+    rtol: Given = RTOL,
+    atol: Given = ATOL,
     max_step: float = np.inf,
     first_step: float | None = None,
     events: Event | Sequence[Event] = (),

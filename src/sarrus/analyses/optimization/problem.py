@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...algebra import Array
+from ...defaults import ATOL, RTOL
 from ...model import SarrusError, announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
@@ -88,8 +89,8 @@ class Problem:
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
         method: HHT | GeneralizedAlpha | Radau | None = None,
-        rtol: float = 1e-6,
-        atol: float = 1e-8,
+        rtol: float = RTOL,
+        atol: float = ATOL,
         max_step: float = np.inf,
         events: Event | Sequence[Event] = (),
         memory: float | None = None,

@@ -12,6 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...algebra import Array
+from ...defaults import ATOL, RTOL
 from ...model import reports_warnings
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
@@ -58,8 +59,8 @@ def sensitivity_by_checkpoints(
     until: float,
     start: Start | None = None,
     method: HHT | GeneralizedAlpha | Radau | None = None,
-    rtol: Given = 1e-6,
-    atol: Given = 1e-8,
+    rtol: Given = RTOL,
+    atol: Given = ATOL,
     max_step: float = np.inf,
     events: Event | Sequence[Event] = (),
     memory: float = 100e6,

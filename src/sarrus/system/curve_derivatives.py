@@ -24,7 +24,7 @@ from .._jit.replay import OPERATIONS, needed
 from ..algebra import Array
 from ..elements.operators import OPERATORS, Axis
 from ..elements.recorder import Variant, record, structure
-from ..model import Curve
+from ..model import Curve, Formula
 from ..model.coordinates import WIDTH
 from ..model.curve import Tree
 from .population import Population
@@ -174,7 +174,7 @@ class CurveDerivatives:
         it and its first two derivatives by x; the columns of the curve's numbers that count there; by each of these
         the derivatives of f⁽ᵒ⁾, and those of f⁽ᵒ⁺¹⁾
         """
-        curve = p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+        curve = stored(p, k, place)
         bases = [self._basis(p, k, place, order + n, x) for n in range(2)]
         numbers = np.unique(bases[0][0]).tolist()
         by = [[np.sum(basis * (at == n), axis=0) for n in numbers] for at, basis in bases]
@@ -198,7 +198,7 @@ class CurveDerivatives:
     ) -> list[Part]:
         """Those of all elements of a population, which are evaluated together."""
         recipe = _recipe(p.variant, name)
-        found = self._evaluated(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
+        found = self.on_elements(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
         count = len(recipe.calls)
         slopes = found[count:].reshape(*recipe.partials.shape, *found.shape[1:])
         return [
@@ -211,7 +211,7 @@ class CurveDerivatives:
             for j, (order, place, _) in enumerate(recipe.calls)
         ]
 
-    def _evaluated(
+    def on_elements(
         self, p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
         memory: Mapping[int, Any], operands: Mapping[str, Any],
     ) -> Array:  # fmt: skip
@@ -252,7 +252,7 @@ class CurveDerivatives:
     def _basis(self, p: Population, k: int, place: int, order: int, x: Array) -> tuple[Array, Array]:
         """Columns (numbers, nt) of a curve's numbers, and the derivatives of f⁽ᵒ⁾(x) by them (numbers, nt)."""
         at = int(self._system.b[p.at + k * p.kind.size() + place])
-        curve = p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+        curve = stored(p, k, place)
         if isinstance(curve, Curve):
             piece, powers = _powers(curve, x, order)
             return at + 2 + len(curve.cubics) + 4 * piece + np.arange(4)[:, None], powers
@@ -288,7 +288,7 @@ def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
 
 def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     """A derivative of a recorded function of one variable (nt,)."""
-    graph, found, nodes = _recorded(function if isinstance(function, Tree) else _User(function), order)
+    graph, found, nodes = _recorded(_known(function), order)
     value = evaluated(graph, [found], {("x",): x}, MANY, nodes)[0]
     return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
 
@@ -325,6 +325,27 @@ def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, li
 def _by_numbers(written: Any) -> list[Any]:
     """The derivatives of a written formula by its numbers, as functions."""
     return list(written.slopes())
+
+
+def formula_graph(law: Formula) -> tuple[Graph, Expression]:
+    """A formula as it was recorded."""
+    graph, found, _ = _recorded(_known(law.function), 0)
+    return graph, found
+
+
+def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
+    """What a formula computes on the way (wanted, nt)."""
+    values = evaluated(formula_graph(law)[0], wanted, {("x",): x}, MANY)
+    return np.array([np.broadcast_to(value, x.shape) for value in values], dtype=float).reshape(-1, *x.shape)
+
+
+def _known(function: Callable[[Any], Any]) -> Tree | _User:
+    return function if isinstance(function, Tree) else _User(function)
+
+
+def stored(p: Population, k: int, place: int) -> Any:
+    """The curve that is stored in number `place` of an element."""
+    return p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
 
 
 def _value(curve: Any, x: Array, order: int) -> Array:

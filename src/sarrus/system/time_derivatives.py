@@ -43,7 +43,7 @@ class TimeDerivatives(CurveDerivatives):
         graph, places, by_t = _by_time(p.variant, name)
         if not places:
             return parts
-        slopes = self._evaluated(p, graph, by_t, needed(graph, by_t), b, memory, operands)
+        slopes = self.on_elements(p, graph, by_t, needed(graph, by_t), b, memory, operands)
         columns = np.full((1, *operands["t"].shape), self.width - 1)
         rows = [[self._row(p, k, name, *place) for place in places] for k in range(p.count)]
         own = [Part(np.array(rows[k]), slopes[:, k], columns, np.ones(columns.shape)) for k in range(p.count)]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
-from ...model import reports_warnings
+from ...model import announce, reports_warnings
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
@@ -26,6 +26,7 @@ from ..progress import Progress, TimeLimit, monitor
 from ..starts import Start, start_of
 from ..threads import one_thread_if_small
 from .chain import FIELDS, Gradients, Nodes, through
+from .corners import corners
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
 from .evaluation import Evaluation, Explicit, where_of
 from .fine import fine
@@ -310,6 +311,7 @@ class LongGradient:
     ) -> None:
         """Backwards over one stretch, of which nothing stays but what is added up."""
         stretch = self._run.stretch(n)
+        announce(corners(self._run.system, stretch.steps))
         angles = self._angles(n, stretch)
         present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
         total.values[present] += evaluation.values

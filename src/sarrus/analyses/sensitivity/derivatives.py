@@ -9,12 +9,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...model import reports_warnings
+from ...model import announce, reports_warnings
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from ..progress import Progress, monitor
 from ..threads import one_thread_if_small
 from .chains import AnyChain, chain_of, curved_chain
+from .corners import corners
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
 from .parameters import Design, Parameters
@@ -103,6 +104,7 @@ def differentiated(
     """Derivatives of responses of kept steps, which may have been evaluated; see `sensitivity`."""
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
     refuse_undefined((one.title for one in responses), evaluation.values)
+    announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.restitutions)
     missing = undefined(system, steps, parameters)
     if method == "adjoint":
@@ -140,6 +142,7 @@ def state_derivatives(
         raise ValueError("wrt names no number by which the states are differentiated; name some")
     parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
+    announce(corners(run.system, steps))
     found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
     reported = Reported(run.system, steps)
     if reported.redundant:
@@ -226,6 +229,7 @@ def _curvature(
     steps = kept(run)
     parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
+    announce(corners(run.system, steps))
     wanted = as_responses(response)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)

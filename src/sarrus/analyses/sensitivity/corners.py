@@ -1,0 +1,158 @@
+"""Corners of force laws that steps of a run pass at once: first touches, reversals of friction, kinks of laws.
+
+The steps of a run do not change with its numbers. A step within which a force turns a corner has an error that jumps as
+the corner moves through it: small in the states, as tolerances ask, but not in their derivatives. A rounded corner is
+passed well by steps that are not longer than its rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..._jit.expression import Expression, Graph
+from ..._jit.replay import needed
+from ...algebra import Array
+from ...elements.operators import OPERATORS
+from ...elements.recorder import Variant
+from ...model import Formula
+from ...results import Pieces, StepsTaken
+from ...system import System
+from ...system.curve_derivatives import CurveDerivatives, entries_of, formula_graph, formula_values, stored
+from ...system.population import Population
+
+LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
+REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
+CHUNK = 10_000  # nodes that are looked at together
+ON_IT = 1e-9  # of the largest argument: a step that ends at a corner does not pass it
+REMEDY = (
+    "within single steps, so that derivatives may be inaccurate. Use Radau() with rtol=1e-10 or less, "
+    "or a larger rounding"
+)
+
+
+class Corners(NamedTuple):
+    """What a kind of force is made of: its entries, arguments whose sign counts, of tanh, and of curves, with place."""
+
+    graph: Graph
+    entries: list[Expression]
+    signs: list[Expression]
+    reversals: list[Expression]
+    curves: list[tuple[int, Expression]]
+
+
+def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
+    """One message for each part of the model whose force turns a corner within one step."""
+    pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
+    forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
+    owners = dict.fromkeys(
+        owner
+        for p in forces
+        if _of(p.variant).signs or _of(p.variant).reversals or _with_kinks(p)
+        for piece in pieces
+        for owner in _owners(system, p, piece)
+    )
+    return [f"{owner}: its force sets in, ends or reverses {REMEDY}." for owner in owners]
+
+
+@cache
+def _of(variant: Variant) -> Corners:
+    graph, _, entries = entries_of(variant, "Q")
+    nodes = {n: graph.nodes[n] for n in needed(graph, entries)}
+
+    def arguments(op: str) -> list[Expression]:
+        return [Expression(graph, node.args[-1]) for node in nodes.values() if node.op == op]
+
+    places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
+    return Corners(
+        graph,
+        entries,
+        arguments("positive"),
+        arguments("tanh"),
+        list(zip(places, arguments("curve"), strict=True)),
+    )
+
+
+def _with_kinks(p: Population) -> bool:
+    return any(isinstance(x, Formula) and _signs_of(x) for values in p.values for x in values)
+
+
+def _signs_of(law: Formula) -> list[Expression]:
+    """What a law takes the sign of."""
+    graph, found = formula_graph(law)
+    return [
+        Expression(graph, graph.nodes[n].args[0])
+        for n in needed(graph, [found])
+        if graph.nodes[n].op == "positive"
+    ]
+
+
+def _owners(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
+    """The parts of the model of a kind of force that turn a corner within one step."""
+    for begin in range(0, len(steps), CHUNK):
+        rows = slice(begin, begin + CHUNK + 1)
+        memory = dict(zip(steps.places.tolist(), _memory(steps)[rows].T, strict=True))
+        operands = {"q": steps.q[rows], "v": steps.v[rows], "t": steps.t[rows]}
+        for k, passed in enumerate(_passed(system, p, steps.b, memory, operands)):
+            if passed:
+                yield p.owners[k]
+
+
+def _memory(steps: StepsTaken) -> Array:
+    """What elements remembered at each node."""
+    return np.concatenate([steps.memory, steps.memory[-1:]])
+
+
+def _passed(
+    system: System, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Array]
+) -> list[bool]:
+    """Whether each element of a kind turns a corner within one step."""
+    graph, entries, signs, reversals, curves = _of(p.variant)
+    wanted = [*entries, *signs, *reversals, *(x for _, x in curves)]
+    values = CurveDerivatives(system).on_elements(
+        p, graph, wanted, needed(graph, wanted), b, memory, operands
+    )
+    forces, values = values[: len(entries)], values[len(entries) :]
+    acts = np.any(forces != 0, axis=0)  # (elements, nt)
+    at_work = acts[:, 1:] | acts[:, :-1]
+    at_signs, values = values[: len(signs)], values[len(signs) :]
+    at_reversals, at_curves = values[: len(reversals)], values[len(reversals) :]
+    found = []
+    for k in range(p.count):
+        passed = _corner(at_signs[:, k])
+        for x in at_reversals[:, k]:
+            passed |= (x[1:] * x[:-1] < 0) & (abs(np.diff(x)) > REVERSAL)
+        for (place, _), x in zip(curves, at_curves[:, k], strict=True):
+            law = stored(p, k, place)
+            if isinstance(law, Formula) and _signs_of(law):
+                passed |= _corner(formula_values(law, _signs_of(law), x))
+        found.append(bool(np.any(passed & at_work[k])))
+    return found
+
+
+def _corner(x: Array) -> Array:
+    """Whether steps pass a corner at once (steps,), of the arguments whose sign counts (arguments, nt).
+
+    A rounded corner is a band: of u, and of u₊ - 1; steps are short enough that change u by less than two.
+    """
+    passed = np.zeros(x.shape[1] - 1, dtype=bool)
+    bands, own = list[Array](), set[int]()
+    for i, u in enumerate(x):
+        top = np.maximum(u, 0) - 1
+        partners = [
+            j for j, other in enumerate(x) if j != i and np.allclose(other, top, rtol=1e-9, atol=1e-12)
+        ]
+        if partners:
+            bands.append(u)
+            own |= {i, *partners}
+    for u in bands:
+        low, high = np.minimum(u[1:], u[:-1]), np.maximum(u[1:], u[:-1])
+        passed |= (low < 1) & (high > 0) & (high - low > LONG)
+    for i, kink in enumerate(x):
+        if i not in own and not any(np.array_equal(kink > 0, u > 1) for u in bands):
+            small = ON_IT * abs(kink).max(initial=0.0)
+            passed |= (kink[1:] * kink[:-1] < 0) & (np.minimum(abs(kink[1:]), abs(kink[:-1])) > small)
+    return passed

@@ -22,7 +22,7 @@ B_BODY = sr.Body(
     orientation=Rotation.from_rotvec([-1, 0.2, 0.7]).as_matrix(),
 )
 ABOUT = {"body_i": A_BODY, "body_j": B_BODY, "point": (0.2, 0.1, 0.5), "axis": (1, 2, -2)}
-MATRIX = np.random.default_rng(3).normal(size=(6, 6))
+MATRIX = np.random.default_rng(3).normal(size=(6, 6)) + 5 * np.eye(6)  # gives no energy
 
 PAIRS = [
     sr.Bushing("f", A_BODY, B_BODY, (0.2, 0.1, 0.5), stiffness=MATRIX, damping=MATRIX.T, preload=range(6)),

@@ -12,7 +12,7 @@ from sarrus.elements import Force as ForceElement
 from sarrus.elements import Primitive as Constraint
 from sarrus.elements.element import Curve, Memory, Scalar, Vec3
 from sarrus.elements.evaluation import element_from, grid
-from sarrus.model import Force, Joint
+from sarrus.model import Force, Joint, ModelError
 
 pytestmark = pytest.mark.usefixtures("own_classes")
 
@@ -181,3 +181,82 @@ def test_a_field_of_memory_needs_a_method_that_remembers():
 
             def Q(self, x, v, t):
                 return row(self.turns * x.r)[0], None
+
+
+def push(q):
+    """A system with an element of one's own that returns this for Q."""
+    import sarrus as sr
+    from sarrus.model.primitive import Primitive
+
+    class Push(ForceElement, bodies=1, derivatives="automatic"):
+        f: Vec3
+
+        def Q(self, x, v, t):
+            return q(self, x, v, t)
+
+    class Pushed(Force):
+        def __init__(self, body):
+            object.__setattr__(self, "name", "pushed")
+            object.__setattr__(self, "body", body)
+
+        def primitives(self, poses):
+            yield Primitive(Push, (self.body,), ((1.0, 0.0, 0.0),), "push")
+
+    body = sr.Body("b", 1.0, (1, 1, 1))
+
+    def forced(name):
+        system = sr.System(sr.Model("m", [body], [], [Pushed(name or body)]))
+        return system.Q(q=system.q0, v=system.v0, t=0.0)
+
+    return forced
+
+
+def test_a_body_in_the_place_of_its_name():
+    with pytest.raises(ModelError, match=r'force "pushed": .*its bodies must be names, .*give body\.name'):
+        push(lambda self, x, v, t: (self.f, None))("")
+
+
+WRONG_Q = {
+    "one block": lambda self, x, v, t: (self.f,),
+    "an array": lambda self, x, v, t: self.f,
+    "nothing": lambda self, x, v, t: None,
+    "a number": lambda self, x, v, t: 1.0,
+    "a short block": lambda self, x, v, t: (self.f[:2], None),
+    "a long block": lambda self, x, v, t: (self.f, x.r),
+    "a scalar block": lambda self, x, v, t: (self.f[0], None),
+}
+
+
+@pytest.mark.parametrize("what", WRONG_Q)
+def test_a_kernel_of_a_wrong_shape_is_named(what):
+    with pytest.raises(ElementError, match=r"element Push: Q must return 2 blocks .* of 3, 4 entries"):
+        push(WRONG_Q[what])("b")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda row: row[0],
+        lambda row: (row[0],),
+        lambda row: (row[0][0, 0], None),
+        lambda row: (row[0].T[:2], None),
+    ],
+)
+def test_a_written_derivative_of_a_wrong_shape_is_named(wrong):
+    """The defect: 'Expression' object has no attribute 'shape'."""
+    right = plane()
+    kind = type(Constraint)(
+        "Odd", (right,), {"Phi_q": lambda self, x: wrong(right.Phi_q(self, x))}, rows=1, bodies=1
+    )
+    graph = Graph()
+    element = element_from(kind, graph.inputs("numbers", kind.size()))
+    with pytest.raises(
+        ElementError, match=r"element Odd: Phi_q must return 2 blocks .* of 1 rows and 3, 4 columns"
+    ):
+        grid(element, OPERATORS["Phi_q"], {"q": graph.inputs("q", 7), "t": graph.input("t")})
+
+
+def test_a_random_kernel_is_refused():
+    """It was compiled with the number that it drew first."""
+    with pytest.raises(ElementError, match="element Push: Q is another formula each time"):
+        push(lambda self, x, v, t: (self.f * np.random.default_rng().normal(), None))("b")

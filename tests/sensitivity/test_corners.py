@@ -56,7 +56,9 @@ def test_second_derivatives_states_and_checkpoints_say_it_too() -> None:
 
 
 @pytest.mark.parametrize(("rounding", "tolerance", "until"), [(0.02, 1e-8, 0.5), (1e-4, 1e-6, 0.2)])
-def test_a_resolved_touch_and_a_flight_are_not_warned_of(rounding: float, tolerance: float, until: float) -> None:
+def test_a_resolved_touch_and_a_flight_are_not_warned_of(
+    rounding: float, tolerance: float, until: float
+) -> None:
     fallen = run(ball(rounding), until, tolerance)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

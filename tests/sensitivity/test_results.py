@@ -47,3 +47,14 @@ def test_states_over_time_by_name(run: sr.Trajectory) -> None:
         found["slidr.x", "spring.k"]
     with pytest.raises(KeyError, match="a coordinate and a number are needed"):
         found["spring.k"]
+
+
+def test_a_gradient_is_read_as_a_mapping(run: sr.Trajectory) -> None:
+    found = sr.sensitivity(run, "slider.x", WRT)
+    assert list(found) == list(found.keys()) == list(found.names)
+    assert dict(found) == {name: found[name] for name in found.names}
+    assert dict(found.items()) == dict(found)
+    assert "spring.k" in found
+    assert len(found) == 4
+    with pytest.raises(TypeError, match=r'read by name, g\["spring\.k"\], .* the array is g\.matrix'):
+        found[0]  # type: ignore[index]

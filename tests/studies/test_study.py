@@ -15,7 +15,7 @@ from tests.studies import own
 
 import sarrus as sr
 from sarrus.model import Model, SarrusError
-from sarrus.studies import Grid, Range, Simulation, Sobol, Statics, Vibration, open_study, study
+from sarrus.studies import Grid, Kinematics, Range, Simulation, Sobol, Statics, Vibration, open_study, study
 from sarrus.studies.ledger import CASES, STUDY
 
 SHORT = Simulation(until=0.2, steps=50)
@@ -148,10 +148,20 @@ def test_misuse_is_refused_before_anything_is_run(model: Model, change: dict[str
         study(model, asked.pop("parameters"), asked.pop("responses"), **asked)
 
 
-def test_an_unknown_output_is_the_sentence_of_every_case(model: Model) -> None:
-    found = study(model, K, "max(slider.w)", analysis=SHORT, workers=1)
-    assert not found.success.any()
-    assert "has no output 'slider.w'" in found.failures[0]
+@pytest.mark.parametrize("analysis", [SHORT, Statics(), Vibration(), Kinematics(until=0.1)])
+def test_an_unknown_output_is_refused_before_any_case_is_run(model: Model, analysis: Any) -> None:
+    """Not as the message of every case, after all of them were run."""
+    done: list[int] = []
+    with pytest.raises(SarrusError, match=r"response 'reach': .* has no output 'slider\.w'"):
+        study(model, K, {"k": "spring.k", "reach": "max(slider.w)"}, analysis=analysis, progress=done.append)
+    assert not done
+
+
+def test_times_after_the_end_and_values_that_are_no_numbers_are_refused_at_once(model: Model) -> None:
+    with pytest.raises(SarrusError, match="needs times between 0 and"):
+        study(model, K, "at(slider.x, 99)", analysis=SHORT)
+    with pytest.raises(SarrusError, match=r"'spring\.k': listed values must be finite"):
+        study(model, {"spring.k": [10.0, float("nan")]}, "slider.x", analysis=SHORT)
 
 
 def test_any_executor(model: Model) -> None:

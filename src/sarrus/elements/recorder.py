@@ -12,7 +12,7 @@ import numpy as np
 from .._jit.emit import Output, Recording
 from .._jit.expression import Expression, Graph
 from ..algebra import Array
-from .element import Element
+from .element import Element, ElementError
 from .evaluation import BODY_OPERANDS, element_from, grid, partition
 from .operators import ALIASES, OPERATORS, Axis, Operator
 
@@ -68,7 +68,34 @@ def variants(kind: type[Element]) -> tuple[Variant, ...]:
 
 
 def record(variant: Variant, names: tuple[str, ...]) -> Recording:
-    """Record the operators `names` of an element type in one graph."""
+    """Record the operators `names` of an element type in one graph.
+
+    Raises
+    ------
+    ElementError
+        For a user's kernel that computes something else when it is called again.
+    """
+    _refuse_changing(variant)
+    return _recorded(variant, names)
+
+
+@cache
+def _refuse_changing(variant: Variant) -> None:
+    """Call a user's formula twice: one with random numbers would be compiled as it was the first time."""
+    kind = variant.kind
+    if kind.__module__.startswith("sarrus.elements"):
+        return
+    for name in ("Phi", "Q", "M", "S"):
+        if OPERATORS[name] in kind.family:
+            first, again = (_recorded(variant, (name,)).fingerprint() for _ in range(2))
+            if first != again:
+                raise ElementError(
+                    f"element {kind.__name__}: {name} is another formula each time it is called, as with random "
+                    "numbers. Draw them first, and hand them over in fields or as a law over time."
+                )
+
+
+def _recorded(variant: Variant, names: tuple[str, ...]) -> Recording:
     graph, kind = Graph(), variant.kind
     operands = {name: _symbols(graph, variant, name) for name in operands_of(names)}
     operands |= {name: operands[same] for name, same in ALIASES.get(names, {}).items()}

@@ -135,6 +135,7 @@ def ask(
     if not task.responses:
         raise SarrusError("a study needs a response; give one such as max(slider.x)")
     found = {key: _parameter(key, given) for key, given in parameters.items()}
+    run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
     return Asked(name or source.model.name, task, found, chosen, chosen.cases(found))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
@@ -28,6 +28,7 @@ from ..model.written import written_numbers
 from ..results import Equilibrium, Modes, Trajectory
 from ..system import System
 from .parameters import Array, number, whole
+from .responses import Response
 from .source import Start
 
 
@@ -48,6 +49,7 @@ class Run(ABC):
     """One analysis of a system."""
 
     kind: ClassVar[str]
+    modal: ClassVar[bool] = False  # whether its result has modes
 
     @abstractmethod
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
@@ -68,6 +70,23 @@ class Run(ABC):
             raise SarrusError(result.message)
         states = _states(result)
         return Found(result, states.t, lookup_of(system, result))
+
+    def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
+        """Refuse a response that no case can have, before any case is run.
+
+        Raises
+        ------
+        SarrusError
+            For names that are no outputs and no numbers, and times after the end.
+        """
+        still = np.zeros_like(system.q0)[None]
+        states = States(np.zeros(1), system.q0[None], system.v0[None], still, np.zeros((1, system.m)))
+        lookup = named_outputs(system, states)
+        for response in responses:
+            for name in response.names():
+                if name not in parameters and not (self.modal and MODAL.fullmatch(name)):
+                    _refuse_unknown(response, name, lookup)
+            _refuse_late(response.times(), getattr(self, "until", np.inf))
 
     def short(self) -> Run | None:
         """The same in little time, for compiling all that it needs; None if that cannot be known."""
@@ -149,6 +168,7 @@ class Vibration(Run):
     """`modes` about the `equilibrium`: outputs are ``mode1.frequency`` [Hz], ``mode1.damping_ratio`` ..."""
 
     kind = "modes"
+    modal = True
     time: float = 0.0
     stable: bool = True
 
@@ -183,6 +203,9 @@ class OwnRun(Run):
             return Found(result, np.zeros(1), lambda name: _entry({}, name))
         states = _states(result)
         return Found(result, states.t, lookup_of(system, result))
+
+    def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
+        """What the function returns is not known before it is called."""
 
     def short(self) -> Run | None:
         """Unknown."""
@@ -285,11 +308,21 @@ def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     if isinstance(result, Trajectory) and len(result.revolutions) == len(result.t):
         angles = Angles(system, states, revolutions=np.asarray(result.revolutions))
         memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
+    outputs = named_outputs(system, states, angles, memory)
+
+    def lookup(name: str) -> Any:
+        return _modal(result, name) if isinstance(result, Modes) and MODAL.fullmatch(name) else outputs(name)
+
+    return lookup
+
+
+def named_outputs(
+    system: System, states: States, angles: Angles | None = None, memory: Mapping[int, Array] | None = None
+) -> Callable[[str], Any]:
+    """Outputs of a motion, and numbers of the model, by name."""
     outputs = Outputs(system, states, system.b, lambda name, _: number_of(system, name), angles, memory)
 
     def lookup(name: str) -> Any:
-        if isinstance(result, Modes) and MODAL.fullmatch(name):
-            return _modal(result, name)
         try:
             found = outputs(name)
         except UnknownOutput as unknown:
@@ -300,6 +333,15 @@ def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
         return np.asarray(getattr(found, "value", found), dtype=float)
 
     return lookup
+
+
+def _refuse_unknown(response: Response, name: str, lookup: Callable[[str], Any]) -> None:
+    """Refuse a name that no case has; whether it has a value there is another matter."""
+    try:
+        with np.errstate(all="ignore"):
+            lookup(name)
+    except UnknownOutput as unknown:
+        raise SarrusError(f"response {response.name!r}: {unknown}") from None
 
 
 MODAL = re.compile(r"mode(?P<place>\d+)\.(?P<word>frequency|natural_frequency|damping_ratio)")

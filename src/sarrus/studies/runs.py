@@ -80,7 +80,7 @@ class Run(ABC):
             For names that are no outputs and no numbers, and times after the end.
         """
         still = np.zeros_like(system.q0)[None]
-        states = States(np.zeros(1), system.q0[None], system.v0[None], still, np.zeros((1, system.m)))
+        states = States(np.zeros(1), system.q0[None], system.v0[None], still, lambda: np.zeros((1, system.m)))
         lookup = named_outputs(system, states)
         for response in responses:
             for name in response.names():

@@ -356,12 +356,13 @@ class AlphaStepper(Implicit):
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
         ready = self._arrays is not None
-        found = self._saved() | self.keeping.state()
+        found = self._saved() | self.keeping.state() | {"noise": self._memory.noise}
         return found | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
+        self._memory.noise[:] = state["noise"]
         self.matrix.numbers.keep(self.independence.kept)
         self.keeping.resume(state, self.matrix.numbers.left_out)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}

@@ -157,13 +157,15 @@ def test_states_off_the_constraints_are_projected_with_a_warning() -> None:
 
 @pytest.mark.parametrize("until", [np.nan, np.inf, 0.0, -1.0, 1e-300, 5e-324])
 def test_an_end_that_is_none_is_refused(until: float) -> None:
-    with pytest.raises(ValueError, match="until must be a positive time in s, but is"):
+    with pytest.raises(ValueError, match=r"until must be a (positive time in s|finite number), but is"):
         sr.simulate(SYSTEM, until=until)
 
 
 @pytest.mark.parametrize("times", [[np.nan], [0.1, np.nan], [np.inf], [], [0.2, 0.1], [[0.1]]])
 def test_times_that_are_none_are_refused(times: Any) -> None:
-    with pytest.raises(ValueError, match="t_eval must be rising times between the start at 0 s"):
+    with pytest.raises(
+        ValueError, match=r"t_eval must be (rising times between the start at 0 s|finite numbers)"
+    ):
         sr.simulate(SYSTEM, until=1.0, t_eval=times)
 
 

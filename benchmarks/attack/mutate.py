@@ -48,6 +48,7 @@ def _once(data: bytes, kind: str, random: Random) -> bytes:
             RecursionError,
             AttributeError,
             IndexError,
+            OverflowError,
             TypeError,
             yaml.YAMLError,
             ElementTree.ParseError,

@@ -97,7 +97,8 @@ def _path(name: str, value: Any) -> None:
 
 
 def _names(name: str, value: Any) -> None:
-    if isinstance(value, str) or not isinstance(value, Iterable):
+    single = np.ndim(value) == 0 if isinstance(value, np.ndarray) else not isinstance(value, Iterable)
+    if isinstance(value, str) or single:
         example = f'["{value}"]' if isinstance(value, str) else '["crank", "rod.mass"]'
         raise TypeError(f"{name} must be a list of names, got {_kind(value)}. Give {name}={example}.")
 
@@ -132,7 +133,7 @@ CHECKS: dict[str, Check] = {
     **_all(_numbers, "times t_eval breakpoints"),
     **_all(_three, "turning"),
     **_all(_progress, "progress"),
-    **_all(_text, "text"),
+    **_all(_text, "text name"),
 }
 
 

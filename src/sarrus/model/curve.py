@@ -181,7 +181,8 @@ def curve_of(value: Any, field: str) -> Curve | Formula:
 
 
 def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
-    if isinstance(pairs, (str, Mapping)) or not isinstance(pairs, Iterable):
+    single = np.ndim(pairs) == 0 if isinstance(pairs, np.ndarray) else not isinstance(pairs, Iterable)
+    if isinstance(pairs, (str, Mapping)) or single:
         raise ModelError(f"{field} must be a list of pairs, but is {show(pairs)}; {_PAIRS}", field=field)
     rows = [numbers(pair, 2, field, _PAIRS) for pair in pairs]
     xs, ys = [row[0] for row in rows], [row[1] for row in rows]

@@ -34,7 +34,7 @@ def quote(text: str) -> str:
 
 def suggest(wrong: str, right: Iterable[str]) -> str:
     """Return the question ``did you mean "…"?`` for a misspelt name, or the list of the right ones."""
-    names = list(right)
+    wrong, names = str(wrong), [str(name) for name in right]
     near = _but_for_case(wrong, names) or get_close_matches(wrong, _alike(wrong, names), n=1)
     if near:
         return f"did you mean {quote(near[0])}?"

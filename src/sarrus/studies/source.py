@@ -49,6 +49,10 @@ class Source:
     @classmethod
     def of(cls, model: Model) -> Source:
         """The source of a model; its files are kept if it is still what they say."""
+        found: object = model
+        if not isinstance(found, Model):
+            given = type(found).__name__
+            raise TypeError(f"a study needs a Model, got {given}. Call sr.study(sr.load(path), ...).")
         files = _files(model)
         if files and fingerprint(System(load(_unpacked(tuple(files.items()))))) != fingerprint(System(model)):
             files = {}  # it was changed in Python after it was read

@@ -59,6 +59,8 @@ class JointCoordinates(ConstraintOperators):
         KeyError
             If there is no such joint, or it has no coordinates.
         """
+        if not isinstance(joint, str):
+            raise TypeError(f"a joint is given by its name, got {type(joint).__name__}.")
         found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
         if not found:
             known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"

@@ -50,6 +50,8 @@ class _Alpha(Prescribed):
 
     def __post_init__(self) -> None:
         self.scheme()
+        if not isinstance(self.stabilized, bool):
+            raise TypeError(f"stabilized must be True or False, got {type(self.stabilized).__name__}.")
         if self.step is not None:
             Number(positive=True)("step", self.step)
 

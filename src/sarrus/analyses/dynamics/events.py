@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...algebra import Array
+from ...model.arguments import Whole, real
 from ...model.expression import Expression, parse
 from ...results import Happened
 from ...results.happened import happened_of
@@ -69,10 +70,16 @@ class Event:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.direction not in (-1, 0, 1):
+        if not np.isscalar(self.direction) or self.direction not in (-1, 0, 1):
             raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
         if not (isinstance(self.function, str) or callable(self.function)):
             raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")
+        if not isinstance(self.name, str):
+            raise TypeError(f"the name of an event must be a text, but is {self.name!r:.40}")
+        if not isinstance(self.terminal, bool):
+            Whole(0)("terminal", self.terminal)
+        if not (self.reset is None or isinstance(self.reset, Impact) or callable(self.reset)):
+            raise TypeError(f"reset must be an Impact or a function (t, q, v), but is {self.reset!r:.40}")
         if isinstance(self.reset, Impact) and not (self.reset.along or isinstance(self.function, str)):
             raise ValueError('the Impact of a Python function needs a direction: Impact(0.5, along="ball.z")')
 
@@ -195,7 +202,7 @@ class Watch:
         """
         if self.output is not self.function:
             self.output(t, q, v)
-        value = float(self.function(t, q, v))
+        value = real(f"the value of the event {self.name}", self.function(t, q, v))
         if np.isnan(value):
             told = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
             raise Trouble("event undefined", told)

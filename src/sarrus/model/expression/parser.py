@@ -45,7 +45,7 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     12.0
     """
     tree = parse(text)
-    known = tuple(variables)
+    known = tuple(map(str, variables))
     for name in tree.names():
         if name not in known:
             raise ModelError(f"has the unknown name {quote(name)}; {suggest(name, known)}")

@@ -132,6 +132,7 @@ def test_zarr_opens_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain
     assert np.array_equal(group["history"][: plain.nsteps], plain.history)
     assert group["q"].metadata.dimension_names == ("time", "coordinate")
     assert group.attrs["bodies"] == list(plain.bodies)
+    assert all(path.stat().st_size for path in (tmp_path / "run").rglob("*"))
 
 
 # ------------------------------------------------------------------------------------------- other writers
@@ -284,6 +285,19 @@ def test_another_version_opens_a_run_but_does_not_continue_it(
             use(folder)
 
 
+def test_other_versions_of_what_numbers_depend_on_are_a_warning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, version = tmp_path / "run", saved._version
+    cut_short(folder)
+    monkeypatch.setattr(saved, "_version", lambda name: "9.9" if name == "numba" else version(name))
+    with pytest.warns(
+        sr.SarrusWarning, match=r"begun with numba \d.*, resumed with numba 9.9. The last digits"
+    ):
+        run = sr.resume(folder)
+    assert len(run.warnings) == len(sr.load_run(folder).warnings) == 1
+
+
 def test_a_foreign_recipe_is_not_opened(tmp_path: Path) -> None:
     """Neither one without a checksum nor one of another run; what cannot be imported is a message."""
     folder, other = tmp_path / "run", tmp_path / "other"
@@ -331,7 +345,7 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
     overwrite: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain: sr.Trajectory
 ) -> None:
     """The process ends before each of the files that are written up to the first checkpoint."""
-    write, left = checked_file.replace_file, [0]
+    write, create, left = checked_file.replace_file, saved.stored_array.create, [0]
 
     def crash(path: Path, data: bytes) -> None:
         left[0] -= 1
@@ -340,13 +354,21 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
             raise Crash
         write(path, data)
 
+    def crash_within(folder: Path, *given: Any) -> None:
+        left[0] -= 1
+        create(folder, *given)
+        if left[0] < 0:
+            (folder / saved.METADATA).write_text("{")
+            raise Crash
+
     for count in range(20):
         folder, left[0] = tmp_path / f"run{count}", count
         if overwrite:
             cut_short(folder)
         with monkeypatch.context() as patch, suppress(Crash):
-            for module in (checked_file, saved, saved.stored_array):
-                patch.setattr(module, "replace_file", crash)
+            patch.setattr(checked_file, "replace_file", crash)
+            patch.setattr(saved, "replace_file", crash)
+            patch.setattr(saved.stored_array, "create", crash_within)
             sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
         if (folder / saved.CHECKPOINT).exists():
             break
@@ -359,9 +381,8 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
             with pytest.raises(FileNotFoundError, match=r"holds no saved run|before its first checkpoint"):
                 sr.load_run(folder)
             assert same(sr.simulate(slider_crank(), save=folder, **GIVEN), plain)
-    assert (
-        count == 13
-    )  # the recipe, the attributes of the group and of eleven arrays, and the first checkpoint
+    arrays = len((*saved.OVER_TIME, saved.HISTORY))
+    assert count == 3 + arrays  # recipe, attributes and first checkpoint
 
 
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()], ids=repr)

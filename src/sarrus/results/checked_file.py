@@ -135,5 +135,8 @@ def flush_to_disk(path: Path) -> None:
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)
+    except OSError as wrong:
+        if wrong.errno not in (errno.EINVAL, errno.ENOTSUP) or not path.is_dir():
+            raise  # else a file system that does not flush folders
     finally:
         os.close(number)

@@ -381,6 +381,15 @@ def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dic
     return about, arrays, state
 
 
+def other_versions(about: Mapping[str, Any]) -> list[str]:
+    """A warning where a run was begun with other versions of what numbers depend on."""
+    here = versions()
+    names = [name for name in ("python", "numpy", "numba", "scipy") if about.get(name) != here[name]]
+    was, now = (", ".join(f"{name} {of.get(name)}" for name in names) for of in (about, here))
+    told = f"{about['name']}: begun with {was}, resumed with {now}. The last digits may differ from a run in one go."
+    return [told] if names else []
+
+
 def versions() -> dict[str, Any]:
     """Format, versions of all that numbers depend on, and a name that no other run has."""
     names = ("sarrus", "numpy", "numba", "scipy")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from .checked_file import SIZE, SavedDataError, checksum, damaged, flush_to_disk, read_file, replace_file
+from .checked_file import SIZE, SavedDataError, checksum, damaged, flush_to_disk, read_file
 
 METADATA = "zarr.json"
 NUMBER = np.dtype("<f8")
@@ -23,6 +23,8 @@ NUMBER = np.dtype("<f8")
 
 def create(folder: Path, rows: int, columns: tuple[int, ...], chunk: int, axes: tuple[str, ...]) -> None:
     """Make the folder of an array (rows, *columns) of which nothing is written yet.
+
+    Its description is for other readers of Zarr, so that it is not waited for until it is on the disk.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def create(folder: Path, rows: int, columns: tuple[int, ...], chunk: int, axes: 
         "dimension_names": list(axes),
         "attributes": {},
     }
-    replace_file(folder / METADATA, json.dumps(about).encode())
+    (folder / METADATA).write_text(json.dumps(about))
 
 
 class StoredArray:
@@ -187,7 +189,10 @@ class ArrayWriter:
         self._write(self._count)
 
     def _write(self, count: int) -> None:
+        """Write rows; an array without columns has no chunks."""
         rest = self._joined()
+        if 0 in rest.shape[1:]:
+            return
         for first in range(0, count, self._chunk):
             self._write_chunk(rest[first : min(first + self._chunk, count)])
         self._rest, self._count = [rest[count:].copy()], len(rest) - count

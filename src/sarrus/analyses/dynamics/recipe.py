@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ...algebra import Array
-from ...model import Model, reports_warnings
+from ...model import Model, announce, reports_warnings
 from ...results import Assembly, Trajectory, load_run
 from ...results.checked_file import NOT_SAVED, NotSavedError
-from ...results.saved import UNFINISHED, Store, arrays_of, is_begun, recipe_of
+from ...results.saved import UNFINISHED, Store, arrays_of, is_begun, other_versions, recipe_of
 from ...system import System
 from ..progress import monitor
 from ..threads import one_thread_if_small
@@ -114,9 +114,10 @@ def resume(
     if is_begun(folder):
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
             return recipe.saved(folder, system, told)
-    _, _, state = arrays_of(folder)
+    about, _, state = arrays_of(folder)
     if _is_over(state):
         return recipe.march(system, None, None).over(state, folder)
+    announce(other_versions(about))
     try:
         store, state = Store.reopen(folder)
     except NotSavedError as wrong:

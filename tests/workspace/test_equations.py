@@ -91,7 +91,7 @@ def test_a_map_can_be_left_and_taken_up_again() -> None:
     ("output", "options", "told"),
     [
         (("link_9.x", "link_2.y"), {}, "link_2.x"),
-        (("link_2.x",) * 4, {}, "one to three outputs"),
+        (("link_2.x", "link_2.y", "q1", "q2"), {}, "one to three outputs"),
         (("link_2.x",), {}, "a map is of two outputs, not 1"),
         (("link_2(0.7, 0, 0).x", "link_2.y"), {"fixed": {"q1": 0.0}}, "has 1 degree of freedom"),
         (("link_2.x", "link_2.y"), {"fixed": {"q1": 2.0}, "limits": {"q1": (0, 1)}}, "beyond its limits"),

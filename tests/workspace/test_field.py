@@ -125,7 +125,9 @@ def test_tables(arm: sr.WorkspaceField, tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     inside = np.isfinite(arm.values["solutions"])
     assert [float(row["conditioning"]) for row in rows] == arm.values["conditioning"][inside].tolist()
-    assert [float(row["link_2.x"]) for row in rows] == np.meshgrid(arm.x, arm.y)[0][inside].tolist()
+    assert [float(row[arm.workspace.outputs[0]]) for row in rows] == np.meshgrid(arm.x, arm.y)[0][
+        inside
+    ].tolist()
     arm.to_netcdf(tmp_path / "arm.nc")
     with netcdf_file(str(tmp_path / "arm.nc"), mmap=False) as file:
         written = file.variables["solutions"][:]
@@ -146,8 +148,8 @@ def test_report(arm: sr.WorkspaceField) -> None:
     [
         (("q1",), {}, "has 2 degrees of freedom, but 1 input is given; give as many"),
         ((), {"turn": "link_2.turn_z"}, "cannot turn while"),
-        ((), {"cells": 0}, "0 cells are no grid"),
-        ((), {"starts": -1}, "-1 starts are none"),
+        ((), {"cells": 0}, "cells must be a whole number"),
+        ((), {"starts": -1}, "starts must be a whole number"),
         ((), {"cells": 1}, "no cell's centre lies inside; give more cells"),
     ],
 )

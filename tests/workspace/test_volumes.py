@@ -242,10 +242,8 @@ def test_slices_beside_one_that_stays_incomplete_are_made_again_once(monkeypatch
     system, output, limits = shell()
     monkeypatch.setattr(
         slicing,
-        "_sliced",
-        lambda problem, asked, tasks: [
-            Slice(one.height, 0.0, 0.0, (), (), one.height < 0.5) for one in tasks
-        ],
+        "_slice",
+        lambda problem, asked, one: Slice(one.height, 0.0, 0.0, (), (), one.height < 0.5),
     )
     slicer = Slicer(system, Asked(system.model, output, limits, {}, 0, 0.1, 0.5, 1.0, False), [], None)
     slicer.at([0.4, 0.6])

@@ -212,8 +212,9 @@ def _area(system: System, chosen: argparse.Namespace, answer: Answer, given: Any
             bar.reach(min(map_.in_a_row, map_.repeats))
     with Bar("testing the map", 1):
         found = verify_workspace(map_.result(), chosen.samples)
-    answer.put(area=found.area, area_error=found.area_error, perimeter=found.perimeter)
-    answer.put(parts=[part.area for part in found.components])
+    if found.success:  # else they are not known
+        answer.put(area=found.area, area_error=found.area_error, perimeter=found.perimeter)
+        answer.put(parts=[part.area for part in found.components])
     return found
 
 
@@ -222,7 +223,8 @@ def _volume(system: System, chosen: argparse.Namespace, answer: Answer, given: A
 
     with Bar("tracing slices", 1):
         found = workspace_volume(system, chosen.output, rtol=chosen.rtol, samples=chosen.samples, **given)
-    answer.put(volume=found.volume, volume_error=found.volume_error, critical=found.critical)
+    if found.success:
+        answer.put(volume=found.volume, volume_error=found.volume_error, critical=found.critical)
     return found
 
 

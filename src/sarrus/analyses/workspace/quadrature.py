@@ -24,7 +24,7 @@ SCAN = 16  # intervals of theta at which a range is looked at first
 FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
 SLOW = 0.3  # by which what is missed shrinks with twice as many slices: slower pieces are cut
 JUMP = 1e-3  # of the largest area: by so much areas jump where a part of the boundary is level
-SAFE = 3.0  # times the error that is extrapolated
+LEFT = 0.4  # of what the last slices were missed by, that is left: at ends like roots inside a piece 2^-1.5, at kinks 2^-2
 
 
 @dataclass(eq=False)
@@ -212,12 +212,15 @@ class Integral:
         return np.asarray(weights(count) * abs(rates - _interpolated(rates[1::2], count)))
 
     def _error(self, piece: Piece) -> float:
-        """By how much the last slices were missed, less as that shrinks; signs cannot cancel in it."""
+        """By how much the last slices were missed, signs cannot cancel in it; part of it where that shrinks.
+
+        It is not extrapolated by the rate at which it shrank: where a kink shows only now, that rate is another one.
+        """
         last = float(self._missed(piece, piece.count).sum())
         if piece.count == FIRST:
             return last
         before = float(self._missed(piece, piece.count // 2).sum())
-        return last * min(1.0, SAFE * last / before) if before > 0 else last
+        return last * (LEFT if last < LEFT * before else 1.0)
 
     def _refined(self) -> list[Piece]:
         """Pieces with more slices where the error is too large; none where all is well."""

@@ -24,7 +24,7 @@ SCAN = 16  # intervals of theta at which a range is looked at first
 FIRST, LAST = 4, 32  # intervals of theta in a piece; a piece that wants more is cut
 SLOW = 0.3  # by which what is missed shrinks with twice as many slices: slower pieces are cut
 JUMP = 1e-3  # of the largest area: by so much areas jump where a part of the boundary is level
-LEFT = 0.4  # of what the last slices were missed by, that is left: at ends like roots inside a piece 2^-1.5, at kinks 2^-2
+LEFT = 0.4  # of what the last slices were missed by: at inner ends like roots 2^-1.5 of it is left, at kinks 2^-2
 
 
 @dataclass(eq=False)

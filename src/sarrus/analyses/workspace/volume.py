@@ -177,7 +177,7 @@ class _Search:
         integral = self.integral
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
-        whole = integral if integral and found and not stop else None
+        whole = integral if integral and not stop else None
         return WorkspaceVolume(
             self.system.name,
             tuple(one.name for one in measures(self.system, self.names)),  # type: ignore[arg-type]
@@ -190,7 +190,7 @@ class _Search:
             status,
             message,
             self.system.model,
-            whole.rates(self.reach) if whole and self.reach and derivatives else None,
+            whole.rates(self.reach) if whole and self.reach and derivatives and found else None,
         )
 
     def _status(self, found: Sequence[Slice], stop: Stop | None) -> tuple[Status, str]:
@@ -206,7 +206,7 @@ class _Search:
             "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
         )
         told += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
-        return "mapped" if found and known and not lost and not self.outside else "incomplete", told
+        return "mapped" if known and not lost and not self.outside else "incomplete", told
 
 
 def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:

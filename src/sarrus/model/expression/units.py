@@ -66,6 +66,9 @@ def powers_of(symbol: str) -> dict[str, float]:
     return powers
 
 
+SPACES = ", or put spaces around the sign before it if it is a name, as in 2 m * w"
+
+
 @cache
 def look_up(name: str) -> Unit:
     """Return what a unit's name means.
@@ -77,7 +80,8 @@ def look_up(name: str) -> Unit:
     """
     registry = _registry()
     if name not in SPELT and not registry.parse_unit_name(name):
-        raise ModelError(f"has the unknown unit {quote(name)}; {suggest(name, COMMON)}")
+        hint = "" if "did you mean" in (near := suggest(name, COMMON)) else SPACES
+        raise ModelError(f"has the unknown unit {quote(name)}; {near}{hint}")
     one, zero = (registry.Quantity(float(n), SPELT.get(name, name)).to_base_units() for n in (1, 0))
     if zero.magnitude != 0:
         raise ModelError(f"has the unit {quote(name)}, which does not start at zero; convert it")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,13 @@ from scipy.sparse import csc_array, csr_array
 from ..algebra import Array
 from .factored import DENSE_BELOW, Factored
 from .linear import compiled
+from .nullspace import DEPENDENT
 from .rank import row_lengths
 
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
 REFINEMENTS = 12
+SLOW = 1e-9  # the same: where it is larger at the end, the answer is found by singular values
+EXACT_UP_TO = 1500  # rows and columns, for which these are computed
 SMALL = 1e-15  # correction, relative, at which refinement ends
 
 
@@ -90,7 +94,22 @@ class KKT:
             x, y, before = x + dx, y + dy, change
             if change <= SMALL * size:
                 break
-        return x, y
+        slow = before > SLOW * size and self._J.shape[0] + self.n <= EXACT_UP_TO
+        return self._exact(f, g) if slow else (x, y)
+
+    def _exact(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """By singular values, where some are so small, but not zero, that refinement is slow."""
+        left, sizes, right = self._singular_values
+        rank = int(np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0)))
+        left, along, Z = left[:, :rank], right[:rank].T, right[rank:].T
+        x = along @ _times(1 / sizes[:rank], left.T @ g)
+        x = x + Z @ np.linalg.solve(Z.T @ (self._A @ Z), Z.T @ (f - self._A @ x))
+        return x, left @ _times(1 / sizes[:rank], along.T @ (f - self._A @ x))
+
+    @cached_property
+    def _singular_values(self) -> tuple[Array, Array, Array]:
+        left, sizes, right = np.linalg.svd(self._J.toarray(), full_matrices=True)
+        return left, sizes, right
 
 
 def _times(factors: Array, columns: Array) -> Array:

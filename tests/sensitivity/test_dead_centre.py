@@ -1,0 +1,80 @@
+"""Derivatives through an assembly near a dead centre of the held crank: exact as far as they exist, else undefined."""
+
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+NAMES = ["L0", "L1", "L2", "L3", "th0"]
+LINK = """  {name}: {{mass: 1, inertia: [1, 1, 1], position: {at},
+    orientation: {{axis: [0, 0, 1], angle: {angle}}}}}
+"""
+HINGE = """  {name}:
+    type: revolute
+    frames: [{{body: {i}, at: [{at_i}, 0, 0], z: [0, 0, 1]}}, {{body: {j}, at: [{at_j}, 0, 0], z: [0, 0, 1]}}]
+"""
+HINGES = [
+    ("A", "ground", "0", "crank", "-L1/2"),
+    ("C", "crank", "L1/2", "coupler", "-L2/2"),
+    ("D", "coupler", "L2/2", "rocker", "L3/2"),
+    ("B", "ground", "L0", "rocker", "-L3/2"),
+]
+
+
+def model(L2: float, coupler: tuple[list[float], float], rocker: tuple[list[float], float]) -> str:
+    """The model file; coupler and rocker by position and angle."""
+    lines = f"name: four-bar\nparameters: {{L0: 2.5, L1: 1.0, L2: {L2!r}, L3: 1.8, th0: 1.2}}\nbodies:\n"
+    lines += LINK.format(name="crank", at="[L1/2*cos(th0), L1/2*sin(th0), 0]", angle="th0")
+    for name, (at, angle) in (("coupler", coupler), ("rocker", rocker)):
+        lines += LINK.format(name=name, at=at, angle=repr(angle))
+    lines += "joints:\n"
+    for name, i, at_i, j, at_j in HINGES:
+        lines += HINGE.format(name=name, i=i, at_i=at_i, j=j, at_j=at_j)
+    return lines
+
+
+def pin(L0: mp.mpf, L1: mp.mpf, L2: mp.mpf, L3: mp.mpf, th: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+    """The pin between coupler and rocker: where two circles meet."""
+    x, y = L1 * mp.cos(th), L1 * mp.sin(th)
+    dx, dy = L0 - x, -y
+    a = (L2**2 - L3**2 + dx**2 + dy**2) / (2 * (dx**2 + dy**2))
+    h = mp.sqrt(max(L2**2 / (dx**2 + dy**2) - a * a, mp.mpf(0)))
+    return x + a * dx - h * dy, y + a * dy + h * dx
+
+
+def at_start(folder: Path, open_by: float) -> tuple[sr.Gradient, list[mp.mpf]]:
+    """The gradient of the pin's height, with coupler and rocker this much longer than the distance to span."""
+    mp.mp.dps = 40
+    crank = np.array([np.cos(1.2), np.sin(1.2)])
+    values = [mp.mpf(x) for x in (2.5, 1.0, float(np.hypot(*(crank - (2.5, 0)))) - 1.8 + open_by, 1.8, 1.2)]
+    D = np.array([float(x) for x in pin(*values)])
+    poses = [
+        ([*(0.5 * (D + end)).tolist(), 0.0], float(np.arctan2(*(D - end)[::-1])))
+        for end in (crank, np.array([2.5, 0.0]))
+    ]
+    file = folder / "four_bar.yaml"
+    file.write_text(model(float(values[2]), *poses))
+    system = sr.System(sr.load(file))
+    run = sr.simulate(
+        system, sr.assemble(system, fixed=["crank"]), until=1e-4, method=sr.Radau(), keep_steps=True
+    )
+    height = sr.At(lambda o: o.position("coupler", (o.parameter("L2") / 2, 0, 0))[1], time=0.0)
+    return sr.sensitivity(run, height, NAMES), values
+
+
+@pytest.mark.parametrize("open_by", [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
+def test_near_the_dead_centre(tmp_path: Path, open_by: float) -> None:
+    found, values = at_start(tmp_path, open_by)
+    assert not found.undefined
+    directions = (tuple(int(n == k) for n in range(5)) for k in range(5))
+    want = np.array([float(mp.diff(lambda *x: pin(*x)[1], values, n)) for n in directions])
+    assert np.array([found[name] for name in NAMES]) == pytest.approx(want, rel=0, abs=1e-8 * abs(want).max())
+
+
+def test_in_line(tmp_path: Path) -> None:
+    """The derivatives are infinite there: the rocker's pin would leave at the root of the change."""
+    found, _ = at_start(tmp_path, 0.0)
+    assert found.undefined == tuple(NAMES)

@@ -69,14 +69,14 @@ def test_a_bevel_differential(planets: int, length: float, mass: float) -> None:
     carrier, sides = wheel("carrier", 0, 0, 0), (wheel("side1", 0.5, 0, 0), wheel("side2", -0.5, 0, 0))
     joints = [sr.Revolute("c", sr.ground, carrier, point=(0, 0, 0), axis=X)]
     for n, side in enumerate(sides):
-        joints.append(sr.Revolute(f"side{n}", carrier, side, point=tuple(side.position), axis=X))
+        joints.append(sr.Revolute(f"a{n}", carrier, side, point=tuple(side.position), axis=X))
     pins, gears = [], []
     for k in range(planets):
         a = 2 * np.pi * k / planets
         pins.append(wheel(f"planet{k}", 0, 0.5 * np.cos(a), 0.5 * np.sin(a)))
         axis = (0, np.cos(a), np.sin(a))
         joints.append(sr.Revolute(f"p{k}", carrier, pins[-1], point=tuple(pins[-1].position), axis=axis))
-        gears += [sr.Gear(f"m{n}{k}", f"side{n}", f"p{k}", ratio=1.5 * (1 - 2 * n)) for n in (0, 1)]
+        gears += [sr.Gear(f"m{n}{k}", f"a{n}", f"p{k}", ratio=1.5 * (1 - 2 * n)) for n in (0, 1)]
     system = sr.System(sr.Model("differential", [carrier, *sides, *pins], joints + gears))
     motions = sr.mobility(system).motions
     start = sr.assemble(system, v=motions @ np.array([1.0, -0.6]))

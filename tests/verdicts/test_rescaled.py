@@ -27,23 +27,29 @@ def test_rough_positions_are_assembled(kind: str) -> None:
             assert abs(J @ (found.v / unit)).max() < 1e-8 * abs(J).max()
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
 @pytest.mark.parametrize(("length", "mass"), [(1.0, 1.0), *UNITS])
 def test_contradictions_are_found(length: float, mass: float) -> None:
-    """A rod a thousandth too long for its two hinges, and a rate across a hinge."""
+    """A link longer by a thousandth than a rod about a ball joint can reach, and a rate across the joint."""
 
     def rod(long: float) -> sr.System:
         body = sr.Body("rod", mass=mass, inertia=(mass * length**2,) * 3)
         pins = [
-            sr.Spherical("first", sr.ground.point(0, 0, 0), body.point(0, 0, 0)),
-            sr.Spherical("second", sr.ground.point(length, 0, 0), body.point(long * length, 0, 0)),
+            sr.Spherical("first", sr.ground, body, point=(0, 0, 0)),
+            sr.Distance(
+                "second",
+                sr.ground.point(2 * length, 0, 0),
+                body.point(length, 0, 0),
+                length=(2 + long) * length,
+            ),
         ]
         return sr.System(sr.Model("rod", [body], pins))
 
-    assert sr.assemble(rod(1.0)).success
+    assert sr.assemble(rod(0.9)).success
     found = sr.assemble(rod(1.001))
     assert not found.success
     assert "could not be assembled" in found.message
-    assert not sr.assemble(rod(1.0), rates={"rod.x": length}).success
+    assert not sr.assemble(rod(0.9), rates={"rod.x": length}).success
 
 
 @pytest.mark.parametrize(("length", "mass"), [(1.0, 1.0), *UNITS])

@@ -38,11 +38,15 @@ def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v
     for (name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new)) in states:
         kinds[0].append((name, rd, rd_new))
         kinds[1].append((name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new)))
-    for what, unit, bodies in zip(("velocity", "angular velocity"), ("m/s", "rad/s"), kinds, strict=True):
-        least = NEGLIGIBLE * max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0)
+    largest = [max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0) for bodies in kinds]
+    size = extent(system, q)
+    leasts = NEGLIGIBLE * max(largest[0], size * largest[1]) * np.array([1, 1 / size])
+    for what, unit, least, bodies in zip(
+        ("velocity", "angular velocity"), ("m/s", "rad/s"), leasts, kinds, strict=True
+    ):
         for name, given, new in bodies:
-            size = float(np.linalg.norm(given))
-            if size > least and np.linalg.norm(new - given) > ACCURACY * size:
+            speed = float(np.linalg.norm(given))
+            if speed > least and np.linalg.norm(new - given) > ACCURACY * speed:
                 yield f"{name}: {what} {_both(given, new)} {unit}"
 
 

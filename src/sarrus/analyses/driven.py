@@ -8,6 +8,7 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from .factored import DENSE_BELOW, Factored, SingularSystem
+from .length import scaled, units
 from .nullspace import DEPENDENT
 
 ROUNDS = 6  # of inverse iteration; the smallest singular value is needed to one digit
@@ -25,14 +26,15 @@ def independent_rows(J: csr_array) -> Array:
 
 
 class Driven:
-    """Chosen rows of Φ_q, scaled to unit length: a square matrix A with its factors.
+    """Chosen rows of Φ_q, scaled to unit length where displacements are measured in `length`: A, with its factors.
 
     Attributes
     ----------
     sign : of the determinant
     """
 
-    def __init__(self, J: csr_array, rows: Array) -> None:
+    def __init__(self, J: csr_array, rows: Array, length: float) -> None:
+        J, self._unit = scaled(J, length), units(J.shape[1], length)
         matrix = J.toarray() if J.shape[1] < DENSE_BELOW else J
         chosen = matrix if len(rows) == J.shape[0] else matrix[rows]
         self.rows, self._length = rows, np.sqrt((chosen * chosen).sum(axis=1))
@@ -45,7 +47,8 @@ class Driven:
 
     def solve(self, g: Array) -> Array:
         """x with Φ_q x = g, from the chosen rows."""
-        return self._checked(self._factors.solve(g[self.rows] / self._length))
+        found = self._checked(self._factors.solve(g[self.rows] / self._length))
+        return np.asarray((self._unit * found.T).T)
 
     @property
     def is_whole(self) -> bool:
@@ -55,7 +58,7 @@ class Driven:
     def transposed(self, f: Array) -> Array:
         """y with Φ_qᵀ y = f; zero in the rows that were not chosen."""
         y = np.zeros(self._m)
-        y[self.rows] = self._checked(self._factors.transposed(f)) / self._length
+        y[self.rows] = self._checked(self._factors.transposed(self._unit * f)) / self._length
         return y
 
     def weakest(self) -> tuple[float, Array, Array]:
@@ -70,7 +73,7 @@ class Driven:
             x = x * size
         left = np.zeros(self._m)
         left[self.rows] = y / self._length
-        return size, left, x
+        return size, left, self._unit * x
 
     def _checked(self, x: Array) -> Array:
         if not np.all(np.isfinite(x)):

@@ -11,7 +11,7 @@ from ..system import System
 from .closure import allowed
 from .driven import Driven, independent_rows
 from .factored import SingularSystem
-from .length import extent, lever, units
+from .length import extent, lever, scaled, units
 from .nullspace import NullSpace
 from .onto import ACCEPTED, TOLERANCE, largest
 
@@ -63,12 +63,17 @@ class Path:
 
     def choose_rows(self, t: float, q: Array) -> int:
         """Take the equations that are independent at a place; give their number."""
-        self.rows = independent_rows(self.system.Phi_q(q, t, b=self.b))
+        self.rows = independent_rows(scaled(self.system.Phi_q(q, t, b=self.b), self._length))
         return len(self.rows)
+
+    @property
+    def unit(self) -> Array:
+        """What a change of each coordinate by one means, see `sarrus.analyses.length` (nq,)."""
+        return units(self.system.nq, self._length)
 
     def driven(self, t: float, q: Array) -> Driven:
         """The factors of the Jacobian."""
-        return Driven(self.system.Phi_q(q, t, b=self.b), self.rows)
+        return Driven(self.system.Phi_q(q, t, b=self.b), self.rows, self._length)
 
     def instant(self, t: float, q: Array) -> Instant | None:
         """The state at a time, from coordinates nearby, or nothing if Newton's method does not get there."""

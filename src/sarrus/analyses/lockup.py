@@ -41,7 +41,7 @@ def fold_time(path: Path, near: Instant) -> float | None:
         for _ in range(FOLD_STEPS):
             step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
             q, w, t = q + step[: len(q)], w + step[len(q) : -1], t + step[-1]
-            if largest(step) <= FOLD_SETTLED:
+            if largest(step / np.append(np.tile(path.unit, 2), 1.0)) <= FOLD_SETTLED:
                 return float(t)
     except SingularSystem:
         return None
@@ -51,14 +51,14 @@ def fold_time(path: Path, near: Instant) -> float | None:
 def _fold_residual(path: Path, t: float, q: Array, w: Array, w0: Array) -> Array:
     system, b = path.system, path.b
     stretch = system.Phi_q_xi(q, w, t, b=b)[path.rows]
-    return np.concatenate([system.Phi(q, t, b=b)[path.rows], stretch, [w0 @ w - 1]])
+    return np.concatenate([system.Phi(q, t, b=b)[path.rows], stretch, [(w0 / path.unit**2) @ w - 1]])
 
 
 def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_array:
     system, b, rows = path.system, path.b, path.rows
     J, bend = system.Phi_q(q, t, b=b)[rows], system.Phi_q_xi_q(q, w, t, b=b)[rows]
     Phi_t, J_w_t = system.Phi_t(q, t, b=b)[rows], system.Phi_q_xi_t(q, w, t, b=b)[rows]
-    line = csr_array(w0[None, :])
+    line = csr_array((w0 / path.unit**2)[None, :])
     return block_array(
         [[J, None, csr_array(Phi_t[:, None])], [bend, J, csr_array(J_w_t[:, None])], [None, line, None]]
     ).tocsc()

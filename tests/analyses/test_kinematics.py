@@ -100,9 +100,9 @@ def test_wrong_times(times: list[float]) -> None:
 def test_sparse_factors_agree_with_dense(monkeypatch: pytest.MonkeyPatch) -> None:
     system = turned(3.0, 0.5)
     J, rows = system.Phi_q(system.q0), np.arange(system.m)
-    dense = Driven(J, rows)
+    dense = Driven(J, rows, 1.0)
     monkeypatch.setattr("sarrus.analyses.factored.DENSE_BELOW", 0)
-    sparse = Driven(J, rows)
+    sparse = Driven(J, rows, 1.0)
     g = np.cos(np.arange(system.m))
     length = np.sqrt((J.toarray() ** 2).sum(axis=1))
     assert dense.sign == sparse.sign == np.sign(np.linalg.det(J.toarray()))

@@ -11,7 +11,7 @@ from ..system import System
 from .closure import allowed
 from .driven import Driven, independent_rows
 from .factored import SingularSystem
-from .length import extent, lever, scaled, units
+from .length import extent, scaled, thousands, units
 from .nullspace import NullSpace
 from .onto import ACCEPTED, TOLERANCE, largest
 
@@ -58,7 +58,7 @@ class Path:
     def __init__(self, system: System, q: Array) -> None:
         self.system, self.b, self.iterations = system, system.b.copy(), 0
         self._scale = coordinate_scale(system, q)
-        self._length = lever(system, q, system.Phi_q(q))
+        self._length = float(thousands(extent(system, q)))
         self.rows = np.arange(system.m)
 
     def choose_rows(self, t: float, q: Array) -> int:

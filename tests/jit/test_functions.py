@@ -216,3 +216,18 @@ def test_bend_and_twist(x):
     cubic = by_hand(x)
     assert curve_bend(CURVE, AT, x) == pytest.approx(cubic.deriv(2)(x), rel=1e-13)
     assert curve_twist(CURVE, AT, x) == pytest.approx(cubic.deriv(3)(x), rel=1e-13)
+
+
+@pytest.mark.parametrize("x", [-100.0, -30.0, -1e-9, 0.0, 1e-9, 0.3, 5.0, 18.0, 30.0, 100.0])
+def test_the_slope_of_tanh_does_not_cancel(x):
+    """1 - tanh² has no digits from x = 19 on; its own derivative -2 tanh sech² has all near zero, too."""
+    from sarrus._jit.functions import sech2
+
+    with mpmath.workdps(400):
+        wanted = mpmath.sech(mpmath.mpf(x)) ** 2
+        bend = -2 * mpmath.tanh(mpmath.mpf(x)) * wanted
+    stored = np.array([9.0, 9.0, *program(functions.tanh)])
+    for found in (sech2(x), COMPILED["sech2"](x), sech2(complex(x, STEP)).real, curve_slope(stored, 2, x)):
+        assert found == pytest.approx(float(wanted), rel=1e-13)
+    assert sech2(complex(x, STEP)).imag / STEP == pytest.approx(float(bend), rel=1e-13, abs=1e-15)
+    assert curve_bend(stored, 2, x) == pytest.approx(float(bend), rel=1e-13, abs=1e-300)

@@ -74,15 +74,14 @@ def test_residuals_that_cancel_are_no_error(system: object) -> None:
     assert made.check_derivatives(made.q0)
 
 
-@pytest.mark.parametrize(("creep", "radius"), [(1e-3, 0.01), (1e-5, 0.01), (10.0, 3.0)])
+@pytest.mark.parametrize(("creep", "radius"), [(1e-3, 0.01), (2e-3, 0.01), (5e-3, 0.1)])
 def test_friction_far_from_its_reversal_agrees(creep: float, radius: float) -> None:
-    """The slope of tanh, as 1 - tanh², was round-off there, and the check called a shipped element wrong."""
+    """Terms cancel in single rows there; the check took their round-off for an error of a shipped element."""
     a = sr.Body("a", mass=1.0, inertia=(1, 1, 1))
     b = sr.Body("b", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1))
     about = {"body_i": a, "body_j": b, "point": (0, 0, 0), "axis": (0, 0, 1)}
-    law = {"load": 5.0, "mu": 0.2, "mu_static": 0.3, "creep": creep}
-    rubs = [sr.AngleFriction("pin", radius=radius, **about, **law), sr.TravelFriction("rail", **about, **law)]
-    system = sr.System(sr.Model("rubbed", [a, b], [], rubs))
-    for seed in range(3):
+    rub = sr.AngleFriction("pin", radius=radius, load=5.0, mu=0.2, creep=creep, **about)
+    system = sr.System(sr.Model("rubbed", [a, b], [], [rub]))
+    for seed in range(5):
         report = system.check_derivatives(seed=seed)
         assert report, str(report)

@@ -190,10 +190,10 @@ def _size(system: Any, operator: Operator, scale: Array) -> Array:
     row = scale.max(axis=1, keepdims=True, initial=0.0)
     block = scale
     if not operator.is_vector and scale.size:
-        starts = system.atoms(operator.axes[1])
-        block = np.repeat(
-            np.maximum.reduceat(scale, starts, axis=1), np.diff([*starts, scale.shape[1]]), axis=1
-        )
+        for axis, kind in enumerate(operator.axes):
+            starts = [*range(scale.shape[axis])] if kind is Axis.ROWS else system.atoms(kind)
+            widths = np.diff([*starts, scale.shape[axis]])
+            block = np.repeat(np.maximum.reduceat(block, starts, axis=axis), widths, axis=axis)
     size: Array = np.maximum(np.maximum(block, SHARE * row), np.finfo(float).tiny)
     return size
 

@@ -112,6 +112,7 @@ class WorkspaceMap:
 
     def __next__(self) -> Branch:
         """The next curve, with new starts where the last are exhausted."""
+        self.stop = None
         while True:
             for branch in self.explorer:
                 return branch

@@ -22,7 +22,8 @@ B_BODY = sr.Body(
     orientation=Rotation.from_rotvec([-1, 0.2, 0.7]).as_matrix(),
 )
 ABOUT = {"body_i": A_BODY, "body_j": B_BODY, "point": (0.2, 0.1, 0.5), "axis": (1, 2, -2)}
-MATRIX = np.random.default_rng(3).normal(size=(6, 6)) + 5 * np.eye(6)  # gives no energy
+ANY = np.random.default_rng(3).normal(size=(6, 6))
+MATRIX = ANY + 5 * np.eye(6)  # gives no energy
 
 PAIRS = [
     sr.Bushing("f", A_BODY, B_BODY, (0.2, 0.1, 0.5), stiffness=MATRIX, damping=MATRIX.T, preload=range(6)),
@@ -58,7 +59,7 @@ def test_derivatives_are_exact(force: sr.model.Force) -> None:
 
 def test_a_bushing_conserves_energy() -> None:
     """Full symmetric stiffness, no damping, large motion."""
-    K = MATRIX @ MATRIX.T + 2 * np.eye(6)
+    K = ANY @ ANY.T + 2 * np.eye(6)
     body = sr.Body("b", 2.0, (0.5, 1, 0.8), velocity=(0.3, -0.2, 0.1), angular_velocity=(0.4, 0.9, -0.5))
     system = sr.System(
         sr.Model("one", [body], forces=[sr.Bushing("f", sr.ground, body, (0, 0, 0), stiffness=K * 4)])

@@ -26,7 +26,7 @@ HOSTILE: tuple[Callable[[], Any], ...] = tuple(
         (1, 2, 3), (0, 0, NAN),
         np.zeros(3), np.zeros((2, 2)), np.zeros((0,)), np.array(["a"]), np.array(NAN), np.full(21, NAN),
         np.ones(14), np.zeros(21, dtype=object),
-        np.int64(3), Path("nowhere"), len, lambda *a: None, lambda *a: NAN, lambda *a: "x", object, sr,
+        np.int64(3), Path("nowhere"), lambda *a: None, lambda *a: NAN, lambda *a: "x", object, sr,
         sr.ground, sr.HHT, sr.HHT(), Ellipsis,
     )
 )  # fmt: skip

@@ -97,3 +97,9 @@ def test_arguments_that_are_left_out_or_unknown_pass() -> None:
     with pytest.raises(TypeError, match="unexpected keyword"):
         function("a", sead=3)  # type: ignore[call-arg]
     assert {"until", "path", "seed"} <= CHECKS.keys()
+
+
+@pytest.mark.parametrize("until", [1e308, 1e-300, NAN, -1.0, 0.0])
+def test_an_end_that_no_run_reaches_is_refused(until: float, crank: tuple[sr.System, sr.Assembly]) -> None:
+    with pytest.raises(ValueError, match=r"^until must be"):
+        sr.simulate(*crank, until=until)

@@ -33,6 +33,7 @@ from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
 from .vibration_check import fast_vibration
 
+LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
 Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
 
@@ -47,6 +48,8 @@ def refuse_end(until: float, begin: float = 0.0) -> None:
     after = "a positive time in s" if begin == 0.0 else f"a time in s after the start at {begin:g}"
     if not (np.isfinite(until) and until - begin > max(SHORTEST, 4 * np.spacing(abs(begin)))):
         raise ValueError(f"until must be {after}, but is {until}")
+    if until > LATEST:
+        raise ValueError(f"until must be at most {LATEST:g} s, but is {until:g}. Check its unit.")
 
 
 @reports_warnings

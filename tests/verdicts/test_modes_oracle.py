@@ -50,12 +50,13 @@ def test_random_mechanisms(kind: str, block: int) -> None:
 
 
 def slides(*stiffness: float, c: float = 0.0) -> sr.System:
-    """Bodies of 1 kg, each on its own slide with a spring."""
+    """Bodies of 1 kg, each on its own slide with a spring, or pushed away with -1 N/m where k is negative."""
     bodies, joints, forces = [], [], []
     for n, k in enumerate(stiffness):
         body = sr.Body(f"b{n}", mass=1.0, inertia=(1, 1, 1), position=(0, n, 0))
         joints.append(sr.Translational(f"j{n}", sr.ground, body, point=(0, n, 0), axis=(1, 0, 0)))
-        forces.append(sr.TSDA(f"s{n}", sr.ground.point(-2, n, 0), body.point(0, 0, 0), k=k, c=c, length=2.0))
+        ends = (sr.ground.point(-2, n, 0), body.point(0, 0, 0))
+        forces.append(sr.TSDA(f"s{n}", *ends, k=k if k >= 0 else lambda x: -1.0, c=c, length=2.0))
         bodies.append(body)
     return sr.System(sr.Model("slides", bodies, joints, forces))
 

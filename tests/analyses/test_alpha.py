@@ -199,5 +199,5 @@ def test_steps_of_one_length() -> None:
     ]
     assert [run.nsteps for run in runs] == [100, 200]
     assert np.allclose(runs[0].history[:, 1], 0.01, rtol=1e-9)
-    with pytest.raises(ValueError, match="step must be a positive time"):
+    with pytest.raises(ValueError, match="step must be a positive number"):
         sr.simulate(slider_crank(), until=1.0, method=sr.HHT(step=-0.1))

@@ -8,7 +8,7 @@ POINT = sr.Body("tool", mass=1.0, inertia=(1, 1, 1)).point(0.1, 0.2, 0.3)
 
 
 def test_coordinates_of_a_point() -> None:
-    assert [one.label for one in POINT["x", "z"]] == ["tool.x", "tool.z"]
+    assert [one.label for one in POINT["x", "z"]] == ["tool(0.1, 0.2, 0.3).x", "tool(0.1, 0.2, 0.3).z"]
 
 
 @pytest.mark.parametrize("axis", ["u", 0])

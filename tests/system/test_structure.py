@@ -11,6 +11,7 @@ import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.once import MOST, once, once_alike
 from sarrus.model.written import with_numbers
+from sarrus.system.structure import _recent
 
 
 def crank(**numbers: float) -> sr.System:
@@ -71,6 +72,7 @@ def test_a_structure_is_forgotten_with_the_last_system_that_has_it() -> None:
     gc.collect()
     assert known() is second.structure
     del second
+    _recent.clear()  # the last structures wait there for a next system
     gc.collect()
     assert known() is None
 

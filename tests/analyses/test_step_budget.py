@@ -1,6 +1,8 @@
 """Runs that crawl, and runs that may not take longer or more steps than the user says, end with what they have."""
 
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -105,6 +107,38 @@ def test_energy_that_grows_from_nothing_is_a_warning() -> None:
     assert run.warnings
     with pytest.raises(sr.StrictError):
         sr.simulate(spring(1e8), until=0.1, first_step=0.002, strict=True)
+
+
+def stiffening(**more: object) -> sr.System:
+    """The same with a stiffness over the length, as a table."""
+    model, table = spring(1e8).model, [[0.0, 1e8], [1.0, 1e8], [2.0, 1.0000001e8], [1e3, 1.001e8]]
+    law = sr.TSDA("t", *(model.forces[0].point_i, model.forces[0].point_j), k=table, length=1.0, **more)
+    return sr.System(replace(model, forces=[law]))
+
+
+def test_energy_of_a_spring_with_a_law_grows_from_nothing_too() -> None:
+    given = {"until": 0.1, "first_step": 0.002}
+    with pytest.warns(sr.SarrusWarning, match="total energy grew by"):
+        assert sr.simulate(stiffening(), **given).warnings
+    for more in ({"force": "1e-9*t"}, {"c": 1e-9}):  # an actuator or a law for damping could put in work
+        assert sr.simulate(stiffening(**more), **given).warnings == ()
+
+
+def test_energy_that_grows_is_a_warning_of_saved_and_resumed_runs(tmp_path: Path) -> None:
+    system, given = spring(1e8), {"until": 0.1, "first_step": 0.002}
+
+    def interrupt(t: float) -> None:
+        raise KeyboardInterrupt
+
+    assert sr.simulate(system, save=tmp_path / "cut", progress=interrupt, **given).warnings == ()
+    with pytest.warns(sr.SarrusWarning, match="total energy grew by"):
+        whole = sr.simulate(system, save=tmp_path / "whole", **given)
+    runs = [whole, sr.load_run(tmp_path / "whole"), sr.resume(tmp_path / "whole")]
+    for more in (sr.resume, sr.repeat):
+        with pytest.warns(sr.SarrusWarning, match="total energy grew by"):
+            runs.append(more(tmp_path / "cut"))
+    for run in runs:
+        assert "total energy grew by" in run.warnings[0]
 
 
 @pytest.mark.parametrize("inertia", [1e-6, 1e-12])

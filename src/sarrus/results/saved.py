@@ -14,7 +14,7 @@ import os
 import pickle
 import platform
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -200,6 +200,13 @@ class Store:
         with writing(self.path):
             self._replace({**checkpoint(self.path), "told": np.array(told)})
         return True
+
+    def warn(self, messages: Iterable[str]) -> None:
+        """Add warnings to those of the last checkpoint."""
+        with writing(self.path):
+            told = json.loads(str(checkpoint(self.path)["told"]))
+        told["warnings"] = list(dict.fromkeys((*told.get("warnings", ()), *messages)))
+        self.retell(json.dumps(told))
 
     def _replace(self, numbers: Mapping[str, Any]) -> None:
         content = io.BytesIO()

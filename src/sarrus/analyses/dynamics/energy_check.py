@@ -10,8 +10,8 @@ from ...elements.bushing import Bushing
 from ...elements.drag import ViscousDrag
 from ...elements.gravity import EccentricGravity, Gravity
 from ...elements.joint_friction import AngleFriction, TravelFriction
-from ...elements.rsda import RSDA
-from ...elements.tsda import TSDA
+from ...elements.rsda import RSDA, NonlinearRSDA
+from ...elements.tsda import TSDA, NonlinearTSDA
 from ...results import Trajectory
 from ...system import System
 from .tolerance import Tolerances
@@ -20,8 +20,10 @@ GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances 
 SLOW = 1e-6  # m/s and rad/s: kinetic energies of such speeds are within the tolerances of velocities
 ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to, and those between long steps
-PASSIVE = {Gravity, EccentricGravity, TSDA, RSDA, Bushing, ViscousDrag, AngleFriction, TravelFriction}
+LAWS = {NonlinearTSDA, NonlinearRSDA}  # springs and dampers given by curves
+PASSIVE = {Gravity, EccentricGravity, TSDA, RSDA, Bushing, ViscousDrag, AngleFriction, TravelFriction, *LAWS}
 ACTUATED = ("force", "torque")  # fields of springs that put in work
+DAMPER = "c"  # of springs: a curve of it may put in work, too
 
 
 def is_passive(system: System) -> bool:
@@ -34,8 +36,9 @@ def _passive(population: Any) -> bool:
     if not kind.family or kind.family[0].family != "force":
         return not kind.timed
     names = list(kind.fields)
+    working = (*ACTUATED, DAMPER) if kind in LAWS else ACTUATED
     return kind in PASSIVE and not any(
-        values[names.index(name)] for name in ACTUATED if name in names for values in population.values
+        values[names.index(name)] for name in working if name in names for values in population.values
     )
 
 

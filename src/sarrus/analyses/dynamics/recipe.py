@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,9 +18,11 @@ from ...system import System
 from ..progress import monitor
 from ..threads import one_thread_if_small
 from .crossing import Crossing
+from .energy_check import energy_growth
 from .march import March, Plan
 from .outcome import nothing
 from .stepper import Settings, Trouble
+from .vibration_check import fast_vibration
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,20 @@ class Recipe:
             stepper = Crossing(stepper, system, self.settings)
         return March(system, stepper, replace(self.plan, store=store, progress=progress))
 
+    def done(
+        self,
+        system: System,
+        store: Store | None,
+        progress: Callable[[float], None] | None,
+        state: Mapping[str, Array] | None = None,
+    ) -> Trajectory:
+        """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
+        run = self.march(system, store, progress).go(self.start, state)
+        found = announce([*energy_growth(system, run, self.settings.tolerances), *fast_vibration(run)])
+        if store is not None and found:
+            store.warn(found)
+        return run
+
     def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
         """A folder for the run, see `Store.create`."""
         about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
@@ -63,7 +79,7 @@ class Recipe:
         try:
             store = self.store(path, system, overwrite=overwrite)
             with store:
-                return self.march(system, store, progress).go(self.start)
+                return self.done(system, store, progress)
         except NotSavedError as wrong:
             return nothing(system, NOT_SAVED, str(wrong))
         except Trouble as trouble:
@@ -123,7 +139,7 @@ def resume(
     except NotSavedError as wrong:
         return replace(load_run(folder, system), success=False, status=NOT_SAVED, message=str(wrong))
     with store, monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
-        return recipe.march(system, store, told).go(recipe.start, state)
+        return recipe.done(system, store, told, state)
 
 
 @reports_warnings
@@ -131,7 +147,7 @@ def resume(
 def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
     """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
     recipe: Recipe = recipe_of(Path(path))["recipe"]
-    return recipe.march(System(recipe.model), None, None).go(recipe.start)
+    return recipe.done(System(recipe.model), None, None)
 
 
 def _is_over(state: dict[str, Array]) -> bool:

@@ -10,16 +10,15 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
-from ...model import announce, reports_warnings
+from ...model import reports_warnings
 from ...results import Trajectory
 from ...system import System
-from ..progress import monitor, refuse_time_limit
+from ..progress import monitor
 from ..starts import Start, start_of
 from ..threads import one_thread_if_small
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of
-from .energy_check import energy_growth
 from .events import Event
 from .ida import IDA
 from .march import Plan
@@ -31,7 +30,6 @@ from .room import refuse_too_large
 from .step_budget import StepBudget
 from .stepper import Settings, Trouble
 from .tolerance import Given, Tolerances
-from .vibration_check import fast_vibration
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
@@ -119,7 +117,6 @@ def simulate(
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
         where the steps of a run with events cannot be kept.
     """
-    refuse_time_limit(time_limit)
     chosen, watched = _method(method), _events(events)
     if keep_steps and watched:
         kept_events.refuse(chosen, save is not None)
@@ -141,13 +138,10 @@ def simulate(
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
             if save is not None:
-                run = recipe.saved(save, system, told, overwrite=overwrite)
-            else:
-                run = recipe.march(system, None, told).go(begin)
+                return recipe.saved(save, system, told, overwrite=overwrite)
+            return recipe.done(system, None, told)
     except Trouble as trouble:
         return nothing(system, trouble.status, trouble.sentence)
-    announce([*energy_growth(system, run, settings.tolerances), *fast_vibration(run)])
-    return run
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:

@@ -158,3 +158,16 @@ def test_a_bar_without_progress_says_why(
         bar.reach(0.5)
         time.sleep(0.2)
     assert "compiles" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("more", [["lower.y", "--inputs", "q1", "q2", "--field", "solutions"], []])
+@pytest.mark.parametrize("limit", ["1e-6", "0.05"])
+def test_a_workspace_ends_at_its_time_limit(
+    limit: str, more: list[str], folder: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Of one output and of two, before and after the first curve; what would be drawn over the map is left out."""
+    words = ["workspace", "arm.yaml", "--output", "lower.x", *more, "--limit", "q1=-1,1", "q2=0.2,1"]
+    assert main([*words, "--time-limit", limit, "--json"]) == 1
+    out, err = capfd.readouterr()
+    assert json.loads(out)["status"] == "time limit"
+    assert f"time limit of {limit} s" in err.replace("1e-06", "1e-6")

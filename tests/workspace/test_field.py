@@ -149,7 +149,7 @@ def test_report(arm: sr.WorkspaceField) -> None:
         (("q1",), {}, "has 2 degrees of freedom, but 1 input is given; give as many"),
         ((), {"turn": "link_2.turn_z"}, "cannot turn while"),
         ((), {"cells": 0}, "cells must be a whole number"),
-        ((), {"starts": -1}, "starts must be a whole number"),
+        ((), {"starts": -1}, "starts must be 1 at least"),
         ((), {"cells": 1}, "no cell's centre lies inside; give more cells"),
     ],
 )

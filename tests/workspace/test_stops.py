@@ -47,6 +47,8 @@ def test_an_interrupted_map_goes_on_where_it_was() -> None:
         found = sr.workspace(system, output, limits=limits, progress=interrupt_at(20))
     assert found.status == "stopped"
     assert len(found.map.branches) >= 1
+    with pytest.raises(sr.SarrusError, match="nothing can be reached, so there is no field"):
+        sr.workspace_field(found)  # no curve is closed
     whole = found.map.run().result()
     assert whole.success
     assert whole.area == pytest.approx(3.970981336311, rel=1e-6)

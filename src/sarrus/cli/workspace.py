@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,8 @@ QUANTITIES = (  # see results/workspace_field.py
     "turn",
 )
 KINDS = ("outer", "void", "barrier", "crossable")
+MOMENT = 1e-6  # s
+ENDED = ("time limit", "stopped")
 LOST: tuple[Lost, ...] = ("inputs", "outputs")
 EXAMPLES = (
     "sarrus workspace arm.yaml --output tool.x tool.y --limit q1=-60deg,60deg q2=-60deg,60deg",
@@ -71,6 +74,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--curves", nargs="+", choices=KINDS, help="curves that are drawn (all)")
     parser.add_argument("--samples", type=natural, default=1000, help="random positions that test it (1000)")
     shared.seed(parser, "numbers")
+    shared.time_limit(parser)
     shared.figure(parser, "the picture", "workspace.png")
     shared.table(parser, "all curves, or the field")
     parser.add_argument(
@@ -90,23 +94,34 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Map and draw; 1 if the map is not complete."""
+    """Map and draw; 1 if the map, or what is drawn over it, is not complete."""
+    from ..model import announce
     from ..system import System
 
     refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])
     _refuse_options(chosen)
     system = System(model_file.read(chosen))
     limits: Limits = dict(chosen.limit) if chosen.limit else "model"
-    given = {"limits": limits, "fixed": dict(chosen.fix), "seed": chosen.seed}
+    given = {
+        "limits": limits,
+        "fixed": dict(chosen.fix),
+        "seed": chosen.seed,
+        "clock": Clock(chosen.time_limit),
+    }
     by_count: dict[int, Any] = {1: _interval, 2: _area, 3: _volume}
-    found = by_count.get(len(chosen.output), _area)(system, chosen, answer, given)
+    found = by_count.get(len(chosen.output), _area)(system, chosen, answer, **given)
     answer.say(found)
     answer.put(model=system.name, status=found.status, message=found.message)
     told, shown = [str(found)], found
+    if found.status in ENDED and (chosen.field or chosen.singular):
+        announce(
+            [f"{system.name}: --field and --singular are left out, since the map ended before its time."]
+        )
+        chosen.field = chosen.singular = None
     if chosen.field:
-        shown = _field(found, chosen, answer)
+        shown = _field(found, chosen, answer, given["clock"])
         told.append(str(shown))
-    lost = _singular(system, chosen, answer, given) if chosen.singular else []
+    lost = _singular(system, chosen, answer, **given) if chosen.singular else []
     told += [str(one) for one in lost]
     if len(chosen.output) > 1:
         answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
@@ -114,7 +129,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     if chosen.report:
         chosen.report.write_text("\n\n".join(told) + "\n", encoding="utf-8")
         answer.wrote(chosen.report)
-    return 0 if found.success else 1
+    return 0 if all(one.success for one in (found, shown, *lost)) else 1
 
 
 def _refuse_options(chosen: argparse.Namespace) -> None:
@@ -161,18 +176,35 @@ def _refuse_ignored(chosen: argparse.Namespace) -> None:
         raise SarrusError(f"{given[0]} is for more than one output; leave it out")
 
 
-def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer) -> WorkspaceField:
+class Clock:
+    """The time that is left of the time limit, which all analyses of one call share, from the first one on."""
+
+    def __init__(self, limit: float | None) -> None:
+        self._limit, self._end = limit, 0.0
+
+    def left(self) -> float | None:
+        """Seconds, none without a limit; a moment where the time is over: the analysis ends as it begins."""
+        if self._limit is None:
+            return None
+        now = time.monotonic()
+        self._end = self._end or now + self._limit
+        return max(self._end - now, MOMENT)
+
+
+def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer, clock: Clock) -> WorkspaceField:
     from ..analyses import workspace_field
 
     with Bar("filling the grid", 1):
-        field = workspace_field(found, chosen.inputs, turn=chosen.turn, seed=chosen.seed)
+        field = workspace_field(
+            found, chosen.inputs, turn=chosen.turn, seed=chosen.seed, time_limit=clock.left()
+        )
     answer.say(f"\n{field.summary()}")
     answer.put(positions=field.positions, missed=field.missed)
     return field
 
 
 def _singular(
-    system: System, chosen: argparse.Namespace, answer: Answer, given: Any
+    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
 ) -> list[InputSingularities]:
     """Both kinds of singular positions, drawn over the inputs."""
     from ..analyses import input_singularities
@@ -180,6 +212,7 @@ def _singular(
     found, ax = [], None
     for lost in LOST:
         with Bar(f"singular positions of {lost}", 1):
+            given["time_limit"] = clock.left()
             found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
         ax = found[-1].plot(ax, over="inputs")
         answer.say(f"\n{found[-1].summary()}")
@@ -195,34 +228,50 @@ def _picture(shown: Any, chosen: argparse.Namespace, lost: list[InputSingulariti
     return lost[0].plot(ax) if lost else ax
 
 
-def _interval(system: System, chosen: argparse.Namespace, answer: Answer, given: Any) -> WorkspaceRange:
+def _interval(
+    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
+) -> WorkspaceRange:
     from ..analyses import workspace_range
 
-    found = workspace_range(system, chosen.output[0], **given)
+    found = workspace_range(system, chosen.output[0], time_limit=clock.left(), **given)
     answer.put(intervals=found.intervals)
     return found
 
 
-def _area(system: System, chosen: argparse.Namespace, answer: Answer, given: Any) -> Workspace:
+def _area(
+    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
+) -> Workspace:
     from ..analyses import WorkspaceMap, verify_workspace
+    from ..analyses.workspace.verify import reported
+    from ..analyses.workspace.watch import POINTS, stopped, watched
 
     map_ = WorkspaceMap(system, chosen.output, **given)
     with Bar("tracing curves", map_.repeats) as bar:
-        for _ in map_:
-            bar.reach(min(map_.in_a_row, map_.repeats))
+
+        def trace() -> None:
+            for _ in map_:
+                bar.reach(min(map_.in_a_row, map_.repeats))
+
+        with watched(False, done="traced", unit=POINTS, time_limit=clock.left()):
+            map_.stop = stopped(trace)
+    if map_.stop:
+        return reported(map_)
     with Bar("testing the map", 1):
-        found = verify_workspace(map_.result(), chosen.samples)
+        found = verify_workspace(map_.result(), chosen.samples, time_limit=clock.left())
     if found.success:  # else they are not known
         answer.put(area=found.area, area_error=found.area_error, perimeter=found.perimeter)
         answer.put(parts=[part.area for part in found.components])
     return found
 
 
-def _volume(system: System, chosen: argparse.Namespace, answer: Answer, given: Any) -> WorkspaceVolume:
+def _volume(
+    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
+) -> WorkspaceVolume:
     from ..analyses import workspace_volume
 
     with Bar("tracing slices", 1):
-        found = workspace_volume(system, chosen.output, rtol=chosen.rtol, samples=chosen.samples, **given)
+        given |= {"rtol": chosen.rtol, "samples": chosen.samples, "time_limit": clock.left()}
+        found = workspace_volume(system, chosen.output, **given)
     if found.success:
         answer.put(volume=found.volume, volume_error=found.volume_error, critical=found.critical)
     return found

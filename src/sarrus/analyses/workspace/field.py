@@ -146,7 +146,7 @@ def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
 
 
 def _refuse_nothing(found: Workspace) -> None:
-    if not found.components:
+    if not any(part.loops for part in found.components):
         raise SarrusError(f"{found.name}: nothing can be reached, so there is no field; see its message")
 
 

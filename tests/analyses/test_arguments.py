@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.analyses.progress import monitor, refuse_time_limit
 from sarrus.model.arguments import CHECKS, Number, Whole, checked
 
 NAN = float("nan")
@@ -103,3 +105,40 @@ def test_arguments_that_are_left_out_or_unknown_pass() -> None:
 def test_an_end_that_no_run_reaches_is_refused(until: float, crank: tuple[sr.System, sr.Assembly]) -> None:
     with pytest.raises(ValueError, match=r"^until must be"):
         sr.simulate(*crank, until=until)
+
+
+WITH_LIMITS = {
+    name: limit
+    for name in sr.__all__
+    if callable(function := getattr(sr, name)) and not isinstance(function, type)
+    for limit in inspect.signature(function).parameters
+    if limit in ("time_limit", "total_time_limit")
+}
+
+
+@pytest.mark.parametrize("value", ["a", NAN, 0, -1.0, True, None, [1.0]])
+def test_a_time_limit_means_the_same_everywhere(value: Any) -> None:
+    """In every public function, and in the monitor that all of them share."""
+    good = {"until": 1.0, "times": [0.0], "path": "run"}
+    assert {"simulate", "kinematics", "workspace", "study", "optimize"} <= WITH_LIMITS.keys()
+    for name, limit in WITH_LIMITS.items():
+        function = getattr(sr, name)
+        needed = [
+            p for p in inspect.signature(function).parameters.values() if p.default is p.empty and p.kind < 4
+        ]
+        given = {p.name: good.get(p.name) for p in needed if p.name != limit}
+        if value is not None:
+            with pytest.raises((TypeError, ValueError), match=rf"^{limit} must be a "):
+                function(**given, **{limit: value})
+    if value is None:
+        refuse_time_limit(value)
+    else:
+        with (
+            pytest.raises((TypeError, ValueError), match=r"^time_limit must be a "),
+            monitor(None, time_limit=value),
+        ):
+            pass
+        with pytest.raises((TypeError, ValueError), match=r"^time_limit must be a "):
+            sr.Problem(
+                sr.System(sr.load(mechanisms.path("slider_crank"))), "slider.x", until=1.0, time_limit=value
+            )

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -217,6 +218,21 @@ def test_starts_run_in_an_executor() -> None:
     with ThreadPoolExecutor(1) as executor:
         there = sr.optimize(slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, **settings)
     assert [one.value for one in there.starts] == [one.value for one in here.starts]
+
+
+def test_the_time_of_all_starts_is_over_in_an_executor_too() -> None:
+    """Starts that are still queued when it is over are not simulated."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    settings = {"until": 0.02, "bounds": {"spring.k": (1.0, 30.0)}, "starts": 40, **LOOSE}
+    began = time.perf_counter()
+    with ThreadPoolExecutor(1) as executor:
+        found = sr.optimize(
+            slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, total_time_limit=1.0, **settings
+        )
+    assert time.perf_counter() - began < 6.0
+    late = [one for one in found.start_reports if "the time limit of 1 s has passed" in one.message]
+    assert len(late) > 20
 
 
 @pytest.mark.parametrize("solver", ["SLSQP", "trust-constr"])

@@ -116,3 +116,15 @@ def test_a_restitution_is_fitted_to_heights() -> None:
     found = sr.fit(ball(), data, NAMES, events=BOUNCE, method=sr.Radau())
     assert found.success
     assert found.x == pytest.approx([0.4, 0.7], abs=1e-6)
+
+
+def test_a_restitution_beyond_its_limits_is_a_design_that_cannot_be_simulated() -> None:
+    """Without bounds the height that only a gain of energy reaches leads there."""
+    told = problem(sr.Final("ball.z"))
+    for restitution in (1.2, -0.1):
+        with pytest.raises(Infeasible, match="restitution of an Impact must be between 0 and 1"):
+            told.values(np.array([0.5, restitution]))
+    miss = sr.Final(lambda o: (o("ball.z") - 2.0) ** 2, name="miss")
+    found = sr.optimize(ball(), miss, ["bounce.restitution"], until=1.0, events=BOUNCE)
+    assert 0 <= found.x[0] <= 1
+    assert any("restitution" in failure for failure in found.failures)

@@ -11,6 +11,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ..model.arguments import CHECKS
+
 WIDTH = 28
 PAUSE = 0.1  # s between two drawings
 PATIENCE = 3.0  # s before the first report, after which the reason of the wait is printed
@@ -74,17 +76,17 @@ def duration(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
-def refuse_time_limit(time_limit: float | None) -> None:
-    """Refuse a time limit that is not a positive number of seconds.
+def refuse_time_limit(time_limit: float | None, name: str = "time_limit") -> None:
+    """Refuse a time limit that is not a positive number of seconds, as every function that takes one does.
 
     Raises
     ------
+    TypeError
+        For another kind than a number.
     ValueError
     """
-    if time_limit is not None and not time_limit > 0:
-        raise ValueError(
-            f"time_limit must be a positive time in s, but is {time_limit}. Leave it out for no limit."
-        )
+    if time_limit is not None:
+        CHECKS["time_limit"](name, time_limit)
 
 
 class _Wait:
@@ -131,7 +133,7 @@ def monitor(
     Raises
     ------
     TypeError
-        If `progress` is neither a bool nor a function.
+        If `progress` is neither a bool nor a function, or `time_limit` no number.
     ValueError
         If `time_limit` is not positive.
     """

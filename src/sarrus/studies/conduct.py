@@ -150,6 +150,7 @@ def carry_out(
     time_limit: float | None = None,
 ) -> StudyTable:
     """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
+    refuse_time_limit(time_limit, "total_time_limit")
     told = asked.facts()
     try:
         ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
@@ -174,7 +175,6 @@ def carry_out(
         return float(left)
 
     status, execution, ended = "finished", "", list[str]()
-    refuse_time_limit(time_limit)
     try:
         with monitor(progress, len(asked.cases), done="ran", unit=" cases") as report:
             execution = _run(asked.task, jobs, write, workers, executor, tick)

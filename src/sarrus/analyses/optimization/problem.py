@@ -96,6 +96,7 @@ class Problem:
         memory: float | None = None,
         time_limit: float | None = None,
     ) -> None:
+        refuse_time_limit(time_limit)
         self.system, self.given, self.outer = system, responses, Outer(responses)
         self.design, self.formula = design, formula
         self.settings: dict[str, Any] = {
@@ -116,12 +117,21 @@ class Problem:
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
         self._deadline, self._seconds = np.inf, 0.0
+        self.ending: tuple[float | None, float] = (None, 0.0)
 
-    def end_after(self, seconds: float | None) -> None:
-        """Let all simulations together take so many seconds of the clock from now on."""
-        refuse_time_limit(seconds)
+    def end_after(self, seconds: float | None, since: float | None = None) -> None:
+        """Let all simulations together take so many seconds of the clock.
+
+        Parameters
+        ----------
+        seconds : without a limit none
+        since : when they began, by the clock that processes share (``time.time()``); by default now
+        """
+        refuse_time_limit(seconds, "total_time_limit")
         if seconds is not None:
-            self._deadline, self._seconds = time.perf_counter() + seconds, seconds
+            begin = time.time() if since is None else since
+            self.ending = seconds, begin
+            self._deadline, self._seconds = time.perf_counter() + seconds - (time.time() - begin), seconds
 
     @property
     def is_late(self) -> bool:
@@ -287,8 +297,17 @@ class Point:
 
     @property
     def events(self) -> list[Event]:
-        """What is looked for, with the restitutions of this design."""
-        return with_restitutions(self.problem.settings["events"], self._restitutions)
+        """What is looked for, with the restitutions of this design.
+
+        Raises
+        ------
+        Infeasible
+            If one is not between 0 and 1, where only bounds keep an optimizer.
+        """
+        try:
+            return with_restitutions(self.problem.settings["events"], self._restitutions)
+        except ValueError as trouble:
+            raise Infeasible(str(trouble)) from None
 
     @cached_property
     def _restitutions(self) -> dict[str, float]:

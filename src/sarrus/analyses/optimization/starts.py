@@ -67,7 +67,8 @@ def optimum_from_many(
     else:
         model, plan = problem.system.model, (problem.given, [*problem.names], problem.design, problem.formula)
         settings = problem.settings | {"memory": problem.memory}
-        waiting = [executor.submit(_elsewhere, task, model, plan, settings, variables, x) for x in begins]
+        work = task, model, plan, settings, problem.ending, variables
+        waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
         found = [future.result() for future in waiting]
     return _best(found, count)
 
@@ -89,11 +90,18 @@ def _from(
 
 
 def _elsewhere(
-    task: Task, model: Model, plan: Any, settings: Mapping[str, Any], variables: Variables, begin: Begin
+    task: Task,
+    model: Model,
+    plan: Any,
+    settings: Mapping[str, Any],
+    ending: tuple[float | None, float],
+    variables: Variables,
+    begin: Begin,
 ) -> Came:
-    """The same in another process."""
+    """The same in another process, which ends when the time of the whole search is over."""
     responses, names, design, formula = plan
     problem = Problem(System(model), responses, names, design=design, formula=formula, **settings)
+    problem.end_after(*ending)
     return _from(task, problem, variables, begin)
 
 

@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..system import System
+from .once import once_alike
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
@@ -24,7 +25,7 @@ def extent(system: System, q: Array) -> float:
 
     Without any two different points it is the radius of gyration, and 1 m without inertia.
     """
-    points = np.concatenate([q.reshape(-1, 7)[:, :3], *_points(system, q)])
+    points = np.concatenate([q.reshape(-1, 7)[:, :3], _points(system, q)])
     size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
     return size if size > noise else _radius_of_gyration(system, q) or 1.0
 
@@ -67,23 +68,41 @@ def units(size: int, length: float) -> Array:
     return np.tile(np.repeat([length, 1.0], (3, 4)), size // 7)
 
 
-def _points(system: System, q: Array) -> Iterator[Array]:
-    """Yield points of elements in global axes (count, 3)."""
+def _points(system: System, q: Array) -> Array:
+    """Points of elements in global axes (count, 3)."""
+    fixed, moving, bodies = _places(system)
+    r, e0, e = np.split(q.reshape(-1, 7)[bodies], [3, 4], axis=1)
+    s = system.b[moving]
+    return np.concatenate([system.b[fixed], r + s + 2 * _cross(e, _cross(e, s) + e0 * s)])
+
+
+@once_alike
+def _places(system: System) -> tuple[Array, Array, Array]:
+    """Places (count, 3) among the numbers of points on the ground and of others, and the bodies of these."""
+    found = list(_fields(system))
+    none = np.zeros((0, 3), dtype=np.int64)
+    fixed = [none, *(at for at, bodies in found if bodies is None)]
+    moving = [none, *(at for at, bodies in found if bodies is not None)]
+    of = [none[:, 0], *(bodies for _, bodies in found if bodies is not None)]
+    return np.concatenate(fixed), np.concatenate(moving), np.concatenate(of)
+
+
+def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
+    """Yield the places of points (count, 3), and their bodies but for the ground."""
     for p in system.populations:
         if p.count and p.kind.bodies <= 2:
-            numbers = system.b[p.at : p.end].reshape(p.count, -1)
             starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
             for name, side in POINTS.items():
                 if name in starts and p.kind.fields[name] == "Vec3":
-                    yield _global(p, side, numbers[:, starts[name] : starts[name] + 3], q)
+                    slot = p.variant.slots[side]
+                    at = p.at + starts[name] + p.kind.size() * np.arange(p.count)[:, None] + np.arange(3)
+                    yield at, None if slot < 0 else p.bodies[:, slot] // 7
 
 
-def _global(p: Any, side: int, points: Array, q: Array) -> Array:
-    slot = p.variant.slots[side]
-    if slot < 0:
-        return points
-    r, e0, e = np.split(q[p.bodies[:, slot][:, None] + np.arange(7)], [3, 4], axis=1)
-    return np.asarray(r + points + 2 * np.cross(e, np.cross(e, points) + e0 * points))
+def _cross(a: Array, b: Array) -> Array:
+    """Vector products of rows."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
 def _radius_of_gyration(system: System, q: Array) -> float:

@@ -166,3 +166,11 @@ def test_a_chosen_folder_that_is_not_used_is_said(tmp_path: Path, monkeypatch: p
     monkeypatch.setenv("SARRUS_CACHE_DIR", str(tmp_path))
     with pytest.warns(RuntimeWarning, match="SARRUS_CACHE_DIR: .* other users"):
         assert cache.folder.__wrapped__() != tmp_path / f"kernels-{fingerprint()}"
+
+
+def test_folders_that_are_made_for_a_chosen_one_are_private(tmp_path: Path) -> None:
+    before = os.umask(0o002)  # as where each user has a group of their own
+    try:
+        assert made_private(tmp_path / "a" / "b" / "c")
+    finally:
+        os.umask(before)

@@ -36,7 +36,8 @@ def _safe(found: os.stat_result, trusted: set[int]) -> bool:
 def made_private(folder: Path) -> bool:
     """Make a folder, with those above it, that only the user can enter; return whether it can be used."""
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True, mode=0o755)
+        for above in reversed([here for here in folder.parents if not here.exists()]):
+            above.mkdir(exist_ok=True, mode=0o755)  # one by one: `parents` would leave the mode to the umask
         folder.mkdir(exist_ok=True, mode=0o700)
         with tempfile.TemporaryFile(dir=folder):
             return private(folder)

@@ -236,6 +236,18 @@ def test_chunks_are_bound_to_their_places(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("small")
+def test_saved_states_are_indexed_as_arrays(tmp_path: Path) -> None:
+    run = sr.simulate(slider_crank(), save=tmp_path / "run", **GIVEN)
+    whole = np.asarray(run.q)
+    several = np.array([5, 60, -1])
+    for key in (7, -1, np.int64(80), (..., 0), (None, 3), (several, 1), several, (slice(None, None, -7), 2)):
+        assert np.array_equal(run.q[key], whole[key])
+    for wrong in (1.5, 201, -202, "q"):
+        with pytest.raises(IndexError):
+            run.q[wrong]
+
+
+@pytest.mark.usefixtures("small")
 def test_a_run_is_verified_before_it_is_continued(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     cut_short(folder)

@@ -8,6 +8,7 @@ A chunk that is damaged, missing, older or from another place or run does not ha
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -92,9 +93,11 @@ class StoredArray:
             if step < 1:
                 return self[:][key]
             return self._between(first, last)[(slice(None, None, step), *columns)]
-        if np.ndim(row) > 0:
+        try:
+            at = operator.index(row)
+        except TypeError:  # several rows, an ellipsis, a new axis; or what NumPy refuses, too
             return self[:][key]
-        at = int(row) + (len(self) if row < 0 else 0)
+        at += len(self) if at < 0 else 0
         if not 0 <= at < len(self):
             raise IndexError(f"there is no row {row}; there are {len(self)}")
         one = self._between(at, at + 1)[0]
@@ -110,14 +113,15 @@ class StoredArray:
 
     def _read(self, place: int) -> Array:
         """A chunk that has the checksum of its place; the last one that was read is not read again."""
-        if self._last is None or self._last[0] != place:
+        last = self._last  # another thread may replace it
+        if last is None or last[0] != place:
             path = self._path(place)
             data = read_file(path)
             if checksum(data) != self._checksums[place].tobytes():
                 raise damaged(path)
             rows = np.frombuffer(data, NUMBER).reshape(self._chunk, *self._rest.shape[1:])
-            self._last = place, rows.astype(float, copy=False)
-        return self._last[1]
+            self._last = last = place, rows.astype(float, copy=False)
+        return last[1]
 
     def _path(self, place: int) -> Path:
         return chunk_path(self._folder, place, self.ndim)

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import sarrus as sr
+from sarrus.analyses.dynamics.step_budget import MANY
 from sarrus.analyses.progress import TimeLimit, monitor
 
 
@@ -183,3 +184,10 @@ def test_a_vibration_that_the_outputs_show_is_none() -> None:
     )  # 0.6 periods between two outputs
     assert run.nsteps > 20_000
     assert run.warnings == ()
+
+
+def test_steps_that_a_user_chose_are_not_said_to_be_many_after_an_early_start() -> None:
+    start = sr.simulate(spring(100.0), until=0.1).final._replace(t=-10.0)
+    run = sr.simulate(spring(100.0), start, until=-8.9, method=sr.HHT(step=1e-4), t_eval=[-8.9])
+    assert run.nsteps > MANY
+    assert "order 2" not in run.message

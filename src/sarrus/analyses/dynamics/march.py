@@ -85,7 +85,7 @@ class March:
         self._last: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
-        self._written = 0
+        self._written, self._started = 0, 0.0
         self._dense: list[Nodes] = []
         self._pieces: list[Any] = []
         self._turns: list[Turn] = []
@@ -98,7 +98,7 @@ class March:
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
-        status, message = "finished", "reached the end"
+        status, message, self._started = "finished", "reached the end", start.t
         try:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
@@ -309,7 +309,7 @@ class March:
 
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":
-            message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until)
+            message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
         message += self.nearness.sentence() if status in ("finished", "event") else ""
         if self.plan.store:
             return self._saved(self.plan.store, status, message)

@@ -10,6 +10,7 @@ from ...results import Trajectory
 MANY = 20_000  # steps: fewer are no trouble
 EACH = 20  # steps for each output
 OUTPUTS = 100  # so many at least, or the motion between them is not known
+LOOKED_AT = 10_000  # the last outputs, of which statistics are made: a saved run may not fit into memory
 FAST = 5.0  # what accelerations would change velocities by between two outputs, over what they change by
 STRONG = 1e-2  # of the greatest acceleration of its kind: weaker ones may be round-off
 RESOLVED = (0.01, 2.0)  # ω h of steps that a vibration forces upon the error control
@@ -23,7 +24,9 @@ def fast_vibration(run: Trajectory) -> list[str]:
     """
     if not run.success or run.nsteps < max(MANY, EACH * len(run.t)) or len(run.t) < OUTPUTS:
         return []
-    acceleration, change = _root_mean_square(run.a), _root_mean_square(np.diff(run.v, axis=0)) / np.sqrt(2)
+    last = slice(-LOOKED_AT, None)
+    acceleration = _root_mean_square(run.a[last])
+    change = _root_mean_square(np.diff(run.v[last], axis=0)) / np.sqrt(2)
     interval, step = float(np.median(np.diff(run.t))), float(run.t[-1] - run.t[0]) / run.nsteps
     kinds = np.arange(acceleration.size).reshape(-1, 7)
     strong = np.zeros(acceleration.size, dtype=bool)

@@ -149,7 +149,6 @@ def test_report(arm: sr.WorkspaceField) -> None:
         (("q1",), {}, "has 2 degrees of freedom, but 1 input is given; give as many"),
         ((), {"turn": "link_2.turn_z"}, "cannot turn while"),
         ((), {"cells": 0}, "cells must be a whole number"),
-        ((), {"starts": -1}, "starts must be 1 at least"),
         ((), {"cells": 1}, "no cell's centre lies inside; give more cells"),
     ],
 )
@@ -158,6 +157,8 @@ def test_misuse(
 ) -> None:
     with pytest.raises(sr.SarrusError, match=told):
         sr.workspace_field(arm.workspace, inputs, **options)
+    with pytest.raises(ValueError, match="starts must be 1 at least"):
+        sr.workspace_field(arm.workspace, starts=-1)
 
 
 def test_endless_solutions_are_refused() -> None:

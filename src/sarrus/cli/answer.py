@@ -48,7 +48,10 @@ class Answer:
 
     def draw(self, figure: Any, file: Path) -> None:
         """Write a figure, and tell it."""
-        figure.savefig(file, dpi=DPI)
+        from ..results.exported_file import exporting
+
+        with exporting(file):
+            figure.savefig(file, dpi=DPI)
         self.wrote(file)
 
     def close(self, code: int) -> None:

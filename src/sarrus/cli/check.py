@@ -61,7 +61,9 @@ def _table(report: Report) -> list[dict[str, Any]]:
 
 
 def _draw(model: Model, file: Path, answer: Answer) -> None:
+    from ..results.exported_file import exporting
     from ..views import mechanism_figure
 
-    mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
+    with exporting(file):
+        mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
     answer.wrote(file)

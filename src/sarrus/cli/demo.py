@@ -87,6 +87,7 @@ def _times(system: Any, start: Any) -> str:
 
 
 def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
+    from ..results.exported_file import exporting
     from ..system.check import TOLERANCE
     from ..views import check_figure, motion_figure
 
@@ -95,6 +96,7 @@ def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
     for name, figure in figures.items():
         for ending in ("png", "svg"):
             files.append(folder / f"slider_crank_{name}.{ending}")
-            figure.savefig(files[-1], dpi=130)
+            with exporting(files[-1]):
+                figure.savefig(files[-1], dpi=130)
             figure.set_layout_engine(None)  # the layout is found once, and stands for the next file too
     return files

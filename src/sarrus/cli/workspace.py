@@ -96,6 +96,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Map and draw; 1 if the map, or what is drawn over it, is not complete."""
     from ..model import announce
+    from ..results.exported_file import exporting
     from ..system import System
 
     refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])
@@ -127,7 +128,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
     _write(chosen, shown, answer)
     if chosen.report:
-        chosen.report.write_text("\n\n".join(told) + "\n", encoding="utf-8")
+        with exporting(chosen.report):
+            chosen.report.write_text("\n\n".join(told) + "\n", encoding="utf-8")
         answer.wrote(chosen.report)
     return 0 if all(one.success for one in (found, shown, *lost)) else 1
 

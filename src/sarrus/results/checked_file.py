@@ -36,12 +36,12 @@ class FolderTakenError(SarrusError, FileExistsError):
 
 
 class NotSavedError(SarrusError, OSError):
-    """The disk is full, a limit is reached, or the folder cannot be written."""
+    """The disk is full, a limit is reached, or the file or folder cannot be written."""
 
     def __init__(self, folder: Path, wrong: OSError) -> None:
         remedy = REMEDIES.get(wrong.errno or 0, "Remedy the cause")
         told = f"{folder}: cannot be written ({wrong.strerror or wrong})."
-        super().__init__(f"{told} {remedy}, or choose another folder.")
+        super().__init__(f"{told} {remedy}, or choose another place.")
 
 
 @contextmanager

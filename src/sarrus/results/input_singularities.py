@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..algebra import Array
+from .exported_file import exports
 from .result import Result
 from .workspace import Status
 
@@ -60,6 +61,7 @@ class InputSingularities(Result):
         """Whether no curve broke off."""
         return self.status == "mapped"
 
+    @exports
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, what is lost, outputs, inputs."""
         import csv

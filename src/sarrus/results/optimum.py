@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from .exported_file import exports
 from .result import Result
 
 
@@ -115,6 +116,7 @@ class Optimum(Result):
         value, wide = self[name], self.quantile * float(self.deviations[self.names.index(name)])
         return value - wide, value + wide
 
+    @exports
     def to_csv(self, path: str | Path) -> None:
         """Write every simulation with its objective, size of gradient, gap in constraints, and variables."""
         head = ",".join(["objective", "gradient", "gap", *self.names])

@@ -14,6 +14,7 @@ from ..euler import G
 from ..model.coordinates import coordinates_of
 from ..model.show import suggest
 from ..system import JointCoordinates
+from .exported_file import exports
 from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
@@ -196,6 +197,7 @@ class Trajectory(Result):
             raise ValueError(f"{self.name}: this trajectory does not know its system, so it has no reactions")
         return reaction(self, joint)
 
+    @exports
     def to_csv(self, path: str | Path) -> None:
         """Write t, q and v as a table with named columns."""
         rates = [f"d({name})/dt" for name in self.coordinate_names]
@@ -221,6 +223,7 @@ class Trajectory(Result):
         table = np.column_stack([self.t, self.q, self.v])
         return DataFrame(table, columns=["t", *self.coordinate_names, *rates])
 
+    @exports
     def to_parquet(self, path: str | Path) -> None:
         """Write t, q and v as a Parquet file with named columns; needs the extra `tables`.
 

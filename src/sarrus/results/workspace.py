@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..model import SarrusError, announce
+from .exported_file import exports
 from .netcdf import Column, flags, write_netcdf
 from .outline import inside_curves
 from .result import Result
@@ -243,6 +244,7 @@ class Workspace(Result):
         size = max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
         return inside_curves(loops, curves, places(points), TRACED * size)
 
+    @exports
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, kind, cause, both outputs, inward normal."""
         import csv
@@ -255,6 +257,7 @@ class Workspace(Result):
                 for u, normal in zip(curve.u, curve.inward, strict=True):
                     writer.writerow([n, curve.kind, curve.cause, *map(repr, (*u.tolist(), *normal.tolist()))])
 
+    @exports
     def to_netcdf(self, path: Any) -> None:
         """Write all curves in the NetCDF format: points, inward normals, and kind and cause of every curve."""
         curves = self.curves

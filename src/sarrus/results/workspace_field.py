@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..algebra import Array
+from .exported_file import exports
 from .netcdf import Column, write_netcdf
 from .result import Result
 from .workspace import Status, Workspace
@@ -70,6 +71,7 @@ class WorkspaceField(Result):
         told = MEANINGS[quantity]
         return f"{told} {self.turn} [rad]" if quantity == "turn" else told
 
+    @exports
     def to_csv(self, path: Any) -> None:
         """Write one line for each cell inside: both outputs, then all quantities."""
         import csv
@@ -84,6 +86,7 @@ class WorkspaceField(Result):
             for row in np.stack([one[inside] for one in columns], axis=1).tolist():
                 writer.writerow([repr(number) for number in row])
 
+    @exports
     def to_netcdf(self, path: Any) -> None:
         """Write the grid in the NetCDF format: x, y, and an array (y, x) for each quantity."""
         names, units = self.workspace.outputs, self.workspace.units

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from .exported_file import exports
 from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
 from .result import Result
@@ -153,6 +154,7 @@ class WorkspaceVolume(Result):
         """Whether nothing was lost."""
         return self.status == "mapped"
 
+    @exports
     def to_obj(self, path: Any) -> None:
         """Write the surface as a Wavefront file."""
         from pathlib import Path
@@ -161,6 +163,7 @@ class WorkspaceVolume(Result):
         lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in self.triangles.tolist()]
         Path(path).write_text("\n".join([f"# {self.name}", *lines, ""]), encoding="utf-8")
 
+    @exports
     def to_csv(self, path: Any) -> None:
         """Write all slices as a table: part, whether it is a hole, cause, the three outputs."""
         import csv
@@ -175,6 +178,7 @@ class WorkspaceVolume(Result):
                         place = (n, k, loop.part, int(loop.hole), cause)
                         writer.writerow([*place, *map(repr, (*u, one.height))])
 
+    @exports
     def to_netcdf(self, path: Any) -> None:
         """Write the surface and the areas of the slices in the NetCDF format."""
         slices = self.slices

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..model import SarrusError
 from ..model.arguments import checked
+from ..results.exported_file import exports
 from ..results.result import Result
 from .ledger import read_cases, read_study
 from .parameters import Array
@@ -127,6 +128,7 @@ class StudyTable(Result):
         """A data frame of pandas, which is not installed with Sarrus."""
         return import_module("pandas").DataFrame(self.columns)
 
+    @exports
     def to_csv(self, path: str | Path) -> None:
         """Write all columns, numbers with all their digits."""
         with Path(path).open("w", newline="", encoding="utf-8") as file:

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from ..algebra import Array
 from ..analyses.progress import monitor
 from ..euler import A
+from ..results.exported_file import exporting
 from .browser import Shown
 from .browser.scene import GHOSTS, front, pace
 from .camera import Camera, camera
@@ -36,7 +38,8 @@ NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .
 def write_picture(shown: Sequence[Shown], file: Path, view: str | None = None) -> Path:
     """Write the first frame of runs as PNG, and return the path."""
     studio = _Studio(shown, LARGE, view)
-    studio.image(float(shown[0].frames.t[0]), clock=False).save(file)
+    with exporting(file):
+        studio.image(float(shown[0].frames.t[0]), clock=False).save(file)
     return file
 
 
@@ -69,7 +72,7 @@ def write_film(
     studio = _Studio(shown, SIZE, view)
     times = _times(shown, speed, RATE[ending])
     wanted = sys.stderr.isatty() if progress is None else progress
-    with monitor(wanted, len(times), done="drew", unit=" pictures") as report:
+    with exporting(file), monitor(wanted, len(times), done="drew", unit=" pictures") as report:
         images = _reported((studio.image(t) for t in times), report)
         if ending == ".gif":
             _gif(images, file)
@@ -109,8 +112,9 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
     size, rate = f"{SIZE[0]}x{SIZE[1]}", str(RATE[".mp4"])
     told = [ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate]
     told += ["-i", "-", "-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
-    with subprocess.Popen(told, stdin=subprocess.PIPE) as process:
-        assert process.stdin is not None
+    process = subprocess.Popen(told, stdin=subprocess.PIPE)
+    with suppress(BrokenPipeError), process:
+        assert process.stdin is not None  # the pipe breaks where ffmpeg cannot go on
         for image in images:
             process.stdin.write(image.tobytes())
         process.stdin.close()

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import A
+from ..results.exported_file import exporting
 from .browser import Shown
 from .looks import Part, Span
 from .shapes import normals
@@ -23,7 +24,8 @@ LEAST = 1e-6  # glTF wants scales that are not 0
 def write_glb(shown: Shown, file: Path) -> Path:
     """Write a run, or a position, as GLB; z (or what is up) becomes the y axis of glTF. Returns the path."""
     writer = _Writer(shown)
-    file.write_bytes(writer.bytes())
+    with exporting(file):
+        file.write_bytes(writer.bytes())
     return file
 
 

@@ -9,6 +9,8 @@ import webbrowser
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...results.exported_file import exports
+
 HEIGHT = 520  # [px] in a notebook
 
 
@@ -19,6 +21,7 @@ class Page:
     title: str
     html: str = field(repr=False)
 
+    @exports
     def save(self, path: str | Path) -> Path:
         """Write the page to a file, and return its path."""
         Path(path).write_text(self.html, encoding="utf-8")

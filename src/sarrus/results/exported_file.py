@@ -1,0 +1,54 @@
+"""Files that results are exported to: where one cannot be written, the error names it, and no part of it is left."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+from .checked_file import NotSavedError, remove_file
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@contextmanager
+def exporting(path: Any) -> Iterator[None]:
+    """Write a file, in this block; streams, which have no name, are left alone.
+
+    Raises
+    ------
+    NotSavedError
+        If the disk is full or a limit is reached: an error of the operating system that names no file.
+    """
+    try:
+        yield
+    except Exception as wrong:
+        found = _system_error(wrong)
+        if found is None or found.filename or not found.errno or not isinstance(path, str | os.PathLike):
+            raise
+        place = Path(path)
+        if place.is_file():
+            remove_file(place)
+        raise NotSavedError(place, found) from None
+
+
+def _system_error(wrong: BaseException | None) -> OSError | None:
+    """The error of the operating system, also where a library failed as it cleaned up after it."""
+    while wrong is not None and not isinstance(wrong, OSError):
+        wrong = wrong.__context__
+    return wrong
+
+
+def exports(write: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a method that writes a file, its argument ``path``; see `exporting`."""
+
+    @wraps(write)
+    def exported(*args: P.args, **kwargs: P.kwargs) -> R:
+        with exporting(kwargs.get("path", args[-1])):
+            return write(*args, **kwargs)
+
+    return exported

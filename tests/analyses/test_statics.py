@@ -25,6 +25,7 @@ def test_a_pendulum_comes_to_hang(angle: float) -> None:
     found = sr.equilibrium(pendulum(angle=angle))
     assert found.success, found.message
     assert found.stability == "stable"
+    assert str(found) == found.message
     assert np.allclose(found.q[:2], [0, -L], atol=1e-10)
     assert found.squares == pytest.approx([MASS * G * L / (J + MASS * L**2)], rel=1e-9)
 

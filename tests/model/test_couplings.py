@@ -128,7 +128,10 @@ def test_drivers_stand_between_joints_and_inertia() -> None:
 
 
 WRONG = [
-    (Gear("g", "pin", "slide", ratio=1), 'joint "g": joint "slide" has no angle; name one it has: none'),
+    (
+        Gear("g", "pin", "slide", ratio=1),
+        'joint "g": joint "slide" has no angle. Its coordinates: slide.travel.',
+    ),
     (Gear("g", "pni", "pin", ratio=1), 'joint "g": there is no joint "pni"; did you mean "pin"?'),
     (
         Gear("g", "pin", "hook", ratio=1),
@@ -139,7 +142,7 @@ WRONG = [
         'joint "hook" has no angle "angle"; name one it has: hook.angle_i',
     ),
     (Gear("g", "pin", "turned", ratio=0), 'joint "g": ratio must not be 0'),
-    (Gear("g", "pin", "ball", ratio=1), 'joint "ball" has no angle; name one it has: none'),
+    (Gear("g", "pin", "ball", ratio=1), 'joint "ball" has no angle. Its coordinates: none.'),
     (RackAndPinion("g", "pin", "slide", radius=1), 'joint "slide" has no angle'),
     (
         Coupler("g", "sleeve", "pin", ratio=1),

@@ -22,6 +22,8 @@ def test_processes_are_used_where_they_pay() -> None:
     long = chosen_workers(loading=1.0, each=10.0, cases=30, processors=4)
     assert long.workers == 4
     assert chosen_workers(loading=0.0, each=10.0, cases=2, processors=8).workers == 2
+    none = chosen_workers(loading=0.0, each=0.0, cases=0, processors=8)
+    assert (none.workers, none.reason) == (1, "in this process: no cases are left")
     assert chosen_workers(loading=0.0, each=1e9, cases=1, processors=8).workers == 1
     assert chosen_workers(loading=0.0, each=1e9, cases=9, processors=1).workers == 1
 

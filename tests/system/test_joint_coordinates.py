@@ -185,5 +185,5 @@ def test_a_link_cannot_be_coupled() -> None:
     ends = sr.ground.point(0, 0, 0), ball.point(0, 0, 0)
     link = sr.RevoluteSpherical("link", *ends, axis=(0, 0, 1))
     pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
-    with pytest.raises(sr.ModelError, match='joint "link" has no coordinate; name one it has: none'):
+    with pytest.raises(sr.ModelError, match='joint "link" has no coordinate'):
         sr.System(sr.Model("m", [ball, wheel], [link, pin, sr.Coupler("pull", "pin", "link", ratio=2.0)]))

@@ -9,12 +9,14 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from ..algebra import Array
+from ..model.arguments import Number, real
 from ..system import System
 from .joint_rate import Rate, rate
 from .kkt import KKT
 from .length import lever, scaled, units
 from .rank import row_lengths
 
+FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
 
 
@@ -29,13 +31,25 @@ class Velocity:
     allowed: Array
 
 
+def _finite(name: str, value: float) -> float:
+    """A given rate; text, nan and infinity are refused by its name.
+
+    Raises
+    ------
+    TypeError, ValueError
+    """
+    argument = f"rates: {name}"
+    FINITE(argument, value)
+    return real(argument, value)
+
+
 class Rates:
     """The rows C(q) and the values of rates given by name, C(q) v = values."""
 
     def __init__(self, system: System, given: Mapping[str, float]) -> None:
         self.size = system.nq
         self.rates: list[Rate] = [rate(system, name) for name in given]
-        self.values = np.array([float(value) for value in given.values()])
+        self.values = np.array([_finite(name, value) for name, value in given.items()])
 
     def rows(self, q: Array) -> csr_array:
         """C (number of rates, nq)."""

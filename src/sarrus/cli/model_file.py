@@ -53,10 +53,9 @@ def _with_rates(model: Model, given: dict[str, Expression]) -> Model:
     from ..model.expand import expand
     from ..model.rates import check_units
 
-    rates = {name: float(tree.value()) for name, tree in given.items()}
-    model = replace(model, rates={**model.rates, **rates})
     check_units(expand(model), given, None)
-    return model
+    rates = {name: float(tree.value()) for name, tree in given.items()}
+    return replace(model, rates={**model.rates, **rates})
 
 
 def _rate(text: str) -> tuple[str, Expression]:

@@ -102,6 +102,9 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
     found = [c for c in fit if name in ("", c.name)]
     if len(found) == 1:
         return found[0]
-    names = ", ".join(f"{joint}.{c.name}" for c in fit) or "none"
-    which = f"no {word} {quote(name)}" if name else f"no {word}" if not fit else f"more than one {word}"
+    if not fit:
+        own = ", ".join(f"{joint}.{c.name}" for c in known[joint]) or "none"
+        raise ModelError(f"joint {quote(joint)} has no {word}. Its coordinates: {own}.", field=field)
+    names = ", ".join(f"{joint}.{c.name}" for c in fit)
+    which = f"no {word} {quote(name)}" if name else f"more than one {word}"
     raise ModelError(f"joint {quote(joint)} has {which}; name one it has: {names}", field=field)

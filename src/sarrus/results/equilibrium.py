@@ -42,3 +42,7 @@ class Equilibrium(Result):
     residual: float
     iterations: int
     t: float = 0.0
+
+    def summary(self) -> str:
+        """How it went, and how stable the position is."""
+        return self.message

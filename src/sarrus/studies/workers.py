@@ -37,6 +37,8 @@ def chosen_workers(loading: float, each: float, cases: int, processors: int) -> 
     processors : that this process may use
     """
     here, workers = each * cases, min(processors, cases)
+    if not cases:
+        return Choice(1, "in this process: no cases are left")
     if workers < 2:
         return Choice(1, "in this process: there is one processor or one case")
     there = IMPORT + loading + here / workers

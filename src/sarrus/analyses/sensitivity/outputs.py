@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -98,7 +99,14 @@ class Outputs(ForceOutputs):
             *(f"{o}.{w}" for kinds, words in WORDS.items() for o in self._owners(kinds) for w in words),
             *ENERGIES,
         ]
-        return UnknownOutput(f"{system.name} has no output {name!r}; {suggest(name, known)}")
+        part, _, word = name.partition(".")
+        words = [one.removeprefix(f"{part}.") for one in known if one.startswith(f"{part}.")]
+        if not words:
+            return UnknownOutput(f"{system.name} has no output {name!r}; {suggest(name, known)}")
+        near = get_close_matches(word, words, n=1)
+        offered = ", ".join(f"{part}.{one}" for one in words)
+        told = f'did you mean "{part}.{near[0]}"?' if near else f"choose from {offered}"
+        return UnknownOutput(f"{system.name} has no output {name!r}; {told}")
 
     def _owners(self, kinds: tuple[type, ...]) -> list[str]:
         return [owner for p in self.system.populations if p.kind in kinds for owner in p.owners]

@@ -41,6 +41,10 @@ class Response:
             raise TypeError(
                 f"an output is a name, such as 'slider.x', or a function of Outputs, but is {self.of!r}"
             )
+        given: Any = self.name
+        if not isinstance(given, str):
+            told = f"{type(self).__name__} of {self.told}: name must be a text, got {given!r}"
+            raise TypeError(f"{told}. Name the arguments after the output, as in At('slider.x', time=0.5).")
 
     @property
     def title(self) -> str:

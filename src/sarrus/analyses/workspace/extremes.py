@@ -17,6 +17,7 @@ from ..misuse import refuse_other_system
 from ..progress import Progress
 from ..threads import one_thread_if_small
 from .crossing import examine
+from .dependent import refuse_dependent
 from .formulate import Limits, formulate
 from .mapping import CONFIDENCE, MOST_STARTS, REPEATS
 from .newton import Tally
@@ -73,6 +74,7 @@ def workspace_range(
     problem = formulate(system, functions(output), limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:
         raise SarrusError(f"a range is of one output, not {len(problem.outputs)}; see workspace for two")
+    refuse_dependent(problem)
     with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
         search = Search(problem, seed, repeats)
     found = search.result()

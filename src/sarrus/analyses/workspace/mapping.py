@@ -15,6 +15,7 @@ from ...results.workspace import Component, Effort, Verification, Workspace, pla
 from ...system import System
 from ..misuse import refuse_other_system
 from .crossing import Crossing, crossing
+from .dependent import refuse_dependent
 from .explore import Branch, Explorer
 from .formulate import Limits, formulate
 from .label import TRIES
@@ -84,6 +85,7 @@ class WorkspaceMap:
         refuse_counts(seed=seed, repeats=repeats, longest=longest)
         problem = formulate(system, wanted, limits=limits, fixed=fixed)
         _refuse_counts(problem)
+        refuse_dependent(problem)
         self.asked: Asked = (system.model, wanted, limits, fixed)
         self._begin(problem, seed, repeats, longest)
 

@@ -18,6 +18,7 @@ from ...system import System
 from ..misuse import refuse_other_system
 from ..progress import Progress
 from ..threads import one_thread_if_small
+from .dependent import refuse_dependent
 from .extremes import workspace_range
 from .formulate import Limits, formulate
 from .loft import loft
@@ -89,6 +90,7 @@ def workspace_volume(
     names = functions(output)
     refuse_counts(seed=seed, samples=samples, most=most, longest=longest)
     _refuse(names, rtol, between)
+    refuse_dependent(formulate(system, names, limits=limits, fixed=fixed))
     search = _Search(system, names, limits, fixed, between, seed)
     with watched(progress, done="made", unit=SLICES, time_limit=time_limit):
         stop = stopped(lambda: search.run(rtol, most, samples, executor, longest, derivatives))

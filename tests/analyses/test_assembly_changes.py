@@ -115,3 +115,22 @@ def test_the_shell_shows_a_warning_once(file: Path, capsys: pytest.CaptureFixtur
 def test_check_reports_what_assembly_changes(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["check", str(file), "-q"])
     assert f"crank: angular velocity {RATE} became" in capsys.readouterr().err
+
+
+def test_searches_and_studies_report_what_is_changed_of_the_models_own_state() -> None:
+    """Poses of other designs are guesses: the model's own state is none, whichever design is the best."""
+    system, goal = arm(RATE), sr.Final(lambda o: o("crank.x") + (o.parameter("crank.mass") - 2) ** 2)
+    with pytest.warns(sr.SarrusWarning, match="angular velocity"):
+        expected = sr.simulate(system, until=0.01).warnings
+    with pytest.warns(sr.SarrusWarning, match="angular velocity"):
+        found = sr.optimize(
+            system, goal, ["crank.mass"], until=0.01, bounds={"crank.mass": (0.5, 5.0)}, starts=2
+        )
+    assert found.x[0] == pytest.approx(2.0, abs=0.01)
+    assert found.warnings == expected
+    given = {"crank.mass": [2.0, 3.0]}
+    with pytest.warns(sr.SarrusWarning, match="angular velocity"):
+        table = sr.study(system, given, "final(crank.x)", analysis=sr.Simulation(0.01), workers=1)
+    assert table.warnings == expected
+    with pytest.raises(sr.StrictError, match="angular velocity"):
+        sr.study(system, given, "final(crank.x)", analysis=sr.Simulation(0.01), workers=1, strict=True)

@@ -23,7 +23,7 @@ from .parameters import Array, Parameter, parameter_of
 from .responses import described, responses_of
 from .runs import run_of
 from .samples import Sample, sample_of
-from .source import Source, facts
+from .source import GUESS, Source, facts
 from .table import StudyTable, table_of
 from .workers import run_where_it_pays
 
@@ -56,6 +56,12 @@ class Asked:
     def values(self, case: int) -> dict[str, float]:
         """The parameters of one case."""
         return {name: float(x) for name, x in zip(self.parameters, self.cases[case], strict=True)}
+
+    def start_warnings(self) -> tuple[str, ...]:
+        """What assembly changes of the model's own state; of cases, whose poses are guesses, it is no warning."""
+        if any(name.startswith(tuple(GUESS)) for name in self.parameters):
+            return ()
+        return self.task.run.start_warnings(System(self.task.source.model))
 
 
 @reports_warnings
@@ -151,12 +157,11 @@ def carry_out(
 ) -> StudyTable:
     """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
     refuse_time_limit(time_limit, "total_time_limit")
-    told = asked.facts()
+    told, ended = asked.facts(), list(asked.start_warnings())
     try:
         ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
     except NotSavedError as wrong:
-        announce([str(wrong)])
-        return replace(table_of(told, {}), status=NOT_SAVED, warnings=(str(wrong),))
+        return replace(table_of(told, {}), status=NOT_SAVED, warnings=announce([*ended, str(wrong)]))
     outcomes = ledger.found if ledger else {}
     done = {case for case, outcome in outcomes.items() if outcome.success or not retry_failed}
     jobs = {case: asked.values(case) for case in range(len(asked.cases)) if case not in done}
@@ -174,16 +179,17 @@ def carry_out(
             raise TimeLimit(f"the time limit of {duration(time_limit or 0.0)} has passed")
         return float(left)
 
-    status, execution, ended = "finished", "", list[str]()
+    status, execution = "finished", ""
     try:
         with monitor(progress, len(asked.cases), done="ran", unit=" cases") as report:
             execution = _run(asked.task, jobs, write, workers, executor, tick)
     except (KeyboardInterrupt, TimeLimit) as end:
         status = "stopped" if isinstance(end, KeyboardInterrupt) else "time limit"
         why = "stopped by the user" if isinstance(end, KeyboardInterrupt) else str(end)
-        ended = [f"{asked.name}: {why}; {len(done)} of {len(asked.cases)} cases are done."]
+        ended += [f"{asked.name}: {why}; {len(done)} of {len(asked.cases)} cases are done."]
     except NotSavedError as wrong:
-        status, ended = NOT_SAVED, [f"{wrong} Then the same call continues with the cases that are left."]
+        status = NOT_SAVED
+        ended += [f"{wrong} Then the same call continues with the cases that are left."]
     finally:
         if ledger:
             ledger.close()

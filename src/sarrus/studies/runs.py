@@ -6,6 +6,7 @@ import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
@@ -88,6 +89,10 @@ class Run(ABC):
                     _refuse_unknown(response, name, lookup)
             _refuse_late(response.times(), getattr(self, "until", np.inf))
 
+    def start_warnings(self, system: System) -> tuple[str, ...]:
+        """What the start of the analysis changes of a system's own state."""
+        return ()
+
     def short(self) -> Run | None:
         """The same in little time, for compiling all that it needs; None if that cannot be known."""
         return self
@@ -125,6 +130,12 @@ class Simulation(Run):
         with collecting():  # the nominal state is a guess for the case
             begin = assemble(system, start.q, start.v, rates=system.model.rates)
         return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
+
+    def start_warnings(self, system: System) -> tuple[str, ...]:
+        """The warnings of the assembly; what fails there is said by the cases."""
+        with collecting() as found, suppress(SarrusError):
+            assemble(system)
+        return found.messages
 
     def short(self) -> Run | None:
         """The first thousandth."""

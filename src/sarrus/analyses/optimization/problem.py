@@ -116,6 +116,7 @@ class Problem:
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
+        self.start_warnings: tuple[str, ...] = ()  # of the assembly of the system itself
         self._deadline, self._seconds = np.inf, 0.0
         self.ending: tuple[float | None, float] = (None, 0.0)
 
@@ -290,7 +291,7 @@ class Point:
         ):  # bodies of other designs than the first move: the model's poses are a guess
             found = assemble(self.system)
         if self.system is self.problem.system:
-            announce(reported.messages)
+            self.problem.start_warnings = announce(reported.messages)
         if not found.success:
             raise Infeasible(found.message)
         return found

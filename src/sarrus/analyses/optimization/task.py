@@ -14,7 +14,7 @@ from ...results import Optimum
 from ..progress import TimeLimit
 from .constraint import Within, gap
 from .optimality import OPTIMAL, SHARP, objective_size, optimality
-from .problem import Infeasible, Point, Problem
+from .problem import Infeasible, Problem
 from .search import Progress, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 
@@ -34,7 +34,7 @@ class Task:
     second_order: bool = False
 
     def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
-        """The optimum from one start; of warnings, those of the best design."""
+        """The optimum from one start; of warnings, those of the system's own state and of the best design."""
         with collecting():
             search = Search(problem, variables, self.constraints, progress)
             answer = guarded(lambda: self._repeated(search))
@@ -124,10 +124,5 @@ def optimum_of(
         status=answer.status or ("converged" if success else "not converged"), optimality=open_by,
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
-        model=point.system.model, run=point.run, warnings=(*_of_start(search, point), *point.run.warnings),
+        model=point.system.model, run=point.run, warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip
-
-
-def _of_start(search: Search, point: Point) -> tuple[str, ...]:
-    """The warnings of the assembly, of the model's own design: positions of other designs are guesses."""
-    return point.start.warnings if np.array_equal(point.x, search.begun) else ()

@@ -135,7 +135,8 @@ class Trajectory(Result):
             If there is no joint of this name that has any.
         """
         if self.joints is None:
-            raise KeyError(f"this trajectory of {self.name} was made without joints")
+            told = f"this trajectory of {self.name} was made without joints"
+            raise KeyError(f"{told}. Read a saved run with its system: sarrus.load_run(folder, system).")
         values, rates = self.joints.along(self.t, self.q, self.v, self.revolutions)
         names = {own: self.joints.index(f"{name}.{own}") for own in self.joints.of_joint(name)}
         of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
@@ -194,7 +195,8 @@ class Trajectory(Result):
             If the trajectory does not know its system.
         """
         if self.system is None:
-            raise ValueError(f"{self.name}: this trajectory does not know its system, so it has no reactions")
+            told = f"{self.name}: this trajectory does not know its system, so it has no reactions"
+            raise ValueError(f"{told}. Read a saved run with it: sarrus.load_run(folder, system).")
         return reaction(self, joint)
 
     @exports

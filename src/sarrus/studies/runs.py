@@ -242,6 +242,10 @@ def run_of(given: Any) -> Run:
     """
     if isinstance(given, Run):
         return given
+    if isinstance(given, type) and issubclass(given, Run):
+        raise SarrusError(
+            f"the analysis {given.__name__} is a class. Give its options: {given.__name__}(...)."
+        )
     if callable(given):
         return OwnRun(given)
     said = dict(given) if isinstance(given, Mapping) else {"type": given}

@@ -154,7 +154,8 @@ def _name(run: Trajectory, n: int) -> str:
 
 def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Shown:
     if run.system is None:
-        raise ValueError(f"{run.name}: this trajectory does not know its system, so it cannot be drawn")
+        told = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
+        raise ValueError(f"{told}. Read a saved run with it: sarrus.load_run(folder, system).")
     at = frames(run, count)
     few = at.q[:: max(1, len(at.q) // SAMPLES)]
     drawn = sketch(run.system.model, few)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -76,7 +76,7 @@ def fit(
         If the first guess cannot be simulated.
     """
     refuse_other_system(system, "fit")
-    some = [misfits] if isinstance(misfits, Misfit) else list(misfits)
+    some = _misfits(misfits)
     end = max(max(one.at) for one in some) if until is None else until
     problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)
     problem.end_after(total_time_limit)
@@ -100,6 +100,24 @@ def fit(
         optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
         message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
     )  # fmt: skip
+
+
+def _misfits(given: Any) -> list[Misfit]:
+    """One or several, as a list.
+
+    Raises
+    ------
+    TypeError
+        For other responses: only measurements can be fitted.
+    """
+    some = list(given) if isinstance(given, Iterable) else [given]
+    wrong = next((one for one in some if not isinstance(one, Misfit)), None)
+    if wrong is not None or not some:
+        told = f"fit needs one or several Misfit, got {type(wrong).__name__ if some else 'none'}"
+        raise TypeError(
+            f"{told}. Give sr.Misfit(output, at=times, data=measured); for other responses, use optimize."
+        )
+    return some
 
 
 def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:

@@ -174,3 +174,55 @@ def test_folders_that_are_made_for_a_chosen_one_are_private(tmp_path: Path) -> N
         assert made_private(tmp_path / "a" / "b" / "c")
     finally:
         os.umask(before)
+
+
+WINDING = """
+import numpy as np
+from sarrus._jit.driver import compiled_function
+from sarrus.analyses.dynamics import winding_loop as loop
+
+def residual(at, b, t, q, lam, Phi, force):
+    Phi[0] = 0.5
+
+def velocity(at, b, t, q, v, rate, Phi_t):
+    rate[0] = 10.0
+
+kernels = {"RESIDUAL": compiled_function(residual), "VELOCITY": compiled_function(velocity)}
+count = compiled_function(loop.count, **kernels)
+work = loop.Work(**{name: np.zeros(1) for name in loop.Work._fields})
+state, turns = np.zeros((2, 1)), np.zeros((2, 1))
+b = np.zeros(1)
+count(0, 0, b, np.array([True]), np.array([0.0, 1.0]), state, state, np.array([0.5]), turns, work)
+print(turns[1, 0], count.stats.cache_hits.total())
+"""
+EDITS = {  # of a compiled loop outside the sources by which folders of kernels are named; how often 10 rad are around
+    "fields": (
+        "    rate: Any\n    Phi_t: Any\n    before: Any\n",
+        "    before: Any\n    Phi_t: Any\n    rate: Any\n",
+        2.0,
+    ),
+    "constant": ("REVOLUTION = 6.283185307179586", "REVOLUTION = 1.0", 10.0),
+    "statement": ("near += 0.5 *", "near += 2.5 *", 8.0),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_two_packages_on_one_cache(edit: str, copy: Path, tmp_path: Path) -> None:
+    """Processes of the package and of an edited copy alternate: each has its own kernel and its own number."""
+    source, (before, after, wanted) = (
+        copy / "sarrus" / "analyses" / "dynamics" / "winding_loop.py",
+        EDITS[edit],
+    )
+    text = source.read_text()
+    assert text.count(before) == 1
+    source.write_text(text.replace(before, after))
+    assert fingerprint(copy / "sarrus") == fingerprint(PACKAGE)  # one folder
+    settings = {"SARRUS_CACHE_DIR": str(tmp_path / "cache")}
+    found = [run_file(WINDING, home, tmp_path, **settings) for home in (PACKAGE.parent, copy) * 2]
+    assert found == ["2.0 0", f"{wanted} 0", "2.0 1", f"{wanted} 1"]
+
+
+def run_file(program: str, home: Path, folder: Path, **environment: str) -> str:
+    """As `run`, from a file: sources of functions are read."""
+    (folder / "program.py").write_text(program)
+    return run("import program", Path(f"{folder}{os.pathsep}{home}"), **environment)

@@ -90,7 +90,7 @@ def test_the_shell_on_a_full_disk(tmp_path: Path) -> None:
         check=False,
         env=dict(os.environ),
     )
-    codes = [line for line in done.stdout.splitlines() if line in "0123"]
+    codes = [line for line in done.stdout.splitlines() if line in ("0", "1", "2", "3")]
     assert codes == ["2"] * len(LINES), done.stdout + done.stderr
     assert "defect" not in done.stderr
     assert "Traceback" not in done.stderr

@@ -119,8 +119,8 @@ WITH_LIMITS = {
 @pytest.mark.parametrize("value", ["a", NAN, 0, -1.0, True, None, [1.0]])
 def test_a_time_limit_means_the_same_everywhere(value: Any) -> None:
     """In every public function, and in the monitor that all of them share."""
-    good = {"until": 1.0, "times": [0.0], "path": "run"}
-    assert {"simulate", "kinematics", "workspace", "study", "optimize"} <= WITH_LIMITS.keys()
+    good = {"until": 1.0, "times": [0.0], "path": "run", "parameters": {}}
+    assert {"simulate", "kinematics", "workspace", "study", "optimize", "hessian"} <= WITH_LIMITS.keys()
     for name, limit in WITH_LIMITS.items():
         function = getattr(sr, name)
         needed = [

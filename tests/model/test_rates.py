@@ -11,6 +11,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.cli import main
+from sarrus.model.words import describe
 
 FILE = """name: arm
 bodies:
@@ -92,3 +93,22 @@ def test_the_shell_takes_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str
         message = capsys.readouterr().err
         assert told in message
         assert Path(file).name not in message, "it was on the command line"
+
+
+def test_rates_of_included_files_count_under_their_prefixes(tmp_path: Path) -> None:
+    written(tmp_path, FILE + RATES)
+    whole = tmp_path / "two.yaml"
+    whole.write_text(
+        "name: two\ninclude:\n  - {file: arm.yaml, prefix: l_}\n  - {file: arm.yaml, prefix: r_}\n"
+    )
+    model = sr.load(whole)
+    assert model.rates == pytest.approx({
+        f"{side}_{name}": rate
+        for side in "lr"
+        for name, rate in {"pin": np.pi, "sleeve.travel": 0.2, "sleeve.angle": 2.0}.items()
+    })  # fmt: skip
+    assert sr.assemble(sr.System(model)).v[0:3] == pytest.approx([0, np.pi / 2, 0])
+    assert "initial rates [rad/s, m/s]: l_pin = 3.14159, l_sleeve.travel = 0.2" in describe(model)
+    whole.write_text("name: two\ninclude: [arm.yaml]\nrates: {pin: 1}\n")
+    with pytest.raises(sr.ModelError, match=r'two\.yaml:2: .*brings a second rate of "pin"'):
+        sr.load(whole)

@@ -144,3 +144,29 @@ def test_a_direction_may_name_a_vector(run: sr.Trajectory) -> None:
 def test_outputs_at_several_times_are_told_apart(run: sr.Trajectory) -> None:
     found = sr.sensitivity(run, [sr.At("slider.x", time=t) for t in (0.01, 0.02)], ["spring.k"])
     assert found.responses == ("slider.x at 0.01 s", "slider.x at 0.02 s")
+
+
+DERIVATIVES: dict[str, Callable[..., object]] = {
+    "sensitivity": lambda run, **more: sr.sensitivity(run, "slider.x", ["spring.k"], **more),
+    "state_derivatives": lambda run, **more: sr.state_derivatives(run, ["spring.k"], **more),
+    "hessian": lambda run, **more: sr.hessian(run, "slider.x", ["spring.k", "spring.c"], **more),
+    "hessian_product": lambda run, **more: sr.hessian_product(run, "slider.x", {"spring.k": 1.0}, **more),
+}
+
+
+@pytest.mark.parametrize("name", DERIVATIVES)
+def test_derivatives_end_at_their_time_limit(name: str, run: sr.Trajectory) -> None:
+    with pytest.raises(
+        ValueError, match="the time limit of 1e-06 s has passed before the derivatives were there"
+    ):
+        DERIVATIVES[name](run, time_limit=1e-6)
+    assert DERIVATIVES[name](run, time_limit=100.0) is not None
+
+
+@pytest.mark.parametrize("name", ["sensitivity", "hessian"])
+def test_derivatives_are_stopped_between_sweeps(name: str, run: sr.Trajectory) -> None:
+    def interrupt(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="stopped by the user before the derivatives were there"):
+        DERIVATIVES[name](run, progress=interrupt)

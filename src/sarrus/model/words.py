@@ -20,7 +20,7 @@ MOST = 12  # parts that are named one by one
 
 
 def describe(model: Model, *findings: str) -> str:
-    """Return what a model is, in words: bodies, joints, drivers, forces, degrees of freedom, mass, centre of mass.
+    """Return what a model is, in words: parts, initial rates, degrees of freedom, mass, centre of mass.
 
     Parameters
     ----------
@@ -41,6 +41,7 @@ def describe(model: Model, *findings: str) -> str:
         *_parts("joint", model.joints, plan),
         *(_parts("driver", model.drivers, plan) if model.drivers else ()),
         *_parts("force", model.forces, plan),
+        *_rates(model),
         _freedom(plan),
         *findings,
         *_parameters(model),
@@ -91,6 +92,12 @@ def _parts(word: str, parts: Sequence[Joint | Driver | Force], plan: Blueprint) 
     equations = f", {_count(rows, 'equation')}" if rows else ""
     head = f"{_count(count, word)}{equations}:" if count else f"no {word}s"
     return [head, *(f"  {len(names)} {kind}: {_listed(names)}" for kind, names in kinds.items())]
+
+
+def _rates(model: Model) -> list[str]:
+    """Return the initial rates of joints, if there are any."""
+    told = [f"{name} = {float(rate):.6g}" for name, rate in model.rates.items()]
+    return [f"initial {'rate' if len(told) == 1 else 'rates'} [rad/s, m/s]: {_listed(told)}"] if told else []
 
 
 def _freedom(plan: Blueprint) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
@@ -12,7 +13,7 @@ from ...algebra import Array
 from ...model import announce, reports_warnings
 from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
-from ..progress import Progress, monitor
+from ..progress import Progress, TimeLimit, monitor
 from ..threads import one_thread_if_small
 from .chains import AnyChain, chain_of, curved_chain
 from .corners import corners
@@ -43,6 +44,7 @@ def sensitivity(
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
     progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Gradient:
     """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
@@ -59,6 +61,8 @@ def sensitivity(
     design : values of design variables by name
     formula : a function of the design variables that returns numbers of the model by name; differentiated exactly
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
+    time_limit : seconds of the clock after which it is given up between these stages; a sweep is one compiled call,
+        which nothing ends early, see `sensitivity_by_checkpoints`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -69,20 +73,41 @@ def sensitivity(
     Raises
     ------
     ValueError
-        If the run kept no steps, or failed, and for a response that is not a number.
+        If the run kept no steps, or failed, for a response that is not a number, and where the time limit has passed.
     SarrusError
         For names that the model does not have.
     """
     steps = kept(run)
     if method not in METHODS:
         raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
-    with monitor(progress, 2, done="differentiated", unit=" stages") as report:
+    with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
         parameters, wanted = _parameters(run, steps, wrt, design, formula), as_responses(responses)
         evaluation = Evaluation(run.system, steps, wanted, parameters)
         report(1)
         found = differentiated(run.system, steps, wanted, parameters, method, evaluation)
         report(2)
     return found
+
+
+@contextmanager
+def _within(
+    run: Trajectory,
+    progress: bool | Progress | None,
+    total: float,
+    done: str,
+    unit: str,
+    time_limit: float | None,
+) -> Iterator[Progress]:
+    """`monitor` of derivatives, of which there are none where the time limit has passed."""
+    try:
+        with monitor(progress, total, done=done, unit=unit, time_limit=time_limit) as report:
+            yield report
+    except TimeLimit as over:
+        raise ValueError(f"{run.name}: {over} before the derivatives were there. Allow more time.") from None
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"{run.name}: stopped by the user before the derivatives were there"
+        ) from None
 
 
 def _parameters(
@@ -124,11 +149,12 @@ def state_derivatives(
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> StateDerivatives:
     """Derivatives of all states of a run with respect to numbers of its model, at the ends of its steps.
 
-    Parameters as for `sensitivity`.
+    Parameters as for `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
 
     Raises
     ------
@@ -140,13 +166,16 @@ def state_derivatives(
         raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated; name some")
-    parameters = _parameters(run, steps, wrt, design, formula)
-    refuse(run.system, steps, parameters)
-    announce(corners(run.system, steps))
-    found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
-    reported = Reported(run.system, steps)
-    if reported.redundant:
-        found = reported.along(found, parameters.along(np.eye(len(parameters.names)))[0])
+    with _within(run, False, 2, "differentiated", " stages", time_limit) as report:
+        parameters = _parameters(run, steps, wrt, design, formula)
+        refuse(run.system, steps, parameters)
+        announce(corners(run.system, steps))
+        report(1)
+        found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
+        report(2)
+        reported = Reported(run.system, steps)
+        if reported.redundant:
+            found = reported.along(found, parameters.along(np.eye(len(parameters.names)))[0])
     states = found.q, found.v, found.a, found.lam
     return StateDerivatives(tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names)
 
@@ -161,6 +190,7 @@ def hessian_product(
     *,
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Array:
     """The Hessian of a response times a direction, exact for the steps that were taken, in about two sweeps.
@@ -170,6 +200,7 @@ def hessian_product(
     run, response, design, formula : as for `sensitivity`
     direction : changes by name, of a vector its three; those left out are zero
     wrt : names of the numbers; by default those of the direction
+    time_limit : seconds of the clock after which it is given up before the sweeps, which are compiled calls
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -177,8 +208,14 @@ def hessian_product(
     ndarray (p,)
         in the order of `wrt`, vectors being taken apart
     """
-    curvature, parameters = _curvature(run, response, [*direction] if wrt is None else wrt, design, formula)
-    return curvature.times(_direction(direction, parameters.names))
+    with _within(run, False, 2, "differentiated twice", " stages", time_limit) as report:
+        curvature, parameters = _curvature(
+            run, response, [*direction] if wrt is None else wrt, design, formula
+        )
+        report(1)
+        found = curvature.times(_direction(direction, parameters.names))
+        report(2)
+    return found
 
 
 def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
@@ -204,17 +241,19 @@ def hessian(
     design: Mapping[str, float] | None = None,
     formula: Design | None = None,
     progress: bool | Progress | None = None,
+    time_limit: float | None = None,
     strict: bool = False,
 ) -> Hessian:
     """All second derivatives of a response with respect to a few numbers, by one product for each.
 
     Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
-    of products that are done.
+    of products that are done. The time limit is looked at after each product, whose sweeps are compiled calls.
     """
     if not wrt:
         raise ValueError("wrt names no number by which the response is differentiated twice; name some")
-    with monitor(progress, len(wrt), done="differentiated twice by", unit=" parameters") as report:
+    with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
         curvature, parameters = _curvature(run, response, wrt, design, formula)
+        report(0)
         rows = []
         for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
             rows.append(curvature.times(direction))

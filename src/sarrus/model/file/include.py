@@ -11,13 +11,14 @@ from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_m
 from ..findings import KINDS, part_name
 from ..names import NAME, matches
 from ..origin import Origin, Path
+from ..rates import SECTION as RATES
 from ..show import quote, suggest
 from .document import Document, refusal
 from .entry import Entry, said
 from .form import list_of, one_of
 from .scope import Scope, scoped
 
-SECTIONS = tuple(KINDS)  # all else, such as gravity, counts only in the file that is loaded
+SECTIONS = (*KINDS, RATES)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files
 MOST = 500  # files of one model
 MOST_ENTRIES = 1_000_000  # of all files together
@@ -137,7 +138,7 @@ def _checked(document: Document) -> Document:
 def _renamed(document: Document, scope: Scope) -> Document:
     """Return the sections of a file with prefixed names, and the file of each part."""
     data, origin = document.data, document.origin
-    scope.names |= {name for section in SECTIONS for name in _section(data, section)}
+    scope.names |= {name for section in KINDS for name in _section(data, section)}
     sections = {
         section: {
             scope.prefix + name: scoped(value, scope) for name, value in _section(data, section).items()
@@ -167,9 +168,8 @@ def _join(whole: Document, part: Document, document: Document, at: Path) -> None
     for section in SECTIONS:
         for name, value in _section(part.data, section).items():
             if name in _section(whole.data, section):
-                told = (
-                    f"brings a second {part_name((section, name))}; give it a prefix, or remove one of them"
-                )
+                named = f"rate of {quote(name)}" if section == RATES else part_name((section, name))
+                told = f"brings a second {named}; give it a prefix, or remove one of them"
                 raise _wrong(document, at, told)
             whole.data.setdefault(section, {})[name] = value
     lines = {path: line for path, line in part.origin.lines.items() if len(path) > 1 and path[0] in SECTIONS}

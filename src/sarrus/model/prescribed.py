@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from .curve import Curve, Formula, Tree, curve_of
 from .errors import ModelError
 from .expression import Expression, parse_expression
+from .expression.tree import Number
 from .quantity import number
 from .show import quote
 
@@ -45,9 +47,15 @@ def motion_of(value: Motion, field: str) -> Law:
 def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     """Return the formula in a variable that a text gives."""
     try:
-        return parse_expression(text, variables=(variable,))
+        tree = parse_expression(text, variables=(variable,))
     except ModelError as error:
         raise ModelError(f"{field} {error.sentence}", field=field) from None
+    units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
+    taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)
+    if taken is not None:
+        told = f"{field} {quote(text)}: {variable} counts as a unit, the tonne, in {quote(taken)}"
+        raise ModelError(f"{told}; write a space on each side of the sign before {variable}", field=field)
+    return tree
 
 
 def formula(tree: Expression, field: str, variable: str = VARIABLE) -> Law:

@@ -38,7 +38,7 @@ def test_the_gradient_of_the_misfit(method: object, reached: float) -> None:
 def test_gauss_newton_finds_the_numbers_that_made_the_data(method: object, reached: float) -> None:
     """What remains is the error of the simulations; it falls with their tolerance."""
     errors = []
-    for tolerance in (1e-5, 1e-7):
+    for tolerance in (1e-6, 1e-8):
         settings = {"method": method, "rtol": tolerance, "atol": 1e-2 * tolerance}
         found = sr.fit(quarter_car(), MISFIT, list(NAMES.values()), **settings)
         assert found.success, found.message

@@ -57,6 +57,13 @@ KINKED = {
     "abs": (lambda x: np.abs(x), abs, np.sign, [0.0]),
     "fabs": (lambda x: np.fabs(x), abs, np.sign, [0.0]),
     "builtin abs": (lambda x: abs(x - LEVEL), lambda x: abs(x - LEVEL), lambda x: np.sign(x - LEVEL), [LEVEL]),
+    "no bound below": (
+        lambda x: np.clip(x, -np.inf, LEVEL),
+        lambda x: min(x, LEVEL),
+        lambda x: float(x < LEVEL),
+        [LEVEL],
+    ),
+    "sizes apart": (lambda x: np.maximum(1e17 * x - 1e17, 1.0), lambda x: 1.0, lambda x: 0.0, []),
     "maximum": (lambda x: np.maximum(x, LEVEL), lambda x: max(x, LEVEL), lambda x: float(x > LEVEL), [LEVEL]),
     "minimum": (lambda x: np.minimum(LEVEL, x), lambda x: min(x, LEVEL), lambda x: float(x < LEVEL), [LEVEL]),
     "fmax": (lambda x: np.fmax(x, 0) ** 2, lambda x: max(x, 0) ** 2, lambda x: 2 * max(x, 0), [0.0]),

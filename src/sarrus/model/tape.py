@@ -55,11 +55,21 @@ class Tape:
 
     def absolute(self, x: Traced) -> Traced:
         """Write an absolute value, and note its kink."""
-        if np.ndim(x.value) and self._moving[x.at]:
+        return self.add(self._kinked(x, "absolute", _one_side), (x.at,), np.abs(x.value))
+
+    def larger(self, a: Any, b: Any, difference: Traced) -> Traced:
+        """Write the larger of two numbers, and note the kink where their difference a - b is zero."""
+        places = tuple(x.at if isinstance(x, Traced) else self.add("constant", (), x).at for x in (a, b))
+        value = np.maximum(value_of(a), value_of(b))
+        return self.add(self._kinked(difference, "maximum", _one_of_two), places, value)
+
+    def _kinked(self, x: Traced, name: str, with_sides: Callable[[Any], Operation]) -> str | Operation:
+        """An operation with a kink where x is zero, or the one with given signs of x; infinite bounds have none."""
+        if np.ndim(x.value) and self._moving[x.at] and np.all(np.isfinite(x.value)):
             self.kinks.append(x.at)
             if len(self._sides) >= len(self.kinks):
-                return self.add(_one_side(self._sides[len(self.kinks) - 1]), (x.at,), np.abs(x.value))
-        return self.add("absolute", (x.at,), np.abs(x.value))
+                return with_sides(self._sides[len(self.kinks) - 1])
+        return name
 
     def along(self, changes: Mapping[int, Any]) -> list[Any]:
         """The change of every entry, for changes of variables given by their places."""
@@ -196,6 +206,28 @@ def _one_side(side: Any) -> Operation:
     return Operation(lambda a: side * a, lambda f, a: (side,), lambda f, a: ((0.0,),))
 
 
+def _one_of_two(side: Any) -> Operation:
+    """The larger of two numbers with given signs of their difference."""
+    first = np.greater(side, 0)
+    return Operation(
+        lambda a, b: np.where(first, a, b),
+        lambda f, a, b: (np.where(first, 1.0, 0.0), np.where(first, 0.0, 1.0)),
+        lambda f, a, b: ((0.0, 0.0), (0.0, 0.0)),
+    )
+
+
+def _shares(a: Any, b: Any) -> tuple[Any, Any]:
+    """The derivatives of the larger of two numbers: 1 and 0, one half each where they are equal."""
+    first = 0.5 * (1 + np.sign(a - b))
+    return first, 1 - first
+
+
+def _sech2(a: Any) -> Any:
+    """1 - tanh²a without cancellation or overflow."""
+    small = np.exp(-2 * np.abs(a))
+    return 4 * small / (1 + small) ** 2
+
+
 def _atan2_bends(f: Any, y: Any, x: Any) -> tuple[tuple[Any, Any], ...]:
     square = (x * x + y * y) ** 2
     return (-2 * x * y / square, (y * y - x * x) / square), ((y * y - x * x) / square, 2 * x * y / square)
@@ -224,6 +256,7 @@ OPERATIONS: dict[str, Operation] = {
     "arctan2": Operation(
         np.arctan2, lambda f, y, x: (x / (x * x + y * y), -y / (x * x + y * y)), _atan2_bends
     ),
+    "maximum": Operation(np.maximum, lambda f, a, b: _shares(a, b), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
     "negative": _unary(lambda a: -a, lambda f, a: -1.0, lambda f, a: 0.0),
     "absolute": _unary(np.abs, lambda f, a: np.sign(a), lambda f, a: 0.0),
     "sqrt": _unary(np.sqrt, lambda f, a: 0.5 / f, lambda f, a: -0.25 / (f * a)),
@@ -232,7 +265,7 @@ OPERATIONS: dict[str, Operation] = {
     "tan": _unary(np.tan, lambda f, a: 1 + f * f, lambda f, a: 2 * f * (1 + f * f)),
     "exp": _unary(np.exp, lambda f, a: f, lambda f, a: f),
     "log": _unary(np.log, lambda f, a: 1 / a, lambda f, a: -1 / (a * a)),
-    "tanh": _unary(np.tanh, lambda f, a: 1 - f * f, lambda f, a: -2 * f * (1 - f * f)),
+    "tanh": _unary(np.tanh, lambda f, a: _sech2(a), lambda f, a: -2 * f * _sech2(a)),
     "arcsin": _unary(np.arcsin, lambda f, a: (1 - a * a) ** -0.5, lambda f, a: a * (1 - a * a) ** -1.5),
     "arccos": _unary(np.arccos, lambda f, a: -((1 - a * a) ** -0.5), lambda f, a: -a * (1 - a * a) ** -1.5),
     "arctan": _unary(np.arctan, lambda f, a: 1 / (1 + a * a), lambda f, a: -2 * a / (1 + a * a) ** 2),
@@ -425,13 +458,14 @@ def own(
 
 
 def _larger(a: Any, b: Any) -> Any:
-    """The larger of two numbers, with the kink of an absolute value where they are equal."""
-    return 0.5 * (a + b + abs(a - b))
+    """The larger of two numbers, with a kink where they are equal."""
+    difference = a - b
+    return difference.tape.larger(a, b, difference) if isinstance(difference, Traced) else np.maximum(a, b)
 
 
 def _smaller(a: Any, b: Any) -> Any:
     """The smaller of two numbers."""
-    return 0.5 * (a + b - abs(a - b))
+    return -_larger(-a, -b)
 
 
 def _is(other: Any, number: int) -> bool:

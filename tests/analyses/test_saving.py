@@ -211,7 +211,7 @@ def test_the_whole_motion_and_the_steps_are_gone_on_with(
     plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
     assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"
     resumed, opened = sr.resume(folder), sr.resume(folder)
-    cost = sr.At("slider.x", 1.0)
+    cost = sr.At("slider.x", time=1.0)
     wanted = sr.sensitivity(plain, cost, wrt=["rod.mass"])["rod.mass"]
     for run in (resumed, opened):
         assert np.array_equal(run.sol(0.77).lam, plain.sol(0.77).lam)

@@ -76,6 +76,7 @@ def test_many_steps_of_order_two_name_radau() -> None:
     assert "Radau" not in sr.simulate(spring(1e6), until=0.01).message
 
 
+@pytest.mark.filterwarnings("ignore:.*a vibration of")
 def test_a_time_limit_keeps_what_was_computed(tmp_path: object) -> None:
     began = time.perf_counter()
     run = sr.simulate(spring(1e8), until=10.0, time_limit=0.3)

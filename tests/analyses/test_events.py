@@ -284,4 +284,4 @@ def test_an_impact_where_a_parallelogram_lies_flat_ends_with_a_status() -> None:
         system, until=1.2, t_eval=[1.2], events=flat, method=sr.HHT(step=1e-3), rtol=1e-6, atol=1e-8
     )
     assert run.events[0].name == "flat"
-    assert run.success or "singular" in run.message or "from being dependent" in run.message
+    assert run.success or "singular" in run.message

@@ -79,7 +79,7 @@ def test_many_steps_of_order_two_name_radau() -> None:
 @pytest.mark.filterwarnings("ignore:.*a vibration of")
 def test_a_time_limit_keeps_what_was_computed(tmp_path: object) -> None:
     began = time.perf_counter()
-    run = sr.simulate(spring(1e8), until=1000.0, time_limit=0.3)
+    run = sr.simulate(spring(1e8), until=10.0, time_limit=0.05)
     assert time.perf_counter() - began < 5.0
     assert run.status == "time limit"
     assert 0 < len(run.t) < 1001

@@ -75,7 +75,7 @@ def test_forward_and_backward_agree_for_every_number_of_every_element(seed: int)
 def test_they_agree_where_steps_grow() -> None:
     """A first step of 2 ms leaves 2e-11 of the accelerations, which every longer step multiplies."""
     assert disagreement(swung(), ("q",)) < 1e-13
-    assert disagreement(swung(), KINDS) < 4e-9  # 4e-9 is what growing steps leave, decision 017
+    assert disagreement(swung(), KINDS) < 2e-9
 
 
 def test_derivatives_are_those_of_differenced_simulations() -> None:

@@ -60,14 +60,14 @@ def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("method", EVERY)
 def test_products_are_those_of_differenced_gradients(method: str) -> None:
-    e = 1e-3
+    e = 4e-3  # smaller changes leave more round-off, of "maximum" 2e-7 at 1e-3
     slopes = [(moved(x, method)[1] - moved(-x, method)[1]) / (2 * x) for x in (e, e / 2)]
     wanted = (4 * slopes[1] - slopes[0]) / 3
     for row, response in enumerate(RESPONSES):
         rough = any(word in response.title for word in ROUGH)
         found = sr.hessian_product(swung(method), response, dict(zip(NAMES, DIRECTION, strict=True)))
         error = abs(found - wanted[row]).max() / abs(wanted[row]).max()
-        assert error < (1e-5 if rough else 3e-7), response.title
+        assert error < (1e-5 if rough else 1e-7), response.title
 
 
 @pytest.mark.parametrize("method", ["HHT", "Radau"])

@@ -12,6 +12,8 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
+from .errors import ModelError
+
 P = ParamSpec("P")
 R = TypeVar("R")
 Check: TypeAlias = Callable[[str, Any], None]
@@ -26,13 +28,13 @@ class Number:
     infinite: bool = False
 
     def __call__(self, name: str, value: Any) -> None:
-        """Raise a TypeError for another kind, and a ValueError for a number outside."""
+        """Raise a TypeError for another kind, and a ModelError for a number outside."""
         found = real(name, value)
         wanted = "a positive number" if self.positive else "a finite number"
         outside = found < self.least or (self.positive and not found > 0)
         if isnan(found) or outside or (np.isinf(found) and not self.infinite):
             more = f" of at least {self.least:g}" if np.isfinite(self.least) else ""
-            raise ValueError(f"{name} must be {wanted}{more}, but is {found:g}.")
+            raise ModelError(f"{name} must be {wanted}{more}, but is {found:g}.")
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,11 @@ class Whole:
     least: int = 0
 
     def __call__(self, name: str, value: Any) -> None:
-        """Raise a TypeError for another kind, and a ValueError for one that is too small."""
+        """Raise a TypeError for another kind, and a ModelError for one that is too small."""
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
             raise TypeError(f"{name} must be a whole number, got {_kind(value)}.")
         if value < self.least:
-            raise ValueError(f"{name} must be {self.least} at least, but is {value}.")
+            raise ModelError(f"{name} must be {self.least} at least, but is {value}.")
 
 
 def real(name: str, value: Any) -> float:
@@ -63,7 +65,7 @@ def real(name: str, value: Any) -> float:
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a number, got {_kind(value)}.") from None
     except OverflowError:
-        raise ValueError(f"{name} must be a finite number, but is too large for one.") from None
+        raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
 
 
 def _numbers(name: str, value: Any) -> None:
@@ -72,13 +74,13 @@ def _numbers(name: str, value: Any) -> None:
     except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name} must be numbers, got {_kind(value)}.") from None
     if not np.isfinite(found).all():
-        raise ValueError(f"{name} must be finite numbers, but one of them is not.")
+        raise ModelError(f"{name} must be finite numbers, but one of them is not.")
 
 
 def _three(name: str, value: Any) -> None:
     _numbers(name, value)
     if np.shape(value) != (3,):
-        raise ValueError(f"{name} must be three numbers, got the shape {np.shape(value)}.")
+        raise ModelError(f"{name} must be three numbers, got the shape {np.shape(value)}.")
 
 
 def _text(name: str, value: Any) -> None:

@@ -45,6 +45,11 @@ class Population:
         return self.variant.kind
 
     @property
+    def is_force(self) -> bool:
+        """Whether these are forces, weight among them."""
+        return bool(self.kind.family) and self.kind.family[0].family == "force"
+
+    @property
     def count(self) -> int:
         return len(self.bodies)
 

@@ -28,17 +28,22 @@ from .placed import PRECISE, PlacedMatrix, compiled_solver
 from .prescribed import Prescribed
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally
+from .trouble import has_laws
 
 ROOM = 300_000  # numbers of the record of one chunk of steps, at most
 FAR = 1e4  # of the system's size: distances from the origin at which positions have four digits fewer
 FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half of the one before
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
-REASONS = {
-    loop.NEWTON: "Newton's method did not converge: a law with a corner or a very stiff contact may be the cause; "
-    "smooth it, or give a larger atol",
-    loop.ERROR: "the error control asked for ever smaller steps: a force is very stiff or not smooth; give a larger "
-    "atol, or name the times of its jumps in breakpoints",
+REASONS = {  # what happened, and what it may come from where there are forces
+    loop.NEWTON: (
+        "Newton's method did not converge",
+        ": a law with a corner or a very stiff contact may be the cause; smooth it, or give a larger atol",
+    ),
+    loop.ERROR: (
+        "the error control asked for ever smaller steps",
+        ": a force is very stiff or not smooth; give a larger atol, or name the times of its jumps in breakpoints",
+    ),
 }
 
 
@@ -242,7 +247,8 @@ class AlphaStepper(Implicit):
                 f"bodies are {far:.3g} m from the origin, where positions have fewer digits than the tolerances "
                 "ask for. Place the model near the origin, give a larger atol, or use Radau()"
             )
-        return REASONS[float(self._control.numbers[8])]
+        failure, cause = REASONS[float(self._control.numbers[8])]
+        return failure + cause if has_laws(self.system) else failure
 
     def _count(self, before: Array) -> None:
         steps, rejected, residuals, matrices, _ = (int(x) for x in self._control.counts - before)

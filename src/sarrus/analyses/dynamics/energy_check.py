@@ -33,7 +33,7 @@ def is_passive(system: System) -> bool:
 
 def _passive(population: Any) -> bool:
     kind = population.kind
-    if not kind.family or kind.family[0].family != "force":
+    if not population.is_force:
         return not kind.timed
     names = list(kind.fields)
     working = (*ACTUATED, DAMPER) if kind in LAWS else ACTUATED

@@ -9,6 +9,7 @@ import numpy as np
 from ...algebra import Array
 from ...elements import OPERATORS, Element
 from ...elements.evaluation import dense, element_from
+from ...elements.gravity import EccentricGravity, Gravity
 from ...system import System
 from ...system.local import GROUND, local
 from ..independence import Independence
@@ -23,20 +24,25 @@ SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more a
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
 
+def has_laws(system: System) -> bool:
+    """Whether there are forces other than weight: only these may be stiff or have corners."""
+    weight = (Gravity, EccentricGravity)
+    return any(p.count and p.is_force and p.kind not in weight for p in system.populations)
+
+
 def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
     """The forces that are not finite at a state, by the names that a model gives them."""
     found: list[str] = []
     if np.all(np.isfinite(system.Q(q, v, t, b=b))):
         return found
     rest = np.zeros(7)
-    for p in system.populations:
-        if p.kind.family and p.kind.family[0].family == "force":
-            for k, owner in enumerate(p.owners):
-                at = p.at + k * p.kind.size()
-                element = element_from(p.kind, b[at : at + p.kind.size()], b)
-                operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
-                if not _is_finite(element, operands):
-                    found.append(owner)
+    for p in filter(lambda p: p.is_force, system.populations):
+        for k, owner in enumerate(p.owners):
+            at = p.at + k * p.kind.size()
+            element = element_from(p.kind, b[at : at + p.kind.size()], b)
+            operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
+            if not _is_finite(element, operands):
+                found.append(owner)
     return found
 
 
@@ -104,7 +110,10 @@ def _with_weak_rows(trouble: Trouble, rows: list[str]) -> Trouble:
     """The same trouble, and the constraints that come close to being dependent."""
     if not rows:
         return trouble
-    told = f"{trouble.sentence}; constraints are not far from being dependent there, among {', '.join(rows)}"
+    told = (
+        f"{trouble.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
+        f"among {', '.join(rows)}"
+    )
     return Trouble(trouble.status, told)
 
 

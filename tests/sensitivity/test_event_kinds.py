@@ -125,10 +125,12 @@ def test_so_are_those_of_methods_of_order_two(kind: str, method: object) -> None
     scale = abs(found.matrix).max(axis=1)
     limits = np.array([max([2e-9, *(x for k, x in ROUND_OFF.items() if k in one.title)]) for one in told])
     for name, value in zip(found.names, found.at, strict=True):
-        wanted = differenced(
-            stopped, told, method, 8e-3, lambda e, n=name, x=value: moved(kind, {n: x + e})
-        )
-        assert np.all(abs(found[name] - wanted) < limits * scale), (name, (found[name] - wanted) / scale)
+        wanted = [  # now and then one of them has a hundred times the round-off of the others
+            differenced(stopped, told, method, size, lambda e, n=name, x=value: moved(kind, {n: x + e}))
+            for size in (4e-3, 8e-3)
+        ]
+        errors = np.min(abs(found[name] - np.array(wanted)), axis=0)
+        assert np.all(errors < limits * scale), (name, errors / scale)
 
 
 def test_what_a_gradient_leaves_falls_with_the_square() -> None:

@@ -141,8 +141,8 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
 def compiled_parts() -> dict[str, Any]:
     """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
     made = calls() | compiled_solver() | {"weigh": compiled_part(weigh)}
-    order = "residual evaluate factor size update correct weights_of renew round_off ignored_round_off newton polish"
-    rest = "replace predict accept keep stretch rescale remember"
+    order = "residual evaluate factor size update correct weights_of renew round_off ignored_round_off newton"
+    rest = "multiplier_change settled polish replace predict accept keep stretch rescale remember"
     for name in f"{order} {rest}".split():
         made[name] = compiled_part(getattr(loop, name), **made)
     return made | {"advance": compiled_function(loop.advance, **made)}

@@ -39,6 +39,7 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 # Of the tolerance: what may be left in a step that is kept; where changes may be round-off. Part of the round-off to
 # be expected that may be left, too: most of it is never met
 EXACT, NOISE, ROUND = 3e-8, 1e-6, 0.02
+SETTLED = 1e-6  # of the largest multiplier: the last change of the multipliers of a step that is kept
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 POLISHES, FURTHER = (
     8,
@@ -288,6 +289,22 @@ def ignored_round_off(h: Any, state: Any, tol: Any) -> Any:
     return 1.0 if round_off(h, state, tol) > NEWTON_SHARE else 0.0
 
 
+def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
+    """The largest change of a multiplier by the last correction; `size` sees accelerations alone."""
+    change = 0.0
+    for k in range(len(state.lam1)):
+        change = max(change, abs(memory.solution[len(state.q0) + k]))
+    return change
+
+
+def settled(state: Any, memory: Any, beta: Any) -> Any:
+    """Whether the last correction changed the multipliers by less than `SETTLED` of the largest."""
+    largest = 0.0
+    for k in range(len(state.lam1)):
+        largest = max(largest, abs(state.lam1[k]))
+    return multiplier_change(state, memory, beta) <= SETTLED * largest
+
+
 def polish(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
     rate: Any, before: Any,
@@ -301,7 +318,7 @@ def polish(
     enough, renewed = max(EXACT, ROUND * round_off(h, state, tol)), False
     ignored = ignored_round_off(h, state, tol)
     for taken in range(POLISHES):
-        if before * (rate if rate > 0.0 else 1.0) <= enough:
+        if before * (rate if rate > 0.0 else 1.0) <= enough and settled(state, memory, beta):
             return taken
         residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
         control.counts[2] += 1

@@ -42,7 +42,7 @@ def compiled_advance() -> Any:
     made |= {name: plain[name] for name in shared}
     made["weigh"] = compiled_part(weigh)
     made["evaluate"] = compiled_part(radau_loop.evaluate, **made)
-    order = "update residual factor scaled correct renew newton polish predict accept rescale"
+    order = "update residual factor scaled correct renew newton multiplier_change settled polish predict accept rescale"
     for name in order.split():
         source = loop if hasattr(loop, name) else alpha_loop
         made[name] = compiled_part(getattr(source, name), **made)

@@ -168,6 +168,14 @@ def correct(
     return max(in_q, in_v)
 
 
+def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
+    """The largest change of a multiplier by the last correction."""
+    change = 0.0
+    for k in range(len(state.lam1)):
+        change = max(change, abs(memory.solution[2 * len(state.q0) + k]) / beta)
+    return change
+
+
 def predict(ratio: Any, state: Any) -> None:
     """First guess of the unknowns; η and s go with h³."""
     plain_predict(ratio, state)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..model import Model, announce
+from ..model.arguments import as_numbers
 from ..results import Asked, Assembly, Equilibrium, State, Trajectory
 from ..system import System
 from .assembly import assemble
@@ -104,12 +105,8 @@ def finite(system: System, name: str, given: ArrayLike) -> Array:
     ValueError
         If they are not as many as the system's, or not finite.
     """
-    try:
-        found = np.array(given, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(
-            f"{name} must be {system.nq} numbers, an Assembly, a State or an Equilibrium, got {kind(given)}."
-        ) from None
+    wanted = f"{system.nq} numbers, an Assembly, a State or an Equilibrium"
+    found = as_numbers(given, lambda: f"{name} must be {wanted}, got {kind(given)}.")
     if found.shape != (system.nq,):
         raise ValueError(
             f"{name} must be {system.nq} finite numbers, the coordinates of {system.name}, got shape {found.shape}."

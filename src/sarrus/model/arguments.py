@@ -12,6 +12,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
+from ..algebra import Array
 from .errors import ModelError
 
 P = ParamSpec("P")
@@ -68,11 +69,16 @@ def real(name: str, value: Any) -> float:
         raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
 
 
-def _numbers(name: str, value: Any) -> None:
+def as_numbers(value: Any, message: Callable[[], str]) -> Array:
+    """The value as an array of its own; a TypeError with the message for anything but numbers."""
     try:
-        found = np.asarray(value, dtype=float)
+        return np.array(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name} must be numbers, got {_kind(value)}.") from None
+        raise TypeError(message()) from None
+
+
+def _numbers(name: str, value: Any) -> None:
+    found = as_numbers(value, lambda: f"{name} must be numbers, got {_kind(value)}.")
     if not np.isfinite(found).all():
         raise ModelError(f"{name} must be finite numbers, but one of them is not.")
 

@@ -128,19 +128,20 @@ def held(lock: FolderLock) -> Iterator[FolderLock]:
         raise
 
 
-def make_folder(folder: Path) -> None:
-    """Make a folder and those above it, if they are not there.
+def lock_folder(folder: Path) -> FolderLock:
+    """The right to write a folder, which is made with those above it if it is not there.
 
     Raises
     ------
     FolderTakenError
-        If one of them is a file.
+        If one of them is a file, or another process writes.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         told = f"{folder}: is a file, not a folder, or below a file."
         raise FolderTakenError(f"{told} Choose another folder.") from None
+    return FolderLock(folder)
 
 
 def _is_alive(process: int) -> bool:

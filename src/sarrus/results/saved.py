@@ -38,7 +38,7 @@ from .checked_file import (
     write_checked,
     writing,
 )
-from .folder_lock import LOCK, FolderLock, held, is_lock, make_folder
+from .folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
 
 FORMAT = 2
@@ -230,8 +230,7 @@ def _locked(folder: Path) -> FolderLock:
     if folder.exists() and not _is_ours(folder):
         told = f"{folder}: is there and is no saved run, so it is not touched."
         raise FolderTakenError(f"{told} Choose another name for `save`.")
-    make_folder(folder)
-    return FolderLock(folder)
+    return lock_folder(folder)
 
 
 def _is_ours(folder: Path) -> bool:

@@ -29,7 +29,7 @@ from ..results.checked_file import (
     replace_file,
     writing,
 )
-from ..results.folder_lock import LOCK, FolderLock, held, is_lock, make_folder
+from ..results.folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .case import Outcome
 
 STUDY, CASES = "study.json", "cases.jsonl"
@@ -199,8 +199,7 @@ def _locked(folder: Path) -> FolderLock:
     elif folder.is_dir() and not _is_begun(folder):
         told = f"{folder}: holds other files and no study, so it is not touched."
         raise FolderTakenError(f"{told} Choose another folder, or an empty one.")
-    make_folder(folder)
-    return FolderLock(folder)
+    return lock_folder(folder)
 
 
 def _is_begun(folder: Path) -> bool:

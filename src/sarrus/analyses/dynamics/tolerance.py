@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import ModelError
+from ...model.arguments import as_numbers
 from ...model.expression import parse
 from ...model.expression.dimensions import fits, unit_of
 from ...system import System
@@ -74,12 +75,8 @@ def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
         raise ValueError(
             f'{name} with a unit goes by kind, {{"position": "{given}", "orientation": "0.01 deg"}}'
         )
-    try:
-        values = np.asarray(given, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(
-            f"{name} must be a number, or {system.nq} numbers, got {type(given).__name__}"
-        ) from None
+    wanted = f"a number, or {system.nq} numbers"
+    values = as_numbers(given, lambda: f"{name} must be {wanted}, got {type(given).__name__}")
     if values.shape not in ((), (system.nq,)):
         raise ValueError(
             f"{name} must be a number or {system.nq} numbers, one for each coordinate, but has {values.size}"

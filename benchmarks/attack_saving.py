@@ -85,7 +85,7 @@ def options(name: str) -> dict[str, Any]:
             "t_eval": np.linspace(0, 6, 2001),
             "method": sr.Radau(),
             "max_step": 1e-3,
-            "keep_steps": True,
+            "store_steps": True,
             "dense_output": True,
         },
     }

@@ -82,8 +82,8 @@ def ratios(
 ) -> dict[str, float]:
     """Times of derivatives as multiples of that of the run without any."""
 
-    def simulated(keep_steps: bool) -> sr.Trajectory:
-        return sr.simulate(system, start, t_eval=[settings["until"]], keep_steps=keep_steps, **settings)
+    def simulated(store_steps: bool) -> sr.Trajectory:
+        return sr.simulate(system, start, t_eval=[settings["until"]], store_steps=store_steps, **settings)
 
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)
@@ -151,7 +151,7 @@ def measured_long_run(way: str, steps: int) -> dict[str, float]:
 
     def by_steps(until: float) -> float:
         began = time.process_time()
-        run = sr.simulate(system, until=until, t_eval=[until], keep_steps=True, **settings)
+        run = sr.simulate(system, until=until, t_eval=[until], store_steps=True, **settings)
         sr.sensitivity(run, energy)
         return time.process_time() - began
 
@@ -181,7 +181,7 @@ def published(repeats: int) -> dict[str, float]:
     energy = sr.Integral("energy.kinetic")
 
     def both() -> sr.Gradient:
-        run = sr.simulate(system, until=10.0, t_eval=[10.0], rtol=1e-6, atol=1e-6, keep_steps=True)
+        run = sr.simulate(system, until=10.0, t_eval=[10.0], rtol=1e-6, atol=1e-6, store_steps=True)
         return sr.sensitivity(run, energy, list(SUNDIALS), design=SUNDIALS, formula=sundials)
 
     error = abs(both().matrix[0] - wanted).max() / abs(wanted).max()

@@ -43,7 +43,7 @@ class Subject:
 
     def run(self, keep: bool = False, **settings: Any) -> sr.Trajectory:
         """The simulation."""
-        found = sr.simulate(self.system, until=UNTIL, t_eval=[UNTIL], keep_steps=keep, **settings)
+        found = sr.simulate(self.system, until=UNTIL, t_eval=[UNTIL], store_steps=keep, **settings)
         if not found.success:
             raise SystemExit(found.message)
         return found

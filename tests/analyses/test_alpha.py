@@ -35,7 +35,7 @@ def test_order_two(method: object) -> None:
 
 def prescribed(method: object, lengths: np.ndarray) -> sr.Trajectory:
     """A run with given steps."""
-    settings = {"rtol": 1e-9, "atol": 1e-9, "keep_steps": True, "given": lengths}
+    settings = {"rtol": 1e-9, "atol": 1e-9, "store_steps": True, "given": lengths}
     times = np.array([0.0, lengths.sum()])
     return method.run(slider_crank(), sr.assemble(slider_crank()), times, **settings)
 
@@ -54,7 +54,7 @@ def test_order_two_with_steps_that_change(method: object) -> None:
 def test_kept_steps_are_what_was_done() -> None:
     """Every step satisfies the scheme's equations to round-off, and the same lengths give the same states."""
     system = slider_crank()
-    run = sr.simulate(system, until=1.0, rtol=1e-5, atol=1e-7, keep_steps=True)
+    run = sr.simulate(system, until=1.0, rtol=1e-5, atol=1e-7, store_steps=True)
     steps = run.steps
     assert len(steps) == run.nsteps
     assert np.allclose(steps.t[1:], np.cumsum(steps.h), rtol=1e-13)
@@ -65,7 +65,7 @@ def test_kept_steps_are_what_was_done() -> None:
         assert abs(balance).max() < 1e-9 * abs(system.M_a(q, a)).max() + 1e-10
         assert abs(system.Phi(q)).max() < 1e-14
     again = sr.HHT().run(
-        system, steps.start, np.array([0.0, 1.0]), rtol=1e-5, atol=1e-7, keep_steps=True, given=steps.h
+        system, steps.start, np.array([0.0, 1.0]), rtol=1e-5, atol=1e-7, store_steps=True, given=steps.h
     )
     assert np.allclose(again.steps.q, steps.q, rtol=0, atol=1e-12)
     assert np.array_equal(again.steps.removed != 0, steps.removed != 0)

@@ -5,7 +5,7 @@ import pytest
 
 import sarrus as sr
 
-PRECISE = {"rtol": 1e-10, "atol": 1e-12, "method": sr.Radau(), "keep_steps": True}
+PRECISE = {"rtol": 1e-10, "atol": 1e-12, "method": sr.Radau(), "store_steps": True}
 X, Z = (1, 0, 0), (0, 0, 1)
 
 

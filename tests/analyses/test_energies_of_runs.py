@@ -100,7 +100,7 @@ def sprung(name: str, mass: float = 2.0, free: float = 1.0) -> sr.System:
 
 @pytest.mark.parametrize("name", LAWS)
 def test_springs_with_laws_keep_energy(name: str) -> None:
-    run = sr.simulate(sprung(name), until=1.0, keep_steps=True, **PRECISE)
+    run = sr.simulate(sprung(name), until=1.0, store_steps=True, **PRECISE)
     angle = run.joint("pin").angle
     assert abs(angle).max() > (2.5 if name == "formula" else 5.0)
     assert run.total_energy == pytest.approx(run.total_energy[0], abs=1e-7 * run.kinetic_energy.max())
@@ -118,7 +118,7 @@ def test_springs_with_laws_keep_energy(name: str) -> None:
 def test_derivatives_of_the_energy_of_springs_with_laws(name: str) -> None:
     """The energy is conserved: its derivatives are those of the initial one, the second as well."""
     system = sprung(name)
-    run = sr.simulate(system, until=0.5, keep_steps=True, **PRECISE)
+    run = sr.simulate(system, until=0.5, store_steps=True, **PRECISE)
     names = ["spring.length", "mass.position.z", "coil.angle"]
     found = sr.sensitivity(run, "energy.total", names).matrix[0]
 

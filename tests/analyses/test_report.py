@@ -52,7 +52,7 @@ def test_a_wait_for_kernels_is_explained(
 def test_derivatives_and_films_show_their_progress(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run = sr.simulate(slider_crank(), until=0.05, t_eval=[0.0, 0.05], keep_steps=True)
+    run = sr.simulate(slider_crank(), until=0.05, t_eval=[0.0, 0.05], store_steps=True)
     sr.sensitivity(run, "slider.x", ["spring.k"], progress=True)
     assert "differentiated 2 of 2 stages" in capsys.readouterr().err
     seen: list[float] = []

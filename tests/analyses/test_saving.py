@@ -206,7 +206,7 @@ def test_the_whole_motion_and_the_steps_are_gone_on_with(
         if t > 0.5:
             raise KeyboardInterrupt
 
-    given = {"until": 2.0, "t_eval": [1.0, 2.0], "method": METHODS[method], "rtol": 1e-7, "keep_steps": True}
+    given = {"until": 2.0, "t_eval": [1.0, 2.0], "method": METHODS[method], "rtol": 1e-7, "store_steps": True}
     given |= {"dense_output": True}
     plain, folder = sr.simulate(slider_crank(), **given), tmp_path / "r"
     assert sr.simulate(slider_crank(), save=folder, progress=stop, **given).status == "stopped"

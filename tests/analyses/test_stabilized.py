@@ -145,4 +145,4 @@ def test_going_on_from_a_saved_state_gives_the_same_bits() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_no_steps_are_kept(method: object) -> None:
     with pytest.raises(ValueError, match="stabilized"):
-        sr.simulate(slider_crank(), until=0.1, method=method, keep_steps=True)
+        sr.simulate(slider_crank(), until=0.1, method=method, store_steps=True)

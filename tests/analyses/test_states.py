@@ -84,7 +84,7 @@ def test_events_and_responses_see_the_revolutions_of_the_start() -> None:
     assert run.events[0].t == pytest.approx(np.arcsin(0.8) / ROOT, abs=1e-6)
     assert run.final is not None
     assert run.final.t == run.events[0].t
-    kept = sr.simulate(system, start, until=10.0, keep_steps=True, **RADAU)
+    kept = sr.simulate(system, start, until=10.0, store_steps=True, **RADAU)
     response = [sr.Final("pin.angle"), sr.Final("coil.angle")]
     found = sr.sensitivity(kept, response, ["coil.k"])
     assert found.values == pytest.approx(exact([10.0, 10.0]), abs=1e-4)

@@ -26,7 +26,7 @@ def test_influences_are_ranked_and_drawn(tmp_path: Path, capsys: pytest.CaptureF
     assert figure.stat().st_size > 10_000
     assert main(["sensitivity", CRANK, *SHORT, *wanted, "--json", "-q"]) == 0
     found = json.loads(capsys.readouterr().out)
-    run = sr.simulate(sr.System(load(CRANK)), until=0.3, rtol=1e-5, atol=1e-7, keep_steps=True)
+    run = sr.simulate(sr.System(load(CRANK)), until=0.3, rtol=1e-5, atol=1e-7, store_steps=True)
     direct = sr.sensitivity(run, "slider.x", found["names"], method="direct")
     assert np.allclose(found["responses"]["slider.x"]["gradient"], direct.matrix[0], rtol=1e-8, atol=1e-12)
     assert found["responses"]["slider.x"]["ranked"][:3] == direct.ranked()[:3]

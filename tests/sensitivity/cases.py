@@ -36,7 +36,7 @@ class Case:
         """The motion, with its steps."""
         start = sr.assemble(self.system, fixed=self.held)
         assert start.success, start.message
-        options = {"until": self.until, "t_eval": [self.until], "keep_steps": True} | settings
+        options = {"until": self.until, "t_eval": [self.until], "store_steps": True} | settings
         found = sr.simulate(self.system, start, **options)
         assert found.success, found.message
         return found

@@ -17,7 +17,7 @@ def again(
     """The run with other numbers of the model, with the same lengths of steps."""
     changed = sr.System(with_numbers(system.model, numbers))
     ends = np.array([steps.t[0], steps.t[-1]])
-    settings = {"rtol": steps.rtol, "atol": steps.atol, "keep_steps": True, "given": steps.h}
+    settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
     run = method.run(changed, sr.assemble(changed), ends, **settings)
     assert run.success, run.message
     if isinstance(steps, Steps):

@@ -20,7 +20,7 @@ def taken_again(system: sr.System, steps: StepsTaken, method: object, t: float, 
     """The steps of one stretch from another state and time on, with all that interpolation and events need."""
     tolerances = Tolerances.of(system, steps.rtol, steps.atol)
     begin = replace(sr.assemble(system), q=q, v=v)
-    stepper = method.stepper(system, begin, Settings(tolerances, keep_steps=True, given=steps.h))
+    stepper = method.stepper(system, begin, Settings(tolerances, store_steps=True, given=steps.h))
     end = t + float(np.sum(steps.h))
     stepper.restart(t, q, v, end)
     while len(stepper.steps()) < len(steps):

@@ -20,13 +20,13 @@ KINDS = ("q", "v", "a", "lam")
 
 def even(seed: int) -> sr.Trajectory:
     """Another random mechanism with all elements, by twenty steps of 10 ms."""
-    settings = {"rtol": 1e-4, "atol": 1e-5, "keep_steps": True, "given": np.full(20, 0.01)}
+    settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": np.full(20, 0.01)}
     return sr.HHT().run(zoo(seed), sr.assemble(zoo(seed)), np.array([0.0, 0.2]), **settings)
 
 
 @cache
 def swung() -> sr.Trajectory:
-    return sr.simulate(zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, keep_steps=True)
+    return sr.simulate(zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True)
 
 
 def test_the_zoo_is_complete() -> None:
@@ -87,7 +87,7 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
         other = sr.System(with_numbers(system.model, {}))
         other.b[:] = system.b + e * db[:, 0]
         begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
-        settings = {"rtol": 1e-4, "atol": 1e-5, "keep_steps": True, "given": steps.h}
+        settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": steps.h}
         return sr.HHT().run(other, begin, np.array([0.0, 0.2]), **settings).steps
 
     e = 2e-4

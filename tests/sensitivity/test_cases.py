@@ -104,7 +104,7 @@ def test_gradients_approach_those_of_the_continuous_motion_with_order_five() -> 
     told, found = known("double_pendulum"), []
     for count in (100, 200, 400):
         lengths = np.full(count, told.case.until / count)
-        settings = {"rtol": 1e-9, "atol": 1e-9, "keep_steps": True, "given": lengths}
+        settings = {"rtol": 1e-9, "atol": 1e-9, "store_steps": True, "given": lengths}
         system = told.case.system
         run = sr.Radau().run(system, sr.assemble(system), np.array([0.0, told.case.until]), **settings)
         found.append(abs(told.case.gradient(run).matrix - told.gradient).max())

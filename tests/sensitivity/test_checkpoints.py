@@ -29,7 +29,7 @@ def compared(
     **settings: object,
 ) -> None:
     """By checkpoints and by all steps."""
-    run = sr.simulate(system, until=until, keep_steps=True, **settings)
+    run = sr.simulate(system, until=until, store_steps=True, **settings)
     wanted = sr.sensitivity(run, responses, names)
     settings |= {"until": until, "memory": memory}
     found = sr.sensitivity_by_checkpoints(system, responses, names, **settings)

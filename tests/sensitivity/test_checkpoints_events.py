@@ -49,7 +49,7 @@ def compared(
 ) -> sr.Gradient:
     """By checkpoints and by all steps."""
     memory = {name: settings.pop(name) for name in ("memory",) if name in settings}
-    run = sr.simulate(system, t_eval=[settings["until"]], keep_steps=True, **settings)
+    run = sr.simulate(system, t_eval=[settings["until"]], store_steps=True, **settings)
     wanted = sr.sensitivity(run, told, wrt)
     found = sr.sensitivity_by_checkpoints(system, told, wrt, **settings, **memory)
     assert (found.responses, found.names) == (wanted.responses, wanted.names)
@@ -209,7 +209,7 @@ def test_functions_of_events_are_called_in_the_first_run_only() -> None:
         return passed(t, q, v)
 
     event = sr.Event(near, terminal=True, name="near")
-    sr.simulate(slider_crank(), until=0.4, events=event, t_eval=[0.4], keep_steps=True)
+    sr.simulate(slider_crank(), until=0.4, events=event, t_eval=[0.4], store_steps=True)
     once = len(called)
     sr.sensitivity_by_checkpoints(slider_crank(), "t", ["spring.k"], until=0.4, events=event)
     assert len(called) == 2 * once + 1  # and once more as it is recorded
@@ -217,7 +217,7 @@ def test_functions_of_events_are_called_in_the_first_run_only() -> None:
 
 def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
     """Of many short pieces each would hold that of a whole call of the method."""
-    run = sr.simulate(ball(), until=2.0, events=BOUNCE, keep_steps=True)
+    run = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True)
     pieces = run.steps.pieces[:-1]
     assert len(pieces) > 2
     for piece in pieces:
@@ -232,8 +232,8 @@ def test_steps_taken_again_are_those_of_the_run_bit_by_bit(
     """Of stretches without events, with one at their end, and with some in the midst of them."""
     monkeypatch.setattr(long_run, "FIRST", first)
     system = slider_crank()
-    run = sr.simulate(system, until=0.8, t_eval=[0.8], keep_steps=True, method=method, events=events)
-    settings = Settings(Tolerances.of(system, 1e-6, 1e-8), keep_steps=True)
+    run = sr.simulate(system, until=0.8, t_eval=[0.8], store_steps=True, method=method, events=events)
+    settings = Settings(Tolerances.of(system, 1e-6, 1e-8), store_steps=True)
     long = long_run.LongRun(system, sr.assemble(system), method, settings, 0.8, 1e8, 1e3, events)
     parts: list[list[StepsTaken]] = [[] for _ in long.course.t]
     for n in range(len(long)):

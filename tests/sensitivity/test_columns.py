@@ -21,7 +21,7 @@ MANY = 2 * COLUMNS + 3  # no multiple of a panel
 @cache
 def struck(method: sr.HHT | sr.Radau) -> sr.Trajectory:
     """A pendulum that hits a stop, again and again."""
-    return sr.simulate(pendulum(), until=2.2, method=method, events=STOP, keep_steps=True)
+    return sr.simulate(pendulum(), until=2.2, method=method, events=STOP, store_steps=True)
 
 
 def random_nodes(run: sr.Trajectory, responses: int) -> Nodes:
@@ -53,7 +53,7 @@ def test_each_column_is_that_of_a_sweep_of_its_own(columns: int) -> None:
 
 
 def test_so_it_is_with_radau() -> None:
-    run = sr.simulate(even(2).system, until=0.05, method=sr.Radau(), keep_steps=True)
+    run = sr.simulate(even(2).system, until=0.05, method=sr.Radau(), store_steps=True)
     chain, every = moved(run, MANY)
     found = chain.along(*every)
     for c in (0, 1, MANY - 1):

@@ -30,7 +30,7 @@ def sprung(**laws: Any) -> sr.System:
 
 
 def run(system: sr.System, until: float = 0.5, tolerance: float = 1e-6, **settings: Any) -> sr.Trajectory:
-    how = {"method": sr.Radau(), "rtol": tolerance, "atol": tolerance / 100, "keep_steps": True} | settings
+    how = {"method": sr.Radau(), "rtol": tolerance, "atol": tolerance / 100, "store_steps": True} | settings
     return sr.simulate(system, until=until, **how)
 
 

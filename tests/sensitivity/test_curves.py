@@ -67,7 +67,7 @@ METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 
 @cache
 def swung(method: str = "HHT") -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-7, "keep_steps": True, "method": METHODS[method]}
+    settings = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True, "method": METHODS[method]}
     return sr.simulate(sr.System(arm()), until=1.0, t_eval=[1.0], **settings)
 
 
@@ -110,7 +110,7 @@ def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:
     names, columns = ["size", "rate", "push"], []
     (tmp_path / "arm.yaml").write_text(ARM)
     run = sr.simulate(
-        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-5, atol=1e-7, keep_steps=True
+        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-5, atol=1e-7, store_steps=True
     )
     gradient = sr.sensitivity(run, RESPONSES[:3], names)
     assert abs(gradient.matrix).max(axis=0).min() > 1e-3

@@ -59,7 +59,7 @@ def at_start(folder: Path, open_by: float) -> tuple[sr.Gradient, list[mp.mpf]]:
     file.write_text(model(float(values[2]), *poses))
     system = sr.System(sr.load(file))
     run = sr.simulate(
-        system, sr.assemble(system, fixed=["crank"]), until=1e-4, method=sr.Radau(), keep_steps=True
+        system, sr.assemble(system, fixed=["crank"]), until=1e-4, method=sr.Radau(), store_steps=True
     )
     height = sr.At(lambda o: o.position("coupler", (o.parameter("L2") / 2, 0, 0))[1], time=0.0)
     return sr.sensitivity(run, height, NAMES), values

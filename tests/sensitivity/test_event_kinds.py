@@ -57,7 +57,7 @@ EVENTS = {
 
 @cache
 def run(kind: str, method: object = sr.Radau()) -> sr.Trajectory:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": method, "t_eval": [0.4]}
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [0.4]}
     found = sr.simulate(slider_crank(), until=0.4, events=EVENTS[kind], **settings)
     assert len(found.events) == 1
     return found
@@ -169,7 +169,7 @@ def two_links(**changes: float) -> sr.System:
 
 
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [1.5]}
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.5]}
     fall = sr.simulate(two_links(), until=1.5, events=STRUCK, **settings)
     assert len(fall.events) == 2
     told = [
@@ -221,14 +221,14 @@ TOLD = [
 @cache
 def precise() -> np.ndarray:
     """The gradients of the driven links to more digits than the methods of order two have."""
-    settings = {"rtol": 1e-9, "atol": 1e-11, "keep_steps": True, "method": sr.Radau(), "t_eval": [2.2]}
+    settings = {"rtol": 1e-9, "atol": 1e-11, "store_steps": True, "method": sr.Radau(), "t_eval": [2.2]}
     return sr.sensitivity(sr.simulate(driven({}), until=2.2, events=ELBOW, **settings), TOLD, DRIVEN).matrix
 
 
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     """After a stop that comes sooner they act elsewhere in the motion."""
-    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": method, "t_eval": [2.2]}
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}
     run = sr.simulate(driven({}), until=2.2, events=ELBOW, **settings)
     assert len(run.events) >= 2, run.events
     found, direct = (sr.sensitivity(run, TOLD, DRIVEN, method=way) for way in ("adjoint", "direct"))
@@ -248,7 +248,7 @@ def test_motions_and_forces_that_depend_on_time(method: object) -> None:
 def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
-    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
+    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
     run = sr.simulate(system, until=0.6, events=hit, **settings)
     assert len(run.events) == 1
     assert np.any(run.steps.pieces[1].left_out)
@@ -273,7 +273,7 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
 def test_an_event_counts_the_turns_of_an_angle() -> None:
     """A formula that is not linear in the angle has other slopes a turn later."""
     wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, terminal=True, name="wound")
-    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
     found = sr.simulate(slider_crank(), until=3.0, events=wound, **settings)
     told, name = [sr.AtEvent("t", event="wound")], "ball.point.z"
     gradient = sr.sensitivity(found, told, [name])
@@ -306,7 +306,7 @@ def halted_in_part(t, q, v):
     ],
 )
 def test_velocities_overwritten_in_place(own: object, other: object) -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "keep_steps": True, "method": sr.Radau(), "t_eval": [0.4]}
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [0.4]}
     found = []
     for reset in (own, other):
         event = sr.Event(WHEN, direction=1, reset=reset, name="hit")
@@ -320,7 +320,7 @@ def test_a_function_that_cannot_be_recorded_is_named() -> None:
         return passed({float: t}[type(t)], q, v)
 
     event = sr.Event(looked_up, terminal=True, name="hit")
-    settings = {"keep_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
+    settings = {"store_steps": True, "method": sr.Radau(), "t_eval": [0.0]}
     there = sr.simulate(slider_crank(), until=0.4, events=event, **settings)
     with pytest.raises(ValueError, match="cannot be differentiated through its Python function"):
         sr.sensitivity(there, sr.Final("t"), ["rod.mass"])

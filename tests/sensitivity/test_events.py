@@ -55,7 +55,7 @@ def angle(o):
 
 
 def bounced(until: float, **settings: object) -> sr.Trajectory:
-    return sr.simulate(ball(), until=until, events=BOUNCE, keep_steps=True, **settings)
+    return sr.simulate(ball(), until=until, events=BOUNCE, store_steps=True, **settings)
 
 
 @pytest.mark.parametrize("simulated", [sr.HHT(), sr.Radau()])
@@ -84,7 +84,7 @@ def test_responses_over_the_whole_motion() -> None:
 
     def values(h: float) -> np.ndarray:
         system = sr.System(with_numbers(ball().model, {"ball.position.z": h}))
-        run = sr.simulate(system, until=1.3, events=BOUNCE, keep_steps=True, method=sr.HHT(step=1e-3))
+        run = sr.simulate(system, until=1.3, events=BOUNCE, store_steps=True, method=sr.HHT(step=1e-3))
         return valued(run.system, run.steps, responses)
 
     run = bounced(1.3, method=sr.HHT(step=1e-3))
@@ -104,7 +104,7 @@ def test_the_pendulum_at_a_stop(until: float, method: tuple[object, float]) -> N
     names = [*PENDULUM, *(["stop.restitution"] if until > 0.5 else [])]
     errors = []
     for rtol in (1e-4, 1e-6, 1e-8):
-        settings = {"keep_steps": True, "method": simulated, "t_eval": [until]}
+        settings = {"store_steps": True, "method": simulated, "t_eval": [until]}
         run = sr.simulate(pendulum(), until=until, events=STOP, rtol=rtol, atol=rtol, **settings)
         found = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung)
         direct = sr.sensitivity(run, sr.Final(angle), names, design=PENDULUM, formula=hung, method="direct")
@@ -118,7 +118,7 @@ def test_the_pendulum_at_a_stop(until: float, method: tuple[object, float]) -> N
 def test_the_time_of_an_event_that_ends_the_run() -> None:
     """A quarter of the period of a pendulum, 4 sqrt(L/g) K(sin²(θ₀/2)), from 90 degrees."""
     down = sr.Event("bob.x", direction=-1, terminal=True)
-    run = sr.simulate(pendulum(), until=2.0, events=down, keep_steps=True, rtol=1e-8, atol=1e-10)
+    run = sr.simulate(pendulum(), until=2.0, events=down, store_steps=True, rtol=1e-8, atol=1e-10)
     assert run.status == "event"
     quarter = sr.Final("t", name="quarter")
     found = sr.sensitivity(run, quarter, [*PENDULUM], design=PENDULUM, formula=hung)
@@ -137,7 +137,7 @@ HIT = sr.Event("pin.angle + slider.x - 4.4", direction=1, reset=sr.Impact(0.5, a
 def test_an_impact_in_a_spatial_mechanism(name: str) -> None:
     """An event of an angle and a position, and an impulse about a joint: forward, backward, and differenced runs."""
     responses = [sr.Final("slider.x"), sr.Integral("energy.kinetic"), sr.Final("pin.angle.rate")]
-    equal = {"until": 0.4, "keep_steps": True, "method": sr.HHT(step=1e-3)}
+    equal = {"until": 0.4, "store_steps": True, "method": sr.HHT(step=1e-3)}
     run = sr.simulate(slider_crank(), events=HIT, **equal)
     assert len(run.events) == 1
     found, direct = (sr.sensitivity(run, responses, [name], method=way) for way in ("adjoint", "direct"))
@@ -167,7 +167,7 @@ def test_extremes_and_peaks_of_a_motion_with_events() -> None:
     def run(h: float = 1.0, g: float = -9.81, e: float = 0.8) -> sr.Trajectory:
         system = sr.System(with_numbers(ball().model, {"ball.position.z": h, "gravity.z": g}))
         bounce = sr.Event("ball.z", direction=-1, reset=sr.Impact(e), name="bounce")
-        return sr.simulate(system, until=1.3, events=bounce, keep_steps=True, method=sr.HHT(step=1e-3))
+        return sr.simulate(system, until=1.3, events=bounce, store_steps=True, method=sr.HHT(step=1e-3))
 
     names = ["ball.position.z", "gravity.z", "bounce.restitution"]
     found = sr.sensitivity(run(), responses, names)
@@ -239,18 +239,18 @@ def test_values_just_before_and_just_after_an_event(method: object) -> None:
     ("event", "settings", "told"),
     [
         (BOUNCE, {"method": sr.ODE("DOP853")}, r"by HHT\(\), GeneralizedAlpha\(\) and Radau\(\) only"),
-        (BOUNCE, {"save": "never.sarrus"}, "leave save= or keep_steps= away"),
+        (BOUNCE, {"save": "never.sarrus"}, "leave save= or store_steps= away"),
     ],
 )
 def test_what_cannot_be_kept(event: sr.Event, settings: dict[str, object], told: str) -> None:
     with pytest.raises(ValueError, match=told):
-        sr.simulate(ball(), until=1.0, events=event, keep_steps=True, **settings)
+        sr.simulate(ball(), until=1.0, events=event, store_steps=True, **settings)
 
 
 @pytest.mark.parametrize("function", [lambda t, q, v: float(q[2]), lambda t, q, v: np.fmod(q[2], 3.0)])
 def test_a_python_function_that_cannot_be_differentiated(function: object) -> None:
     run = sr.simulate(
-        ball(), until=1.0, keep_steps=True, events=sr.Event(function, terminal=True, name="floor")
+        ball(), until=1.0, store_steps=True, events=sr.Event(function, terminal=True, name="floor")
     )
     assert run.status == "event"
     with pytest.raises(
@@ -264,7 +264,7 @@ def test_an_event_that_only_grazes() -> None:
     top = 1 + 0.5**2 / (2 * 9.81)
     grazed, met = (
         sr.simulate(
-            ball(), until=1.0, keep_steps=True, breakpoints=[0.5 / 9.81],
+            ball(), until=1.0, store_steps=True, breakpoints=[0.5 / 9.81],
             events=sr.Event(f"ball.z - {top - gap!r}", direction=1, terminal=True, name="gate"),
         )
         for gap in (1e-12, 1e-4)
@@ -287,7 +287,7 @@ def test_a_curved_function_that_only_grazes(python: bool) -> None:
         formula = f"ball.z + ball.x^2 - {1 + gap!r}"
         function = (lambda t, q, v: q[2] + q[0] ** 2 - (1 + gap)) if python else formula
         bowl = sr.Event(function, direction=-1, terminal=True, name="bowl")
-        return sr.simulate(even, until=1.0, keep_steps=True, breakpoints=[0.5], events=bowl)
+        return sr.simulate(even, until=1.0, store_steps=True, breakpoints=[0.5], events=bowl)
 
     grazed, met = (touched(gap, python) for gap in (1e-11, 1e-4))
     assert grazed.status == met.status == "event"
@@ -315,7 +315,7 @@ def falling(*names: str) -> tuple[sr.System, list[sr.Event]]:
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_two_events_at_the_same_time(method: object) -> None:
     """Two balls that hit the floor together have the derivatives of one: between their events lies no time at all."""
-    settings = {"until": 1.0, "keep_steps": True, "method": method}
+    settings = {"until": 1.0, "store_steps": True, "method": method}
     (both, floor), (single, below) = (falling(*places) for places in (["one", "other"], ["one"]))
     pair = sr.simulate(both, events=floor, **settings)
     alone = sr.simulate(single, events=below, **settings)
@@ -368,7 +368,7 @@ def test_outputs_at_events(method: object) -> None:
 )
 def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
     end = sr.Event("t - 1.9", terminal=True, name="end")
-    run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], keep_steps=True)
+    run = sr.simulate(ball(), until=2.0, events=[BOUNCE, end], store_steps=True)
     with pytest.raises(ValueError, match=told):
         sr.sensitivity(run, response, ["gravity.z"])
     with pytest.raises(ValueError, match="the run has 0 events"):
@@ -426,7 +426,7 @@ def test_an_optimization_changes_a_restitution_by_a_formula() -> None:
     problem = sr.Problem(ball(), sr.Final("ball.z"), until=1.0, design={"e": 0.8}, events=BOUNCE, **formula)
     for e in (0.8, 0.9):
         event = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5 * e + 0.4), name="bounce")
-        run = sr.simulate(ball(), until=1.0, events=event, keep_steps=True)
+        run = sr.simulate(ball(), until=1.0, events=event, store_steps=True)
         assert problem.values([e]) == pytest.approx(run["ball"].position[-1, 2:], abs=1e-12)
         by_e = sr.sensitivity(run, "ball.z", ["bounce.restitution"])["bounce.restitution"]
         assert problem.gradient([e])["e"] == pytest.approx(0.5 * by_e, rel=1e-12)

@@ -32,7 +32,7 @@ def bounced(h: complex, e: complex, g: complex, v0: complex) -> complex:
 def test_an_integral_with_impacts_is_exact_where_the_motion_is_a_polynomial(method: str) -> None:
     """Of its derivative, too, in which events move the times of all nodes."""
     numbers = {"h": 1.0, "e": 0.8, "g": 9.81, "v0": 0.5}
-    run = sr.simulate(ball(), until=2.0, events=BOUNCE, keep_steps=True, method=sr.Radau())
+    run = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True, method=sr.Radau())
     assert len(run.events) == 3
     found = sr.sensitivity(run, STRETCH, list(BALL.values()), method=method)
     assert found.values[0] == pytest.approx(bounced(**numbers), rel=1e-12)
@@ -52,7 +52,7 @@ def test_responses_over_a_motion_with_a_stop() -> None:
     names, found = ["L", "g", "theta0"], []
     design = {"L": 1.0, "g": 9.81, "theta0": np.pi / 2}
     for tolerance in (1e-6, 1e-8, 1e-11):
-        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "keep_steps": True}
+        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "store_steps": True}
         run = sr.simulate(pendulum(), until=2.0, events=STOP, **settings)
         found.append(sr.sensitivity(run, responses, names, design=design, formula=hung))
         direct = sr.sensitivity(run, responses, names, design=design, formula=hung, method="direct")
@@ -75,7 +75,7 @@ def test_forces_between_steps(events: object) -> None:
     """They have as many digits as the motion, and so have their gradients, on both sides of an impact."""
     names, found = ["spring.k", "rod.mass", "pin.point.y", "crank.angular_velocity.x"], []
     for tolerance in (1e-5, 1e-7, 1e-11):
-        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "keep_steps": True}
+        settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "store_steps": True}
         run = sr.simulate(slider_crank(), until=0.4, events=events, **settings)
         assert len(run.events) == len(events)
         found.append(sr.sensitivity(run, FORCES, names))
@@ -91,7 +91,7 @@ def test_forces_between_steps(events: object) -> None:
 
 
 def test_names_and_numbers_of_samples() -> None:
-    run = sr.simulate(slider_crank(), until=0.2, keep_steps=True, method=sr.Radau())
+    run = sr.simulate(slider_crank(), until=0.2, store_steps=True, method=sr.Radau())
     found = sr.sensitivity(run, [sr.Integral("slider.x"), sr.Maximum("slider.x")], ["spring.k"])
     assert found.responses == ("integral of slider.x", "maximum of slider.x")
     t = np.array([0.0, 0.1, 0.4])

@@ -44,7 +44,7 @@ DIRECTION = np.random.default_rng(0).normal(size=len(NAMES))
 def swung(method: str) -> sr.Trajectory:
     if method in METHODS:
         return alpha_swung(method)
-    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True}
+    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
     return sr.simulate(slider_crank(), until=0.8, method=EVERY[method], **settings)
 
 
@@ -97,7 +97,7 @@ def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
 def test_the_hessian_of_the_published_slider_crank() -> None:
     told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
     wanted, names = np.array(told["hess_G"]), list(SUNDIALS)
-    run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], rtol=1e-7, atol=1e-7, keep_steps=True)
+    run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], rtol=1e-7, atol=1e-7, store_steps=True)
     found = sr.hessian(run, sr.Integral("energy.kinetic"), names, design=SUNDIALS, formula=sundials)
     assert found.asymmetry < 1e-9
     assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
@@ -107,7 +107,7 @@ def test_the_hessian_of_the_spatial_slider_crank() -> None:
     told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
     wanted = np.array(told["value"])
     names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
-    run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], rtol=1e-7, atol=1e-7, keep_steps=True)
+    run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], rtol=1e-7, atol=1e-7, store_steps=True)
     squared = sr.Integral(lambda o: o("slider.velocity.x") ** 2)
     found = sr.hessian(run, squared, names)
     assert abs(found.matrix - wanted).max() < 2e-3 * abs(wanted).max()
@@ -118,7 +118,7 @@ def test_with_radau_it_comes_near_to_that_of_the_motion(rtol: float, limit: floa
     told = json.loads((FOLDER / "slider_crank_gradients.json").read_text())["hessian_of_response_2_T2"]
     wanted = np.array(told["value"])
     names = [{"spring.length0": "spring.length"}.get(name, name) for name in told["parameters"]]
-    settings = {"rtol": rtol, "atol": rtol, "keep_steps": True, "method": sr.Radau()}
+    settings = {"rtol": rtol, "atol": rtol, "store_steps": True, "method": sr.Radau()}
     run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], **settings)
     found = sr.hessian(run, sr.Integral(lambda o: o("slider.velocity.x") ** 2), names)
     assert found.asymmetry < 1e-12

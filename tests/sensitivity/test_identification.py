@@ -25,7 +25,7 @@ MISFIT = sr.Misfit(
 def test_the_gradient_of_the_misfit(method: object, reached: float) -> None:
     wanted, errors = np.array([TOLD["grad"][name] for name in NAMES]), []
     for tolerance in (1e-6, 1e-8):
-        settings = {"method": method, "rtol": tolerance, "atol": 1e-2 * tolerance, "keep_steps": True}
+        settings = {"method": method, "rtol": tolerance, "atol": 1e-2 * tolerance, "store_steps": True}
         run = sr.simulate(quarter_car(), until=2.0, t_eval=[2.0], **settings)
         found = sr.sensitivity(run, MISFIT, list(NAMES.values()))
         errors.append(abs(found.matrix[0] / wanted - 1).max())

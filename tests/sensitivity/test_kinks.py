@@ -26,7 +26,7 @@ def oscillator() -> sr.System:
 
 @pytest.fixture(scope="module")
 def run() -> sr.Trajectory:
-    return sr.simulate(oscillator(), until=END, keep_steps=True, **RADAU)
+    return sr.simulate(oscillator(), until=END, store_steps=True, **RADAU)
 
 
 def x(t: float) -> float:
@@ -112,7 +112,7 @@ def test_forwards_backwards_and_steps_of_order_two(run: sr.Trajectory) -> None:
     wanted = np.array([integrated(lambda t, n=n: np.sign(x(t)) * x_p(t)[n], 0.0) for n in (0, 1)])
     errors = []
     for step in (0.01, 0.005):
-        settings = {"method": sr.HHT(step=step), "keep_steps": True}
+        settings = {"method": sr.HHT(step=step), "store_steps": True}
         coarse = sr.sensitivity(sr.simulate(oscillator(), until=END, **settings), response, NAMES)
         errors.append(abs(coarse.matrix[0] - wanted).max())
     assert errors[0] < 2e-3
@@ -149,7 +149,7 @@ def bounced(height: float, restitution: float, level: float = 0.4, end: float = 
 
 def test_kinks_between_events() -> None:
     """Impacts move the times of nodes and of kinks."""
-    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, keep_steps=True, method=sr.Radau())
+    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True, method=sr.Radau())
     found = sr.sensitivity(
         begun, sr.Integral(lambda o: np.abs(o("ball.z") - 0.4)), ["ball.position.z", "bounce.restitution"]
     )

@@ -13,7 +13,7 @@ from sarrus.model import SarrusError
 
 @pytest.fixture(scope="module")
 def run() -> sr.Trajectory:
-    return sr.simulate(slider_crank(), until=0.05, keep_steps=True)
+    return sr.simulate(slider_crank(), until=0.05, store_steps=True)
 
 
 RESPONSES: dict[str, tuple[Callable[[], object], str]] = {

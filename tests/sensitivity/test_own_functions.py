@@ -16,7 +16,7 @@ from sarrus.model.primitive import Primitive
 SETTINGS = {
     "until": 0.2,
     "t_eval": [0.2],
-    "keep_steps": True,
+    "store_steps": True,
     "rtol": 1e-9,
     "atol": 1e-11,
     "method": sr.Radau(),

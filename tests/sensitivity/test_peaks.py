@@ -51,7 +51,7 @@ def test_a_short_pulse_is_not_lost() -> None:
     slide = sr.Translational("g", sr.ground, mass, point=(0.4388, 0, 0), axis=(1, 0, 0))
     spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), mass.point(0, 0, 0), k=100.0, c=4.0, length=5.0)
     system = sr.System(sr.Model("m", [mass], [slide], [spring]))
-    run = sr.simulate(system, until=5.0, method=sr.Radau(), rtol=1e-8, atol=1e-10, keep_steps=True)
+    run = sr.simulate(system, until=5.0, method=sr.Radau(), rtol=1e-8, atol=1e-10, store_steps=True)
     names = ["m.position.x", "s.k"]
     found = sr.sensitivity(run, [sr.Peak("m.x"), sr.Peak("m.x", sharpness=50.0), sr.Maximum("m.x")], names)
     assert found.values[0] == pytest.approx(0.4388, abs=1e-3 * 0.7)

@@ -36,7 +36,7 @@ NAMES = [
 
 @cache
 def swung() -> sr.Trajectory:
-    settings = {"rtol": 1e-6, "atol": 1e-8, "keep_steps": True}
+    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
     return sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings)
 
 
@@ -55,7 +55,7 @@ def test_forward_and_backward_agree_for_every_number_of_the_model() -> None:
 
 def test_gradients_of_coarse_runs_are_those_of_the_very_number_too() -> None:
     """Where steps are kept, Newton's method leaves round-off however large the tolerances are."""
-    settings = {"rtol": 1e-2, "atol": 1e-3, "keep_steps": True, "max_step": 0.05}
+    settings = {"rtol": 1e-2, "atol": 1e-3, "store_steps": True, "max_step": 0.05}
     run = sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings)
     found, name = sr.sensitivity(run, RESPONSES), "rod.inertia.yy"
     scale = np.maximum(abs(found.matrix).max(axis=1), 1e-3)
@@ -71,7 +71,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
 
 @cache
 def zoo_run() -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-6, "keep_steps": True}
+    settings = {"rtol": 1e-5, "atol": 1e-6, "store_steps": True}
     return sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings)
 
 
@@ -88,7 +88,7 @@ def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> 
         other = sr.System(with_numbers(system.model, {}))
         other.b[:] = system.b + e * db[:, 0]
         begin = sr.assemble(other, start.asked.q + e * dq[:, 0], start.asked.v + e * dv[:, 0])
-        settings = {"rtol": steps.rtol, "atol": steps.atol, "keep_steps": True, "given": steps.h}
+        settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
         return sr.Radau().run(other, begin, np.array([0.0, 0.1]), **settings).steps
 
     e = 2e-4
@@ -101,7 +101,7 @@ def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> 
 
 def test_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
-    settings = {"rtol": 1e-6, "atol": 1e-7, "keep_steps": True, "method": sr.Radau()}
+    settings = {"rtol": 1e-6, "atol": 1e-7, "store_steps": True, "method": sr.Radau()}
     run = sr.simulate(system, until=0.5, t_eval=[0.5], **settings)
     assert np.any(run.steps.left_out)
     responses = [sr.Final("rod_1.x"), sr.Integral("energy.kinetic"), sr.At("rod_1.acceleration.z", time=0.3)]
@@ -120,7 +120,7 @@ def test_gradients_approach_those_of_continuous_time_at_order_five() -> None:
 
     def at(count: int) -> np.ndarray:
         lengths = np.full(count, until / count)
-        settings = {"rtol": 1e-9, "atol": 1e-9, "keep_steps": True, "given": lengths}
+        settings = {"rtol": 1e-9, "atol": 1e-9, "store_steps": True, "given": lengths}
         run = sr.Radau().run(system, sr.assemble(system), np.array([0.0, until]), **settings)
         return sr.sensitivity(run, ["slider.x", "slider.velocity.x"], names).matrix
 
@@ -136,7 +136,7 @@ def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
     wanted = np.array([[told["grad"][name][parameter] for parameter in names] for name in responses])
     errors = []
     for rtol in (1e-7, 1e-9, 1e-11):
-        settings = {"rtol": rtol, "atol": rtol, "keep_steps": True, "method": sr.Radau()}
+        settings = {"rtol": rtol, "atol": rtol, "store_steps": True, "method": sr.Radau()}
         run = sr.simulate(sundials_crank(), until=10.0, t_eval=[10.0], **settings)
         found = sr.sensitivity(run, list(responses.values()), names, design=SUNDIALS, formula=sundials)
         errors.append(abs(found.matrix - wanted).max() / abs(wanted).max())
@@ -155,7 +155,7 @@ def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_the_factors_of_the_vehicle_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
-    run = sr.simulate(system, until=0.01, method=sr.Radau(), keep_steps=True)
+    run = sr.simulate(system, until=0.01, method=sr.Radau(), store_steps=True)
     sweep = RadauSweep(system, run.steps, 1)
 
     def factors() -> int:

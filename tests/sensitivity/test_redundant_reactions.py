@@ -125,7 +125,7 @@ def forces(one: Subject, change: Mapping[str, float]) -> np.ndarray:
 
 def kept(one: Subject, **settings: object) -> sr.Trajectory:
     run = sr.simulate(
-        one.system, until=UNTIL, t_eval=[0.0, BETWEEN, UNTIL], keep_steps=True, **(PRECISE | settings)
+        one.system, until=UNTIL, t_eval=[0.0, BETWEEN, UNTIL], store_steps=True, **(PRECISE | settings)
     )
     assert run.steps.left_out.any()
     return run
@@ -206,7 +206,7 @@ def test_reactions_after_an_impact() -> None:
     one = subject("hung_door")
     stop = sr.Event("hinge_1.angle - 0.05", direction=1, reset=sr.Impact(0.6), name="stop")
     settings = PRECISE | {"until": 0.5, "t_eval": [0.5], "events": stop}
-    run = sr.simulate(one.system, keep_steps=True, **settings)
+    run = sr.simulate(one.system, store_steps=True, **settings)
     assert len(run.events) == 1
     told, names = [sr.Final(f"hinge_2.force.{x}") for x in "xyz"], ["gravity.y", "panel.mass"]
     found = sr.sensitivity(run, told, names)

@@ -19,6 +19,6 @@ def test_an_unknown_output_of_a_part_is_compared_with_those_of_this_part() -> No
     ball = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
     spring = sr.TSDA("s", sr.ground.point(0, 0, 0), ball.point(0, 0, 0), k=1.0, c=0.0, length=1.0)
     pin = sr.Revolute("q", sr.ground, ball, point=(0, 0, 0), axis=(0, 0, 1))
-    run = sr.simulate(sr.System(sr.Model("one", [ball], [pin], [spring])), until=0.1, keep_steps=True)
+    run = sr.simulate(sr.System(sr.Model("one", [ball], [pin], [spring])), until=0.1, store_steps=True)
     with pytest.raises(sr.SarrusError, match=r"no output 's.force'; .*s\.tension"):
         sr.sensitivity(run, sr.Final("s.force"), ["ball.mass"])

@@ -133,7 +133,7 @@ CHECKS: dict[str, Check] = {
     **_all(Whole(0), "seed restarts"),
     **_all(
         _flag,
-        "strict dense_output keep_steps overwrite stable verify retry_failed second_order trusted keep_fixed",
+        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed",
     ),
     **_all(_path, "path save folder loops"),
     **_all(_names, "fixed lock variables"),

@@ -115,7 +115,7 @@ def uncertainty_of(
     begin = assemble(system, start.q, start.v, rates=system.model.rates)
     steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
     watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
-    motion = simulate(system, begin, until=run.until, keep_steps=True, **steps, **watched)
+    motion = simulate(system, begin, until=run.until, store_steps=True, **steps, **watched)
     if motion.status == "stopped":
         raise KeyboardInterrupt
     if not motion.success:

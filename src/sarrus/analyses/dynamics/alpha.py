@@ -75,7 +75,7 @@ class _Alpha(Prescribed):
             )
         if not self.stabilized:
             return AlphaStepper(system, scheme, start, settings)
-        if settings.keep_steps:
+        if settings.store_steps:
             raise ValueError("with stabilized=True no steps are kept for derivatives; leave one of them out")
         from .stabilized import StabilizedStepper
 
@@ -221,7 +221,7 @@ class AlphaStepper(Implicit):
         limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
             self.scheme, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
-            self._memory, self._arrays, control, self.keeping.record(), self.settings.keep_steps, self._tolerance,
+            self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self._tolerance,
         )  # fmt: skip
         self.t = float(control.numbers[0])
         self._count(before)

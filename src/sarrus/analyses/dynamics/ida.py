@@ -45,7 +45,7 @@ class IDA:
         ImportError
             If scikit-sundae is not installed.
         """
-        if settings.keep_steps:
+        if settings.store_steps:
             raise ValueError("IDA() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
         return IDAStepper(system, start, settings)
 

@@ -35,7 +35,7 @@ class Keeping:
         self._record, self._kind, self._places = record, kind, system.memory_places
         own = {field.name for field in fields(kind)} - {MEMORY}
         self._names = [name for name in record._fields if name in own]
-        self.wanted = settings.keep_steps
+        self.wanted = settings.store_steps
         self._now, self._taken = record, 0
         self.count = 0
 

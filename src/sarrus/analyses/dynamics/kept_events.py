@@ -17,4 +17,4 @@ def refuse(method: object, saved: bool) -> None:
     if not isinstance(method, HHT | GeneralizedAlpha | Radau):
         raise ValueError("steps are kept by HHT(), GeneralizedAlpha() and Radau() only; take one")
     if saved:
-        raise ValueError("the steps of a run with events are not saved; leave save= or keep_steps= away")
+        raise ValueError("the steps of a run with events are not saved; leave save= or store_steps= away")

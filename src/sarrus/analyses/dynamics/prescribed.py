@@ -30,7 +30,7 @@ class Prescribed:
         *,
         rtol: float,
         atol: float,
-        keep_steps: bool = False,
+        store_steps: bool = False,
         given: Array | None = None,
         b: Array | None = None,
     ) -> Trajectory:
@@ -38,7 +38,7 @@ class Prescribed:
 
         `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
         """
-        settings = Settings(Tolerances.of(system, rtol, atol), keep_steps=keep_steps, given=given, b=b)
+        settings = Settings(Tolerances.of(system, rtol, atol), store_steps=store_steps, given=given, b=b)
         none = np.zeros(0)
         try:
             stepper = self.stepper(system, start, settings)

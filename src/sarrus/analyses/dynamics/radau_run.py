@@ -55,7 +55,7 @@ class RadauStepper(Implicit):
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings = system, scheme, settings
         self.tolerance, self.enough = inner_tolerances(settings.tolerances)
-        if settings.keep_steps:
+        if settings.store_steps:
             least = float(min(self.tolerance.rtol_q.min(), self.tolerance.rtol_v.min()))
             self.enough = min(self.enough * EXACT, LEFT / least)
         self.t, self.tally, self._vain, self.begin = start.t, Tally(), 0, start
@@ -72,7 +72,7 @@ class RadauStepper(Implicit):
         self._state = loop.State._make(np.zeros(shape) for shape in shapes)
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
         self.keeping = Keeping(
-            system, _record(system, self._chunk, settings.keep_steps), RadauSteps, settings
+            system, _record(system, self._chunk, settings.store_steps), RadauSteps, settings
         )
         self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
         self._memory = _memory(nq, m)
@@ -107,7 +107,7 @@ class RadauStepper(Implicit):
         limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
         status, taken = self._loop(
             self.scheme, self._index, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
-            self._memory, self._arrays, control, self.keeping.record(), self.settings.keep_steps, self.tolerance,
+            self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self.tolerance,
             self.enough,
         )  # fmt: skip
         self.t = float(control.numbers[0])

@@ -42,7 +42,7 @@ class Recipe:
     def march(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> March:
         """The run, at its start."""
         stepper = self.method.stepper(system, self.start, self.settings)
-        if not self.settings.keep_steps:
+        if not self.settings.store_steps:
             stepper = Crossing(stepper, system, self.settings)
         return March(system, stepper, replace(self.plan, store=store, progress=progress))
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...model import reports_warnings
+from ...model.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System
 from ..progress import monitor
@@ -50,6 +51,7 @@ def refuse_end(until: float, begin: float = 0.0) -> None:
         raise ValueError(f"until must be at most {LATEST:g} s, but is {until:g}. Check its unit.")
 
 
+@accepts_deprecated_keywords
 @reports_warnings
 @one_thread_if_small
 def simulate(
@@ -66,7 +68,7 @@ def simulate(
     events: Event | Sequence[Event] = (),
     breakpoints: ArrayLike = (),
     dense_output: bool = False,
-    keep_steps: bool = False,
+    store_steps: bool = False,
     save: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     progress: bool | Callable[[float], None] | None = None,
@@ -93,11 +95,11 @@ def simulate(
     breakpoints : times at which forces or motions jump or have corners, besides those of the model's tables [s]; they
         are hit exactly, and the method starts anew there
     dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
-    keep_steps : keep every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
+    store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha` and `Radau`)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
-        whatever happens, memory does not grow (but by what `dense_output` and `keep_steps` keep), and `resume` goes on
-        with it; `load_run` opens it. A folder that is there is refused unless it is a run and `overwrite` is true
+        whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
+        continues it; `load_run` opens it. A folder that is there is refused unless it is a run and `overwrite` is true
     overwrite : whether a saved run that is there is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
     time_limit : seconds of the clock after which the run ends with the status "time limit"
@@ -115,10 +117,10 @@ def simulate(
     ------
     ValueError
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
-        where the steps of a run with events cannot be kept.
+        where the steps of a run with events cannot be stored.
     """
     chosen, watched = _method(method), _events(events)
-    if keep_steps and watched:
+    if store_steps and watched:
         kept_events.refuse(chosen, save is not None)
     try:
         with monitor(progress, until, time_limit=time_limit) as told:
@@ -128,15 +130,15 @@ def simulate(
             refuse_end(until, begin.t)
             times = _times(t_eval, begin.t, until)
             settings = Settings(
-                Tolerances.of(system, rtol, atol), max_step, _first(first_step), keep_steps,
+                Tolerances.of(system, rtol, atol), max_step, _first(first_step), store_steps,
                 times=times, dense=dense_output or bool(watched),
             )  # fmt: skip
             stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t)
-            kinks = np.zeros(0) if keep_steps else kinks
+            kinks = np.zeros(0) if store_steps else kinks
             budget = _budget(max_steps, max_step, chosen)
             plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
             recipe = Recipe(system.model, begin, chosen, settings, plan)
-            refuse_too_large(system, 0 if save is not None else len(times), dense_output or keep_steps)
+            refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:
                 return recipe.saved(save, system, told, overwrite=overwrite)
             return recipe.done(system, None, told)

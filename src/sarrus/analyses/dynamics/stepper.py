@@ -33,7 +33,7 @@ class Settings:
     ----------
     tolerances : of the local error
     max_step, first_step : the longest step, and the first one (0: chosen) [s]
-    keep_steps : whether steps are kept for derivatives
+    store_steps : whether steps are kept for derivatives
     given : lengths of steps where they are prescribed
     b : other numbers of the elements than the system's
     times : rising times at which states are wanted: methods of high order, whose steps are long, have nodes there [s]
@@ -43,7 +43,7 @@ class Settings:
     tolerances: Tolerances
     max_step: float = np.inf
     first_step: float = 0.0
-    keep_steps: bool = False
+    store_steps: bool = False
     given: Array | None = None
     b: Array | None = None
     times: Array = field(default_factory=lambda: np.zeros(0))

@@ -266,7 +266,7 @@ class Point:
 
     def _simulated(self) -> Trajectory:
         problem, began = self.problem, time.perf_counter()
-        times = {"t_eval": [problem.settings["until"]], "keep_steps": problem.memory is None}
+        times = {"t_eval": [problem.settings["until"]], "store_steps": problem.memory is None}
         run = simulate(
             self.system, self.start, **problem.settings | {"events": self.events} | times,
             progress=problem.limit(began),

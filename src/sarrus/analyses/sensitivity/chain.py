@@ -77,7 +77,7 @@ class Gradients:
 
 
 class Chain:
-    """The derivatives of one run that was simulated with ``keep_steps=True``.
+    """The derivatives of one run that was simulated with ``store_steps=True``.
 
     Parameters
     ----------

@@ -141,7 +141,7 @@ class LongTask:
             Where the end is not reached.
         """
         per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
-        settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, keep_steps=True)
+        settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, store_steps=True)
         told = (self.start, self.method or HHT(), settings, self.until, self.memory, per_step)
         run = LongRun(system, *told, self.events, self.progress)
         precise = isinstance(self.method, Radau)

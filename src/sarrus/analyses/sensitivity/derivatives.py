@@ -51,7 +51,7 @@ def sensitivity(
 
     Parameters
     ----------
-    run : from ``simulate(..., keep_steps=True)``
+    run : from ``simulate(..., store_steps=True)``
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
         output's name, or a function of `Outputs`, stands for its final value
     wrt : names of numbers, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model file,
@@ -330,7 +330,7 @@ def kept(run: Trajectory) -> StepsTaken | Pieces:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.steps is None or not len(run.steps):
         raise ValueError(
-            f"{run.name}: derivatives need the steps of the run; call simulate(..., keep_steps=True) with HHT(), "
+            f"{run.name}: derivatives need the steps of the run; call simulate(..., store_steps=True) with HHT(), "
             "GeneralizedAlpha() or Radau()"
         )
     return run.steps

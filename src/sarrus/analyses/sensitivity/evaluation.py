@@ -37,7 +37,7 @@ NOISE = (
 )
 UNSPLIT = (
     "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
-    "the run are stored. Use simulate(..., keep_steps=True) and sensitivity(), or a smooth function"
+    "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
 )
 
 

@@ -25,7 +25,7 @@ Over: TypeAlias = Callable[
 
 
 class PieceChain:
-    """The derivatives of one run with events that was simulated with ``keep_steps=True``; see `Chain`.
+    """The derivatives of one run with events that was simulated with ``store_steps=True``; see `Chain`.
 
     Parameters
     ----------

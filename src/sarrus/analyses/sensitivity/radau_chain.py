@@ -17,7 +17,7 @@ from .radau_sweep_loop import Bars, Given
 
 
 class RadauChain:
-    """The derivatives of one run that was simulated by Radau with ``keep_steps=True``; see `Chain`."""
+    """The derivatives of one run that was simulated by Radau with ``store_steps=True``; see `Chain`."""
 
     def __init__(self, system: System, steps: RadauSteps, moving: bool = False) -> None:
         self.system, self.steps = system, steps

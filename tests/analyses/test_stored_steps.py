@@ -1,4 +1,4 @@
-"""What do steps cost that are kept for derivatives, and do they stay as they were when others follow?"""
+"""Steps stored for derivatives: their cost, and that later steps leave them unchanged."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7}
 
 
 @cache
-def run(keep_steps: bool = True) -> sr.Trajectory:
-    return sr.simulate(slider_crank(), keep_steps=keep_steps, **SETTINGS)
+def run(store_steps: bool = True) -> sr.Trajectory:
+    return sr.simulate(slider_crank(), store_steps=store_steps, **SETTINGS)
 
 
 def test_steps_that_are_kept_take_few_corrections_and_factors_more() -> None:
-    kept, plain = run(), run(keep_steps=False)
+    kept, plain = run(), run(store_steps=False)
     assert abs(kept.nsteps - plain.nsteps) <= 3
     assert kept.nfev < 1.45 * plain.nfev
     assert kept.njev < 0.5 * kept.nsteps
@@ -35,7 +35,7 @@ def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
         np.array([0.0, 2.0]),
         rtol=1e-10,
         atol=1e-12,
-        keep_steps=True,
+        store_steps=True,
         given=kept.h,
     )
     assert abs(narrow.steps.q - kept.q).max() < 5e-10
@@ -46,10 +46,18 @@ def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
 def test_steps_stay_as_they_are_while_room_for_more_is_made(
     method: object, module: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    settings = SETTINGS | {"until": 0.6, "t_eval": [0.6], "method": method, "keep_steps": True}
+    settings = SETTINGS | {"until": 0.6, "t_eval": [0.6], "method": method, "store_steps": True}
     whole = sr.simulate(slider_crank(), **settings)
     monkeypatch.setattr(module, "ROOM", 7 * (4 * slider_crank().nq + slider_crank().m))
     parts = sr.simulate(slider_crank(), **settings)
     assert len(parts.steps) == len(whole.steps) > 10
     for name in ("t", "h", "q", "v", "a", "lam", "memory"):
         assert np.array_equal(getattr(parts.steps, name), getattr(whole.steps, name)), name
+
+
+def test_the_old_keyword_is_accepted_with_a_warning() -> None:
+    with pytest.warns(DeprecationWarning, match=r"keep_steps is deprecated. Use store_steps\."):
+        old = sr.simulate(slider_crank(), keep_steps=True, **SETTINGS)
+    assert np.array_equal(old.steps.h, run().steps.h)
+    with pytest.raises(TypeError, match="Give store_steps only"):
+        sr.simulate(slider_crank(), keep_steps=True, store_steps=True, **SETTINGS)

@@ -11,6 +11,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from . import rendering
+
 if TYPE_CHECKING:
     from .analyses import HHT as HHT
     from .analyses import IDA as IDA
@@ -205,6 +207,9 @@ _HOMES = {
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+rendering.register(lambda: import_module(".views", __name__))
 
 
 def __getattr__(name: str) -> Any:

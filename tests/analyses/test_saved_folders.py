@@ -19,6 +19,7 @@ import sarrus as sr
 from sarrus.analyses.dynamics import march
 from sarrus.model import SarrusError
 from sarrus.results import checked_file, saved
+from sarrus.results.versions import versions
 
 ROOT = Path(__file__).parents[2]
 GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201)}
@@ -287,8 +288,8 @@ def test_another_version_opens_a_run_but_does_not_continue_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "run"
-    found = cut_short(folder)
-    monkeypatch.setattr(saved, "_version", lambda name: "9.9")
+    found, here = cut_short(folder), versions()
+    monkeypatch.setattr(saved, "versions", lambda: here | {"sarrus": "9.9"})
     assert same(sr.load_run(folder), found)
     for use in (sr.resume, sr.repeat, lambda path: sr.load_run(path, trusted=True)):
         with pytest.raises(
@@ -300,9 +301,9 @@ def test_another_version_opens_a_run_but_does_not_continue_it(
 def test_other_versions_of_what_numbers_depend_on_are_a_warning(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder, version = tmp_path / "run", saved._version
+    folder, here = tmp_path / "run", versions()
     cut_short(folder)
-    monkeypatch.setattr(saved, "_version", lambda name: "9.9" if name == "numba" else version(name))
+    monkeypatch.setattr(saved, "versions", lambda: here | {"numba": "9.9"})
     with pytest.warns(
         sr.SarrusWarning, match=r"begun with numba \d.*, resumed with numba 9.9. The last digits"
     ):

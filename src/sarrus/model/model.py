@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..rendering import renderer
 from .body import Body
 from .drivers import Driver
 from .errors import ModelError
@@ -74,9 +75,7 @@ class Model:
 
     def view(self, file: Any = None, **options: Any) -> Any:
         """Show the mechanism in three dimensions, in the browser, a notebook or a file; see `sarrus.view`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").view(self, file, **options)
+        return renderer().view(self, file, **options)
 
     def looks(self) -> list[Look]:
         """What bodies are drawn with where it is given.

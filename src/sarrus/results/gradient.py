@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..rendering import renderer
 from .result import Result
 from .trajectory import place_of
 
@@ -120,9 +121,7 @@ class Gradient(Result):
 
     def table(self, response: int = 0, most: int = 20) -> str:
         """The numbers of the largest influence as a text."""
-        from importlib import import_module
-
-        return str(import_module("sarrus.views").gradient_table(self, response, most))
+        return str(renderer().gradient_table(self, response, most))
 
     def summary(self) -> str:
         """The result in words."""
@@ -130,9 +129,7 @@ class Gradient(Result):
 
     def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
         """Draw the largest influences as bars; see `sarrus.views.plot_gradient`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_gradient(self, ax, response, most)
+        return renderer().plot_gradient(self, ax, response, most)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..algebra import Array
+from ..rendering import renderer
 from .exported_file import exports
 from .result import Result
 from .workspace import Status
@@ -76,9 +77,7 @@ class InputSingularities(Result):
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the curves over the outputs or the inputs; see `sarrus.views.plot_input_singularities`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_input_singularities(self, ax, **options)
+        return renderer().plot_input_singularities(self, ax, **options)
 
     def summary(self) -> str:
         """The result in words."""

@@ -10,6 +10,7 @@ import numpy as np
 from ..algebra import Array
 from ..euler import E
 from ..model.coordinates import coordinates_of
+from ..rendering import renderer
 from .result import Result
 
 
@@ -88,18 +89,12 @@ class Modes(Result):
 
     def summary(self) -> str:
         """The result in words."""
-        from importlib import import_module
-
-        return str(import_module("sarrus.views").modes_table(self))
+        return str(renderer().modes_table(self))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the eigenvalues in the complex plane; see `sarrus.views.plot_modes`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_modes(self, ax)
+        return renderer().plot_modes(self, ax)
 
     def animate(self, system: Any, mode: int = 0, file: Any = None, *, amplitude: float | None = None) -> Any:
         """Play one swing of a mode in three dimensions; see `sarrus.views.animate_mode`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").animate_mode(self, system, mode, file, amplitude=amplitude)
+        return renderer().animate_mode(self, system, mode, file, amplitude=amplitude)

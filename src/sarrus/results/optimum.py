@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..rendering import renderer
 from .exported_file import exports
 from .result import Result
 
@@ -126,9 +127,7 @@ class Optimum(Result):
 
     def table(self) -> str:
         """Design variables before and after as a text."""
-        from importlib import import_module
-
-        return str(import_module("sarrus.views").optimum_table(self))
+        return str(renderer().optimum_table(self))
 
     def summary(self) -> str:
         """The result in words."""
@@ -136,6 +135,4 @@ class Optimum(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the convergence; see `sarrus.views.plot_convergence`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_convergence(self, ax)
+        return renderer().plot_convergence(self, ax)

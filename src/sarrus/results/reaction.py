@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..rendering import renderer
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,7 @@ class Reaction:
 
     def plot(self, axes: Any = None) -> Any:
         """Draw force and torque in joint axes over time; see `sarrus.views.plot_reaction`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_reaction(self, axes)
+        return renderer().plot_reaction(self, axes)
 
 
 def reaction(run: Any, joint: str) -> Reaction:

@@ -12,10 +12,8 @@ import io
 import json
 import os
 import pickle
-import platform
 import shutil
 from collections.abc import Iterable, Mapping
-from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -40,6 +38,7 @@ from .checked_file import (
 )
 from .folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
+from .versions import versions
 
 FORMAT = 2
 BYTES = 1_000_000  # of a chunk of the widest array, about
@@ -128,7 +127,14 @@ class Store:
             "revolutions": system.joint_coordinates.m,
         }
         chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
-        told = {**versions(), **about, "chunk": chunk, **_written_recipe(folder, recipe)}
+        told = {
+            "format": FORMAT,
+            "run": uuid4().hex,
+            **versions(),
+            **about,
+            "chunk": chunk,
+            **_written_recipe(folder, recipe),
+        }
         group = {"zarr_format": 3, "node_type": "group", "attributes": told}
         replace_file(folder / METADATA, json.dumps(group, indent=1).encode())
         stored_array.create(folder / "t", len(times), (), chunk, ("time",))
@@ -324,8 +330,8 @@ def recipe_of(folder: Path) -> Any:
     if "no_recipe" in about:
         told = f"{folder}: does not hold its model and options ({about['no_recipe']})."
         raise SavedDataError(f"{told} Define the functions of a run in a module, not as lambda.")
-    if about and about["sarrus"] != _version("sarrus"):
-        told = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {_version('sarrus')}."
+    if about and about["sarrus"] != versions()["sarrus"]:
+        told = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {versions()['sarrus']}."
         raise SavedDataError(
             f"{told} Open it with load_run; to continue or repeat it, install Sarrus {about['sarrus']}."
         )
@@ -349,7 +355,7 @@ def about_of(folder: Path) -> dict[str, Any]:
         raise damaged(folder / METADATA)
     if about.get("format") != FORMAT:
         told = f"{folder}: was written by Sarrus {about['sarrus']} in format {about.get('format')}"
-        told += f", and Sarrus {_version('sarrus')} reads format {FORMAT}."
+        told += f", and Sarrus {versions()['sarrus']} reads format {FORMAT}."
         raise SavedDataError(f"{told} Open it with Sarrus {about['sarrus']}, or simulate anew.")
     return about
 
@@ -394,21 +400,3 @@ def other_versions(about: Mapping[str, Any]) -> list[str]:
     was, now = (", ".join(f"{name} {of.get(name)}" for name in names) for of in (about, here))
     told = f"{about['name']}: begun with {was}, resumed with {now}. The last digits may differ from a run in one go."
     return [told] if names else []
-
-
-def versions() -> dict[str, Any]:
-    """Format, versions of all that numbers depend on, and a name that no other run has."""
-    names = ("sarrus", "numpy", "numba", "scipy")
-    return {
-        "format": FORMAT,
-        "run": uuid4().hex,
-        "python": platform.python_version(),
-        **{n: _version(n) for n in names},
-    }
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except ImportError:
-        return "unknown"

@@ -13,6 +13,7 @@ from ..algebra import Array
 from ..euler import G
 from ..model.coordinates import coordinates_of
 from ..model.show import suggest
+from ..rendering import renderer
 from ..system import JointCoordinates
 from .exported_file import exports
 from .happened import Happened
@@ -238,34 +239,27 @@ class Trajectory(Result):
 
     def plot(self, *names: str, ax: Any = None, rates: bool = False) -> Any:
         """Draw coordinates of bodies and joints over time; see `sarrus.views.plot`."""
-        return _views().plot(self, *names, ax=ax, rates=rates)
+        return renderer().plot(self, *names, ax=ax, rates=rates)
 
     def plot_phase(self, name: str, ax: Any = None) -> Any:
         """Draw the rate of a coordinate over the coordinate; see `sarrus.views.plot_phase`."""
-        return _views().plot_phase(self, name, ax)
+        return renderer().plot_phase(self, name, ax)
 
     def plot_energies(self, ax: Any = None) -> Any:
         """Draw kinetic, potential and total energy over time; see `sarrus.views.plot_energies`."""
-        return _views().plot_energies(self, ax)
+        return renderer().plot_energies(self, ax)
 
     def plot_violation(self, ax: Any = None) -> Any:
         """Draw how far constraints are violated over time; see `sarrus.views.plot_violation`."""
-        return _views().plot_violation(self, ax)
+        return renderer().plot_violation(self, ax)
 
     def plot_steps(self, ax: Any = None) -> Any:
         """Draw the length of the steps over time; see `sarrus.views.plot_steps`."""
-        return _views().plot_steps(self, ax)
+        return renderer().plot_steps(self, ax)
 
     def animate(self, file: Any = None, **options: Any) -> Any:
         """Play the motion in three dimensions, in the browser, a notebook or a file; see `sarrus.animate`."""
-        return _views().animate(self, file, **options)
-
-
-def _views() -> Any:
-    """Pictures are drawn to the right of results, which do not import them."""
-    from importlib import import_module
-
-    return import_module("sarrus.views")
+        return renderer().animate(self, file, **options)
 
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str, others: Sequence[str] = ()) -> int:

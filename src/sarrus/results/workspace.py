@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra import Array
 from ..model import SarrusError, announce
+from ..rendering import renderer
 from .exported_file import exports
 from .netcdf import Column, flags, write_netcdf
 from .outline import inside_curves
@@ -278,12 +279,8 @@ class Workspace(Result):
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw it; see `sarrus.views.plot_workspace`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_workspace(self, ax, **options)
+        return renderer().plot_workspace(self, ax, **options)
 
     def summary(self) -> str:
         """The result in words."""
-        from importlib import import_module
-
-        return str(import_module("sarrus.views").workspace_report(self))
+        return str(renderer().workspace_report(self))

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..algebra import Array
+from ..rendering import renderer
 from .exported_file import exports
 from .netcdf import Column, write_netcdf
 from .result import Result
@@ -99,9 +100,7 @@ class WorkspaceField(Result):
 
     def plot(self, quantity: Quantity | None = None, ax: Any = None) -> Any:
         """Draw one quantity inside the boundary; see `sarrus.views.plot_workspace_field`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_workspace_field(self, quantity, ax)
+        return renderer().plot_workspace_field(self, quantity, ax)
 
     def summary(self) -> str:
         """The result in words."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..rendering import renderer
 from .exported_file import exports
 from .netcdf import Column, flags, write_netcdf
 from .polygons import inside
@@ -195,15 +196,11 @@ class WorkspaceVolume(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the surface; see `sarrus.views.plot_workspace_volume`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").plot_workspace_volume(self, ax)
+        return renderer().plot_workspace_volume(self, ax)
 
     def view(self, file: Any = None, **options: Any) -> Any:
         """Show the surface with the mechanism in the browser; see `sarrus.views.view_workspace`."""
-        from importlib import import_module
-
-        return import_module("sarrus.views").view_workspace(self, file, **options)
+        return renderer().view_workspace(self, file, **options)
 
     def enclosed(self) -> float:
         """The volume inside of the triangles, by the divergence theorem: nearly `volume`."""

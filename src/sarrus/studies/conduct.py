@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
@@ -15,6 +14,7 @@ import numpy as np
 from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
 from ..model import Model, SarrusError, announce, reports_warnings
 from ..results.checked_file import NOT_SAVED, NotSavedError
+from ..results.versions import versions
 from ..system import System
 from . import pool
 from .case import Outcome, Task
@@ -235,12 +235,3 @@ def _plain(one: Parameter) -> dict[str, Any]:
 
 def _listed(given: Mapping[str, Any]) -> dict[str, Any]:
     return {name: list(value) if isinstance(value, tuple) else value for name, value in given.items()}
-
-
-def versions() -> dict[str, str]:
-    """The versions of all that numbers depend on."""
-    from importlib import import_module
-    from importlib.metadata import version
-
-    others = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"sarrus": import_module("sarrus").__version__, "python": platform.python_version(), **others}

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..model import SarrusError
 from ..model.arguments import checked
+from ..rendering import renderer
 from ..results.exported_file import exports
 from ..results.result import Result
 from .ledger import read_cases, read_study
@@ -139,7 +140,7 @@ class StudyTable(Result):
 
     def plot(self, response: str | None = None, *, axes: Any = None) -> Any:
         """Draw a response over every parameter, with its distribution; see `sarrus.views.plot_study`."""
-        return import_module("sarrus.views").plot_study(self, response, axes)
+        return renderer().plot_study(self, response, axes)
 
     def summary(self) -> str:
         """The result in words."""

@@ -33,6 +33,8 @@ EVALUATED = (
 NAMES = (LEFT_OUT, *(name for group in EVALUATED for name in group), BENT, BENT_B)
 OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent equations contradict each other
 
+NOISE = 1e-9  # |Φ_b db| relative to the sizes of its terms, below which it is round-off
+
 
 class NoDerivative(ArithmeticError):
     """A change of these numbers makes constraints contradict each other."""
@@ -156,6 +158,15 @@ class AssemblyDerivatives:
             )
         v_dot, mu_dot = self._velocity_along(db, dv, q_dot)
         return q_dot, lam_dot, v_dot, mu_dot
+
+    def opens(self, db: Array) -> Array:
+        """Whether directions of the numbers (len(system.b), k) move the constraints at a fixed q and v (k,)."""
+        moved = np.zeros(db.shape[1], dtype=bool)
+        still = np.zeros((self._system.nq, db.shape[1]))
+        for joined, direction in ((self._first, db), (self._second, np.concatenate([still, db]))):
+            change, size = self._parts(joined @ direction)[1], self._parts(joined.sizes(direction))[1]
+            moved |= np.any(abs(change) > NOISE * size, axis=0)
+        return moved
 
     def _widest(self, gap: Array) -> int:
         """The joint equation with the largest gap."""

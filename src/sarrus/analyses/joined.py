@@ -58,6 +58,13 @@ class Joined:
             found[row : row + height] += sign * part.reshape(height, *x.shape[1:])
         return found
 
+    def sizes(self, x: Array) -> Array:
+        """The product of absolute values, against which a result of the product may be round-off."""
+        padded = np.zeros((self._matrix.shape[1], *x.shape[1:]))
+        padded[: self._inside] = abs(x[: self._inside])
+        found: Array = (abs(self._matrix) @ padded)[: self._height]
+        return found
+
     def transposed(self, y: Array) -> Array:
         """The product of the transposed matrix with y (height,) or (height, k)."""
         padded = np.zeros((self._matrix.shape[0], *y.shape[1:]))

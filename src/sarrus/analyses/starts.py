@@ -1,9 +1,10 @@
-"""What analyses start from: an assembly, a state of a run, an equilibrium, or coordinates."""
+"""What analyses start from: an assembly, a state of a run, an equilibrium, coordinates, or a mapping by names."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,9 +18,10 @@ from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
 from .length import extent
 from .misuse import kind, refuse_other_system
+from .named_start import named_start
 from .rank import row_lengths
 
-Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike
+Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any]
 CONSISTENT = (
     1e-6  # of the size of the mechanism, and of |Φ_q| |v|: states farther off the constraints are projected
 )
@@ -38,6 +40,7 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
     refuse_other_system(system, analysis)
     if given is None:
         return assemble(system)
+    given = meant(system, given)
     if isinstance(given, Assembly) and not given.success:
         return given
     q, v, t, *_ = state_of(system, given)
@@ -46,6 +49,11 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
     found = assemble(system, q, v, t=t)
     announce(warning(system, tuple(position_changes(system, q, found.q)) if found.success else ()))
     return found
+
+
+def meant(system: System, given: Start | None) -> Any:
+    """A start, where it is given by names as the assembly or the state that they mean; see `named_start`."""
+    return named_start(system, given) if isinstance(given, Mapping) else given
 
 
 class Given(NamedTuple):
@@ -84,12 +92,13 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
         raise TypeError(
             f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}."
         )
+    given = meant(system, given)
     own_v, own_t, own = None, 0.0, (np.zeros(0), np.zeros(0))
     if isinstance(given, Assembly | State):
         own_v, own_t, own = given.v, float(given.t), (given.memory, given.revolutions)
     elif isinstance(given, Equilibrium):
         own_v, own_t = np.zeros(system.nq), given.t
-    q = given.q if isinstance(given, Assembly | State | Equilibrium) else given
+    q: Any = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)
     return Given(finite(system, "q", q), found, own_t if t is None else float(t), *own)
@@ -129,7 +138,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
             asked=asked, memory=given.memory, revolutions=given.revolutions,
         )  # fmt: skip
-    if not _is_off(system, q, v, t):
+    if not is_off(system, q, v, t):
         return start
     found = assemble(system, q, v, t=t)
     if found.success:
@@ -138,7 +147,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
     return replace(found, memory=start.memory, revolutions=start.revolutions)
 
 
-def _is_off(system: System, q: Array, v: Array, t: float) -> bool:
+def is_off(system: System, q: Array, v: Array, t: float) -> bool:
     """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
     J, Phi_t = system.Phi_q(q, t), system.Phi_t(q, t)
     lengths = np.maximum(row_lengths(J), np.finfo(float).tiny)

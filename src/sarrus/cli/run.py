@@ -21,6 +21,7 @@ EXAMPLES = (
     "sarrus run crank.yaml --until 5",
     "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
     "sarrus run crank.yaml --until 5 --method radau --rtol 1e-11 --atol 1e-12",
+    "sarrus run crank.yaml --until 5 --start rates.pin=6.28",
     "sarrus run panda.urdf --base floating --json",
 )
 
@@ -29,6 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the end time, and what to write."""
     model_file.arguments(parser)
     shared.times(parser)
+    shared.start(parser)
     shared.tolerances(parser)
     shared.method(parser)
     shared.time_limit(parser)
@@ -46,20 +48,21 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Simulate; 1 if the assembly or the run failed (what was computed is still written)."""
     import numpy as np
 
-    from ..analyses import assemble, simulate
+    from ..analyses import simulate
+    from ..analyses.starts import start_of
     from ..system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
     _refuse_unknown(chosen.plot or (), system)
-    start = assemble(system)
+    start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
     answer.say(start.message)
     if not start.success:
         return 1
     began = time.perf_counter()
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
-        times = np.linspace(0.0, chosen.until, chosen.steps + 1)
+        times = np.linspace(start.t, chosen.until, chosen.steps + 1)
         settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
         limits = {"time_limit": chosen.time_limit, "max_steps": chosen.max_steps}
         motion = simulate(

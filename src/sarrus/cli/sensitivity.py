@@ -19,6 +19,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model, the motion, what is asked, and what to write."""
     model_file.arguments(parser)
     shared.until(parser)
+    shared.start(parser)
     parser.add_argument(
         "--response",
         nargs="+",
@@ -43,6 +44,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     import numpy as np
 
     from ..analyses import Problem
+    from ..analyses.design_start import DesignStart
     from ..analyses.optimization import Infeasible
     from ..studies.differentiable import differentiable
     from ..studies.responses import responses_of
@@ -51,9 +53,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.figure])
     system = System(model_file.read(chosen))
-    wanted = [differentiable(one, chosen.until) for one in responses_of(chosen.response)]
+    start = DesignStart.of(system, shared.start_of(chosen))
+    wanted = [differentiable(one, chosen.until, start.t) for one in responses_of(chosen.response)]
     settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
-    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, **settings)
+    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, **settings)
     try:
         with np.errstate(invalid="ignore", divide="ignore"):  # what comes of it is told below
             found = problem.gradient(problem.x0)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..defaults import ATOL, RTOL
-from .values import figure_file, finite, intervals, natural, positive
+from .values import figure_file, finite, intervals, natural, positive, start_entry
 
 METHODS = ("hht", "generalizedalpha", "radau", "ode", "ida")
 KEEPING_STEPS = METHODS[:3]
@@ -24,6 +24,28 @@ def time_limit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--time-limit", type=positive, metavar="S", help="end after so many seconds, with what was computed"
     )
+
+
+def start(parser: argparse.ArgumentParser) -> None:
+    """``--start``: what a motion starts from, by the names of model and study files."""
+    parser.add_argument(
+        "--start",
+        nargs="+",
+        type=start_entry,
+        metavar="NAME=VALUE",
+        help="what the motion starts from: rates of joints, rates.pin=5 or rates.pin='30 deg/s', or a saved run, "
+        "run=drop.sarrus (its end, or its state at a time, t=2) (the model's own initial state)",
+    )
+
+
+def start_of(chosen: argparse.Namespace) -> dict[str, Any] | None:
+    """The start chosen, as study files write it."""
+    if not chosen.start:
+        return None
+    given = dict(chosen.start)
+    rates = {name.removeprefix("rates."): x for name, x in given.items() if name.startswith("rates.")}
+    others = {name: x for name, x in given.items() if not name.startswith("rates.")}
+    return {**others, **({"rates": rates} if rates else {})}
 
 
 def until(parser: argparse.ArgumentParser) -> None:

@@ -35,6 +35,17 @@ def finite(text: str) -> float:
     return value
 
 
+def start_entry(text: str) -> tuple[str, str | float]:
+    """A name and its value, ``rates.pin=5``; a value that is no number stays a text."""
+    name, sign, value = text.partition("=")
+    if not (name and sign and value):
+        raise argparse.ArgumentTypeError(f"must be a name and a value such as rates.pin=5, but is {text}")
+    try:
+        return name, float(value)
+    except ValueError:
+        return name, value
+
+
 def natural(text: str) -> int:
     """A whole number that is not negative."""
     return _whole(text, 0, None)

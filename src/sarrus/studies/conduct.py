@@ -21,7 +21,7 @@ from .case import Outcome, Task
 from .ledger import Ledger
 from .parameters import Array, Parameter, parameter_of
 from .responses import described, responses_of
-from .runs import run_of
+from .runs import Run, run_of
 from .samples import Sample, sample_of
 from .source import GUESS, Source, facts
 from .table import StudyTable, table_of
@@ -136,7 +136,8 @@ def ask(
     """Check a study: its names, values and formulas. For parameters see `study`."""
     source = Source.of(model.model if isinstance(model, System) else model)
     source.check(parameters)
-    run = run_of(analysis)
+    run = run_of(analysis).started(System(source.model))
+    _refuse_guesses(run, parameters)
     task = Task(source, run, responses_of(responses), time_limit)
     if not task.responses:
         raise SarrusError("a study needs a response; give one such as max(slider.x)")
@@ -144,6 +145,14 @@ def ask(
     run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
     return Asked(name or source.model.name, task, found, chosen, chosen.cases(found))
+
+
+def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
+    """Refuse parameters of the model's own initial state where the analysis has another start."""
+    varied = [name for name in parameters if name.startswith(tuple(GUESS))]
+    if varied and getattr(run, "start", None) is not None:
+        told = f"{varied[0]} varies the model's own initial state, in whose place the analysis has a start"
+        raise SarrusError(f"{told}. Leave one of them out.")
 
 
 def carry_out(

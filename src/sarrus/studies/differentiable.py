@@ -19,13 +19,13 @@ REDUCED = reductions(np.zeros(1))
 UNKNOWN = REDUCED["final"].partials
 
 
-def differentiable(response: Response, until: float) -> Combined:
+def differentiable(response: Response, until: float, begin: float = 0.0) -> Combined:
     """The same response for `sensitivity`, `Problem` and `optimize`.
 
     Parameters
     ----------
     response : a formula
-    until : end of the run [s]
+    until, begin : end and begin of the run [s]
 
     Raises
     ------
@@ -41,7 +41,7 @@ def differentiable(response: Response, until: float) -> Combined:
     tree = response.tree(np.zeros(1))
     for node in tree.nodes():
         if isinstance(node, Call) and node.function.partials is UNKNOWN:
-            made[node] = _reduced(node, until, inner)
+            made[node] = _reduced(node, until, begin, inner)
         elif isinstance(node, Call):
             made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
         elif isinstance(node, Name):
@@ -66,12 +66,12 @@ def _standing(response: Differentiable, inner: dict[str, Differentiable]) -> Nam
     return Name(name)
 
 
-def _reduced(node: Call, until: float, inner: dict[str, Differentiable]) -> Expression:
+def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differentiable]) -> Expression:
     """A reduction as a formula of responses that can be differentiated."""
     word, of = node.function.name, node.args[0]
     if any(isinstance(one, Call) and one.function.partials is UNKNOWN for one in of.nodes()):
         raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here")
-    span, g = Number(until), _function(of)
+    span, g = Number(until - begin), _function(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)
         return whole if word == "integral" else whole / span
@@ -80,7 +80,7 @@ def _reduced(node: Call, until: float, inner: dict[str, Differentiable]) -> Expr
     if word == "at":
         return _standing(At(g, time=float(node.args[1].value())), inner)
     if word == "initial":
-        return _standing(At(g, time=0.0), inner)
+        return _standing(At(g, time=begin), inner)
     kinds: dict[str, Any] = {"final": Final, "max": Maximum, "min": Minimum}
     return _standing(kinds[word](g), inner)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..model import Model
 from ..model.file.load import read
+from ..system import System
 from .conduct import Asked, ask
 from .entries import Entries
 from .parameters import parameter_of, seconds
@@ -43,11 +44,12 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
     data = file.document.data
     parameters = {name: file.part(parameter_of, "parameters", name) for name in data["parameters"]}
     responses = file.part(responses_of, "responses")
-    run = file.part(run_of, "analysis")
+    run = file.part(partial(run_of, folder=place.parent), "analysis")
     sample = file.part(sample_of, "sample") if "sample" in data else None
     file.check_kind("model", str, "the name of a file")
     file.check_kind("name", str, "a text")
     model = load(place.parent / data["model"])
+    run = file.part(lambda _: run.started(System(model)), "analysis")
     name, limit = (
         data.get("name", place.stem),
         file.part(seconds, "time_limit") if "time_limit" in data else inf,

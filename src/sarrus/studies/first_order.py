@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from ..analyses import assemble, sensitivity, simulate
+from ..analyses import sensitivity, simulate
 from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
-from ..model import Model, SarrusError, reports_warnings
+from ..analyses.sensitivity.parameters import Parameters as Variables
+from ..model import Model, SarrusError, announce, reports_warnings
 from ..results.result import Result
 from ..system import System
 from .conduct import Asked, ask
@@ -99,6 +100,7 @@ def uncertainty(
     if not isinstance(analysis, Simulation):
         raise SarrusError("uncertainty is propagated through a Simulation; for other analyses use study")
     asked = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
+    announce(asked.start_warnings())
     return uncertainty_of(asked, progress, time_limit)
 
 
@@ -112,7 +114,9 @@ def uncertainty_of(
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    begin = assemble(system, start.q, start.v, rates=system.model.rates)
+    begin = run.assembled(system, start)
+    if run.start is not None:
+        run.start.refuse_moved(system, Variables(system, names))
     steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
     watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
     motion = simulate(system, begin, until=run.until, store_steps=True, **steps, **watched)
@@ -120,7 +124,7 @@ def uncertainty_of(
         raise KeyboardInterrupt
     if not motion.success:
         raise SarrusError(motion.message)
-    outer = Outer([differentiable(response, run.until) for response in asked.task.responses])
+    outer = Outer([differentiable(response, run.until, run.begin) for response in asked.task.responses])
     gradient = sensitivity(motion, outer.parts, list(names))
     if gradient.undefined:
         raise SarrusError(

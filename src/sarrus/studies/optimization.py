@@ -61,7 +61,7 @@ class Sought:
         self, progress: Callable[[int, float], None] | None = None, total_time_limit: float | None = None
     ) -> Optimum:
         """The optimum, or the best design by a time limit."""
-        settings = {name: getattr(self.run, name) for name in ("until", "method", "rtol", "atol")}
+        settings = {n: getattr(self.run, n) for n in ("until", "start", "method", "rtol", "atol", "max_step")}
         common: dict[str, Any] = {**settings, **self.options, "bounds": self.bounds, "progress": progress}
         common["total_time_limit"] = total_time_limit
         if self.objective is None:
@@ -88,7 +88,7 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     file = Entries(read(place), "an optimization")
     _check(file)
     data = file.document.data
-    run = file.part(_simulation, "analysis")
+    run = file.part(partial(_simulation, folder=place.parent), "analysis")
     model = load(place.parent / data["model"])
     changes = {name: file.part(_change, "parameters", name) for name in data["parameters"]}
     source = Source.of(model)
@@ -97,6 +97,7 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
         file.part(partial(refuse_other_units, model, name), "parameters", name)
     begin = {name: start for name, (_, start) in changes.items() if start is not None}
     system = source.made(begin)[0] if begin else System(model)
+    run = file.part(lambda _: run.started(system), "analysis")
     options = {key: file.part(reader, key) for key, reader in OPTIONS.items() if key in data}
     sought = {"name": data.get("name", place.stem), "system": system, "run": run, "options": options}
     bounds = {name: limits for name, (limits, _) in changes.items()}
@@ -106,9 +107,9 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
         ]
         return Sought(bounds=bounds, misfits=misfits, **sought)
     objective = file.part(
-        lambda text: differentiable(Response("objective", str(text)), run.until), "minimize"
+        lambda text: differentiable(Response("objective", str(text)), run.until, run.begin), "minimize"
     )
-    within = partial(_within, until=run.until)
+    within = partial(_within, until=run.until, begin=run.begin)
     constraints = [
         file.part(partial(within, name), "constraints", name) for name in data.get("constraints", {})
     ]
@@ -132,8 +133,8 @@ def _check(file: Entries) -> None:
     file.check_kind("fit", list, "a list of measurements")
 
 
-def _simulation(given: Any) -> Simulation:
-    run = run_of(given)
+def _simulation(given: Any, folder: Path) -> Simulation:
+    run = run_of(given, folder)
     if not isinstance(run, Simulation):
         raise SarrusError("derivatives are those of a simulation; give {type: simulate, until: ...}")
     return run
@@ -160,12 +161,12 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     return (low, high), start
 
 
-def _within(name: str, given: Any, *, until: float) -> Within:
+def _within(name: str, given: Any, *, until: float, begin: float) -> Within:
     said = _known(given, ("of", "lower", "upper"), "a constraint")
     if "of" not in said:
         raise SarrusError("a constraint lacks its formula; give of")
     limits = {key: number(said[key]) for key in ("lower", "upper") if key in said}
-    return Within(differentiable(Response(str(name), str(said["of"])), until), **limits)
+    return Within(differentiable(Response(str(name), str(said["of"])), until, begin), **limits)
 
 
 def _misfit(given: Any, folder: Path) -> Misfit:

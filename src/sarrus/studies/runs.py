@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,14 +20,16 @@ from ..analyses import (
     modes,
     simulate,
 )
+from ..analyses.design_start import DesignStart
 from ..analyses.dynamics import METHODS
+from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.sensitivity.outputs import Outputs
 from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
 from ..model.show import show, suggest
 from ..model.written import written_numbers
-from ..results import Equilibrium, Modes, Trajectory
+from ..results import Assembly, Equilibrium, Modes, Trajectory
 from ..system import System
 from .parameters import Array, number, whole
 from .responses import Response
@@ -87,7 +90,16 @@ class Run(ABC):
             for name in response.names():
                 if name not in parameters and not (self.modal and MODAL.fullmatch(name)):
                     _refuse_unknown(response, name, lookup)
-            _refuse_late(response.times(), getattr(self, "until", np.inf))
+            _refuse_late(response.times(), getattr(self, "until", np.inf), self.begin)
+
+    @property
+    def begin(self) -> float:
+        """The time at which it begins [s]."""
+        return 0.0
+
+    def started(self, system: System) -> Run:
+        """The same with a start that was checked for the nominal system, and can be sent to other processes."""
+        return self
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
         """What the start of the analysis changes of a system's own state."""
@@ -105,11 +117,15 @@ class Run(ABC):
 
 @dataclass(frozen=True)
 class Simulation(Run):
-    """`simulate` from the assembled start.
+    """`simulate` from the assembled start, or from another one.
 
     Parameters
     ----------
     until : end time [s]
+    start : as for `simulate`, by default the model's own state. An `Assembly`, rates of joints
+        (``{"rates": {"pin": 5.0}}``) and coordinates are assembled again for every case; the state of a run
+        (``run.final``, ``{"run": "drop.sarrus"}``) and an `Equilibrium` are fixed, and cases whose constraints they
+        contradict fail
     steps : intervals of the histories that responses are made of; times of ``at(x, t)`` are added
     method, rtol, atol, max_step : as in `simulate`
     """
@@ -121,25 +137,47 @@ class Simulation(Run):
     rtol: float = RTOL
     atol: float = ATOL
     max_step: float = np.inf
+    start: Any = None
+
+    @property
+    def begin(self) -> float:
+        """The time of its start [s]."""
+        return self.start.t if isinstance(self.start, DesignStart) else 0.0
+
+    def started(self, system: System) -> Simulation:
+        """With its start for the nominal system, and for cases."""
+        if self.start is None:
+            return self
+        found = DesignStart.of(system, self.start)
+        refuse_end(self.until, found.t)
+        return replace(self, start=found)
+
+    def assembled(self, system: System, start: Start) -> Assembly:
+        """The start of a case, of which the nominal state is a guess."""
+        with collecting():
+            if isinstance(self.start, DesignStart):
+                return self.start.at(system)
+            return assemble(system, start.q, start.v, rates=system.model.rates)
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The trajectory."""
-        _refuse_late(times, self.until)
-        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
+        _refuse_late(times, self.until, self.begin)
+        grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
         given = {n: getattr(self, n) for n in ("method", "rtol", "atol", "max_step")}
-        with collecting():  # the nominal state is a guess for the case
-            begin = assemble(system, start.q, start.v, rates=system.model.rates)
+        begin = self.assembled(system, start)
         return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
         """The warnings of the assembly; what fails there is said by the cases."""
+        if self.start is not None:
+            return ()
         with collecting() as found, suppress(SarrusError):
             assemble(system)
         return found.messages
 
     def short(self) -> Run | None:
         """The first thousandth."""
-        return replace(self, until=self.until / 1000, steps=1)
+        return replace(self, until=self.begin + (self.until - self.begin) / 1000, steps=1)
 
 
 @dataclass(frozen=True)
@@ -231,9 +269,9 @@ class OwnRun(Run):
 KINDS: dict[str, type[Run]] = {one.kind: one for one in (Simulation, Kinematics, Statics, Vibration)}
 
 
-def run_of(given: Any) -> Run:
+def run_of(given: Any, folder: Path | None = None) -> Run:
     """A run of what a user writes: ``{"type": "simulate", "until": 5, "method": {"type": "hht", "alpha": -0.1}}``, a
-    kind's name, a `Run`, or a function of the system.
+    kind's name, a `Run`, or a function of the system; a saved run that it starts from is relative to the folder.
 
     Raises
     ------
@@ -250,6 +288,9 @@ def run_of(given: Any) -> Run:
         return OwnRun(given)
     said = dict(given) if isinstance(given, Mapping) else {"type": given}
     kind = str(said.pop("type", "simulate"))
+    begin = said.get("start")
+    if folder is not None and isinstance(begin, Mapping) and "run" in begin:
+        said["start"] = {**begin, "run": str(folder / str(begin["run"]))}
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}; {suggest(str(kind), KINDS)}")
     run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in said.items()})
@@ -264,6 +305,8 @@ def _built(kind: Any, what: str, said: dict[str, Any]) -> Any:
             raise SarrusError(f"{what} has no key {name!r}; {suggest(name, known)}")
         if name == "method":
             said[name] = _method(value)
+        elif name == "start":
+            said[name] = value
         elif name in ("steps",):
             said[name] = whole(value, name)
         elif known[name].type in ("str", "bool"):
@@ -290,14 +333,19 @@ def _method(given: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, DesignStart):
+        return value.described()
     if is_dataclass(value) and not isinstance(value, type):
         return {"type": type(value).__name__.lower(), **asdict(value)}
     return value
 
 
-def _refuse_late(times: tuple[float, ...], until: float) -> None:
-    if any(not 0 <= t <= until for t in times):
-        raise SarrusError(f"at(..., t) needs times between 0 and {until:g} s, but is given {max(times):g}")
+def _refuse_late(times: tuple[float, ...], until: float, begin: float = 0.0) -> None:
+    wrong = [t for t in times if not begin <= t <= until]
+    if wrong:
+        raise SarrusError(
+            f"at(..., t) needs times between {begin:g} and {until:g} s, but is given {wrong[0]:g}"
+        )
 
 
 def _watch(until: float) -> Callable[[float], None]:

@@ -12,8 +12,10 @@ from ...algebra import Array
 from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
+from ..design_start import DesignStart
 from ..misuse import refuse_other_system
 from ..sensitivity.responses import Misfit
+from ..starts import Start
 from ..threads import one_thread_if_small
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables
@@ -41,6 +43,7 @@ def fit(
     formula: Any = None,
     noise: Literal["given", "estimated"] = "given",
     until: float | None = None,
+    start: Start | DesignStart | None = None,
     iterations: int = 50,
     tolerance: float = 1e-10,
     progress: Progress | None = None,
@@ -55,7 +58,7 @@ def fit(
     system : with a first guess of the parameters
     misfits : measured outputs: times, data, and their standard deviation `sigma`
     wrt : names of the parameters, see `sensitivity`
-    bounds, scale, design, formula, progress, total_time_limit, settings : see `optimize`
+    bounds, scale, design, formula, start, progress, total_time_limit, settings : see `optimize`
     noise : "given": `sigma` is what it says. "estimated": only the ratios of the `sigma` are known, the noise is
         estimated from what remains
     until : end of the simulation [s]; by default the last time measured
@@ -78,7 +81,7 @@ def fit(
     refuse_other_system(system, "fit")
     some = _misfits(misfits)
     end = max(max(one.at) for one in some) if until is None else until
-    problem = Problem(system, some, wrt, until=end, design=design, formula=formula, **settings)
+    problem = Problem(system, some, wrt, until=end, start=start, design=design, formula=formula, **settings)
     problem.end_after(total_time_limit)
     count, size = sum(len(one.at) for one in some), len(problem.names)
     if count < size:

@@ -9,7 +9,9 @@ from typing import Any
 from ...model import announce, reports_warnings
 from ...results import Optimum
 from ...system import System
+from ..design_start import DesignStart
 from ..misuse import refuse_other_system
+from ..starts import Start
 from ..threads import one_thread_if_small
 from .combined import Part
 from .constraint import Within, refuse_others
@@ -28,6 +30,7 @@ def optimize(
     wrt: Sequence[str] | None = None,
     *,
     until: float,
+    start: Start | DesignStart | None = None,
     bounds: Bounds | None = None,
     constraints: Within | Sequence[Within] = (),
     scale: Mapping[str, float] | None = None,
@@ -56,6 +59,7 @@ def optimize(
     objective : what is made least, see `sensitivity`, or `Combined`; of several responses their sum
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
+    start : of every simulation, see `Problem`; by default the model's own state, assembled for every design
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
     constraints : responses that must stay within limits
     scale : sizes of the variables by name, which the solver takes for 1; by default their values at the start
@@ -100,7 +104,9 @@ def optimize(
         list(objective) if isinstance(objective, Sequence) and not isinstance(objective, str) else [objective]
     )
     wanted = [*several, *(one.response for one in within)]
-    problem = Problem(system, wanted, wrt, until=until, design=design, formula=formula, **settings)
+    problem = Problem(
+        system, wanted, wrt, until=until, start=start, design=design, formula=formula, **settings
+    )
     problem.end_after(total_time_limit)
     task = Task(within, solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)

@@ -16,8 +16,8 @@ from ...defaults import ATOL, RTOL
 from ...model import SarrusError, announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
-from ..assembly import assemble
 from ..assembly_derivatives import NoDerivative
+from ..design_start import DesignStart
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events import restitutions_of, with_restitutions
 from ..dynamics.stepper import Trouble
@@ -31,6 +31,7 @@ from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
 from ..sensitivity.sampling import NotThere
 from ..sensitivity.undefined import refuse
+from ..starts import Start
 from .combined import Outer, Part
 
 Kind = TypeVar("Kind")
@@ -51,6 +52,10 @@ class Problem:
     responses : one or several, see `sensitivity`, or `Combined` ones
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
+    start : as for `simulate`. An `Assembly`, rates of joints (``{"rates": {"pin": 5.0}}``) and coordinates are
+        assembled again for every design, with their derivatives in the gradients. The state of a run (``run.final``)
+        and an `Equilibrium` are fixed: variables that change constraints are refused. By default the model's own
+        state, assembled for every design
     design : values of named design variables at the start
     formula : the function that gives numbers of the model from them; differentiated exactly
     method : `HHT` (the default), `GeneralizedAlpha`, or `Radau`, whose values scatter least from design to design
@@ -86,6 +91,7 @@ class Problem:
         wrt: Sequence[str] | None = None,
         *,
         until: float,
+        start: Start | DesignStart | None = None,
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
         method: HHT | GeneralizedAlpha | Radau | None = None,
@@ -116,7 +122,10 @@ class Problem:
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
-        self.start_warnings: tuple[str, ...] = ()  # of the assembly of the system itself
+        with collecting() as reported:
+            self.start = DesignStart.of(system, start)
+        self.start_warnings = reported.messages  # of the assembly of the system itself
+        self.start.refuse_moved(system, self._parameters)
         self._deadline, self._seconds = np.inf, 0.0
         self.ending: tuple[float | None, float] = (None, 0.0)
 
@@ -286,15 +295,22 @@ class Point:
         ------
         Infeasible
         """
-        with (
-            collecting() as reported
-        ):  # bodies of other designs than the first move: the model's poses are a guess
-            found = assemble(self.system)
         if self.system is self.problem.system:
-            self.problem.start_warnings = announce(reported.messages)
+            found = self.problem.start.first
+            announce(self.problem.start_warnings)
+        else:
+            found = self._start_of_design()
         if not found.success:
             raise Infeasible(found.message)
         return found
+
+    def _start_of_design(self) -> Assembly:
+        """That of another design, whose bodies move in assembly: the model's poses are a guess."""
+        with collecting():
+            try:
+                return self.problem.start.at(self.system)
+            except SarrusError as trouble:
+                raise Infeasible(str(trouble)) from None
 
     @property
     def events(self) -> list[Event]:

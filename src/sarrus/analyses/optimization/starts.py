@@ -66,7 +66,7 @@ def optimum_from_many(
                 break
     else:
         model, plan = problem.system.model, (problem.given, [*problem.names], problem.design, problem.formula)
-        settings = problem.settings | {"memory": problem.memory}
+        settings = problem.settings | {"memory": problem.memory, "start": problem.start}
         work = task, model, plan, settings, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
         found = [future.result() for future in waiting]

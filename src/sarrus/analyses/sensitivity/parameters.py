@@ -22,6 +22,7 @@ from ...model.tape import Tape, Traced, value_of
 from ...model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ...system import System
 from ...system.population import places_of
+from ..design_start import own_start
 from ..once import once
 from .chain import Gradients
 from .linearized import Linearized
@@ -69,7 +70,7 @@ class Parameters:
         self._known = {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
-        self._own_q, self._own_v = _own_start(system, start)
+        self._own_q, self._own_v = own_start(system, start)
         if self._design or self._formula or not self._known.keys() >= set(self.names):
             self._refuse_other(self._moving)
 
@@ -364,10 +365,3 @@ def _coordinate(system: System, name: str) -> int:
     if name[len(GUESS[0]) :] not in names:
         raise UnknownParameter(f"{system.name} has no coordinate {name!r}; {suggest(name, names)}")
     return names.index(name[len(GUESS[0]) :])
-
-
-def _own_start(system: System, start: Any) -> tuple[bool, bool]:
-    """Whether an assembly started from the coordinates and velocities that the model gives."""
-    if start is None or start.asked is None:
-        return True, True
-    return np.allclose(start.asked.q, system.q0, rtol=0, atol=1e-12), np.array_equal(start.asked.v, system.v0)

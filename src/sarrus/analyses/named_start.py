@@ -8,7 +8,7 @@ from typing import Any
 from ..model import ModelError, SarrusError, parse_expression
 from ..model.expression.dimensions import fits, unit_of
 from ..model.quantity import number
-from ..model.show import show, suggest
+from ..model.show import show
 from ..results import Assembly, State, load_run
 from ..system import System
 from .assembly import assemble
@@ -35,9 +35,7 @@ def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
     """
     for key in given:
         if key not in KEYS:
-            raise ModelError(
-                f"start: there is no key {key!r}. Give rates, run or t; {suggest(str(key), KEYS)}."
-            )
+            raise ModelError(f"start: there is no key {key!r}. Give rates, run or t.")
     if "run" in given:
         return _saved(given)
     rates = given.get("rates", {})

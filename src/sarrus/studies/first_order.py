@@ -114,9 +114,9 @@ def uncertainty_of(
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    begin = run.assembled(system, start)
     if run.start is not None:
         run.start.refuse_moved(system, Variables(system, names))
+    begin = run.assembled(system, start)
     steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
     watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
     motion = simulate(system, begin, until=run.until, store_steps=True, **steps, **watched)

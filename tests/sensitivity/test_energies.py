@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.sensitivity.zoo import zoo
 
-from sarrus.analyses.sensitivity.energies import Along, members, plain, told
-from sarrus.analyses.sensitivity.outputs import Outputs
-from sarrus.analyses.sensitivity.recording import Angles, States
 from sarrus.model.tape import Tape, whole
+from sarrus.outputs.energies import Along, members, plain, told
+from sarrus.outputs.outputs import Outputs
+from sarrus.outputs.recording import Angles, States
 from sarrus.system.curve_derivatives import evaluated
 
 TIMES = 11  # more than there are lanes, and no multiple of them

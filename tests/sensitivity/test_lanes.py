@@ -13,14 +13,15 @@ from sarrus import mechanisms
 from sarrus._jit.driver import compiled_function
 from sarrus._jit.pointer import run
 from sarrus._jit.vector import LANES
-from sarrus.analyses.sensitivity import by_numbers, lane_room, sweep
+from sarrus.analyses.sensitivity import by_numbers, sweep
 from sarrus.analyses.sensitivity.block_loop import UNKNOWN, Entries, solve_lane, solve_lane_transposed
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
-from sarrus.analyses.sensitivity.lane_room import aligned, room
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
 from sarrus.analyses.sensitivity.row_order import by_rows
 from sarrus.analyses.sensitivity.step_matrix import Factors, unsigned
+from sarrus.system import lane_room
+from sarrus.system.lane_room import aligned, room
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.once import MOST, once, once_alike
 from sarrus.model.written import with_numbers
+from sarrus.system.once import MOST, once, once_alike
 from sarrus.system.structure import _recent
 
 

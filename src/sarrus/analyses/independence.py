@@ -13,11 +13,11 @@ from scipy.sparse import csr_array
 from ..algebra import Array
 from ..results import Assembly
 from ..system import System
+from ..system.once import once_alike
 from .degrees_of_freedom import normalizations
 from .factored import SingularSystem
 from .length import lever, scaled
 from .minimum_norm import MinimumNorm, shortest
-from .once import once_alike
 from .rank import components, independent_rows, rank_of, row_lengths
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist

@@ -9,9 +9,9 @@ from scipy.sparse import csc_array
 
 from ..algebra import Array
 from ..system import System
+from ..system.once import once_alike
 from .factored import DENSE_BELOW, Factored, SingularSystem
 from .linear import SingularMatrix, SparseLU
-from .once import once_alike
 
 
 class Saddle:

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..analyses import At, Combined, Final, Integral, Maximum, Minimum
 from ..analyses.sensitivity import Response as Differentiable
-from ..analyses.sensitivity.recording import UnknownOutput
 from ..model import Expression, SarrusError
 from ..model.expression import Call, Name, Number
 from ..model.expression.tree import call
+from ..outputs.recording import UnknownOutput
 from .responses import Response, reductions
 
 REDUCED = reductions(np.zeros(1))

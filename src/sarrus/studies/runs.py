@@ -23,12 +23,12 @@ from ..analyses import (
 from ..analyses.design_start import DesignStart
 from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
-from ..analyses.sensitivity.outputs import Outputs
-from ..analyses.sensitivity.recording import Angles, States, UnknownOutput
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
 from ..model.show import show, suggest
 from ..model.written import written_numbers
+from ..outputs.outputs import Outputs
+from ..outputs.recording import Angles, States, UnknownOutput
 from ..results import Assembly, Equilibrium, Modes, Trajectory
 from ..system import System
 from .parameters import Array, number, whole

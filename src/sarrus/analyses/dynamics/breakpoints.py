@@ -11,8 +11,8 @@ from ...elements import OPERATORS
 from ...elements.recorder import Variant, record
 from ...model import Curve
 from ...system import System
+from ...system.once import once
 from ...system.population import Population
-from ..once import once
 
 
 @once

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..._jit.pointer import Entry
 from ...system import System
+from ...system.once import once_alike
 from ...system.told import Told
-from ..once import once_alike
 
 
 @once_alike

@@ -17,9 +17,9 @@ from scipy.sparse import csc_array
 from ..._jit.driver import compiled_function
 from ...algebra import Array
 from ...system import System
+from ...system.once import once_alike
 from ..linear import SparseLU
 from ..linear import compiled as factors
-from ..once import once_alike
 
 ASSEMBLE: Any = None  # `assemble` and solvers, put in place when this is compiled
 REFACTOR: Any = None

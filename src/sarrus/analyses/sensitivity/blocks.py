@@ -10,14 +10,14 @@ from ..._jit.pointer import NONE
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...system import System
+from ...system.lane_room import room, rooms, used
+from ...system.once import once_alike
 from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, Part, layout_of
-from ..once import once_alike
 from .block_loop import Block, Entries, Product
 from .by_numbers import UNMOVED, gradient_entry, moved
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
-from .lane_room import room, rooms, used
 from .row_order import by_rows, no_rows, rows_of
 from .step_matrix import Factors, StepMatrix, unsigned
 

@@ -13,13 +13,14 @@ import numpy as np
 from ..._jit import pointer
 from ..._jit.differentiate import directional
 from ..._jit.emit import NUMBERS_DOT, Recording
+from ..._jit.reverse import gradient
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
-from ..once import once_alike
-from .lane_room import room
-from .reverse import gradient
-from .shares import STATES, Share, block, concerned, entry, entry_with, own_rows, own_tables
+from ...system.lane_drivers import block, entry, entry_with, own_rows, own_tables
+from ...system.lane_room import room
+from ...system.once import once_alike
+from .shares import STATES, Share, concerned
 
 ADJOINT = (*STATES, "xi", "lam", "nu")
 CHANGES = (*STATES, "lam", NUMBERS_DOT)

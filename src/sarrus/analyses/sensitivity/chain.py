@@ -10,9 +10,9 @@ import numpy as np
 from ...algebra import Array
 from ...results import Pieces, Steps, StepsTaken
 from ...system import System
+from ...system.lane_room import used
 from ..assembly_derivatives import AssemblyDerivatives
 from .curves import Curves
-from .lane_room import used
 from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Bars, Given, Sources

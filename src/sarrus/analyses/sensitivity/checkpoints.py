@@ -14,6 +14,7 @@ import numpy as np
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...model import announce, reports_warnings
+from ...outputs.recording import Angles
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
 from ..assembly_derivatives import AssemblyDerivatives
@@ -34,7 +35,6 @@ from .long_run import LongRun, Stretch
 from .parameters import Design, Parameters
 from .piece_chain import Backward
 from .pieces import PieceSampling, Where, angles_of, sampling_of
-from .recording import Angles
 from .responses import At, AtEvent, Final, Integral, Response, told_apart
 from .sampling import Sampling
 from .stretches import stretches_of

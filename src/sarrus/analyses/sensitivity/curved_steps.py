@@ -13,9 +13,9 @@ import numpy as np
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...results import StepsTaken
+from ...system.lane_room import aligned
 from .chain import Chain, Nodes
 from .lagrangian import Change, change_at, compiled, lagrangian, room
-from .lane_room import aligned
 from .sweep import Sweep
 from .sweep_loop import Given, Kept, Sources
 

@@ -12,16 +12,16 @@ import numpy as np
 from ...algebra import Array
 from ...model import announce
 from ...model.tape import Traced
+from ...outputs.outputs import Outputs
+from ...outputs.recording import Angles
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .fine import PARTS, Fine, fine
 from .kinks import layout
-from .outputs import Outputs
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .parameters import Parameters
 from .pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
-from .recording import Angles
 from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling

@@ -14,10 +14,10 @@ import numpy as np
 from ...algebra import Array
 from ...model.expression import parse
 from ...model.tape import Tape, Traced
+from ...outputs.outputs import Outputs
+from ...outputs.recording import Angles, Key, States, Variable
 from ...results import Turn
 from ...system import System
-from .outputs import Outputs
-from .recording import Angles, Key, States, Variable
 
 
 class Slopes(NamedTuple):

@@ -16,15 +16,16 @@ from ..._jit import pointer
 from ..._jit.differentiate import directional
 from ..._jit.driver import compiled_function
 from ..._jit.emit import NUMBERS_DOT, Recording
+from ..._jit.reverse import gradient
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
-from ..once import once_alike
+from ...system.lane_drivers import block, entry
+from ...system.once import once_alike
 from . import block_loop, hessian_loop, lanes_loop
 from .hessian_loop import Room
-from .reverse import gradient
-from .shares import STATES, Share, block, concerned, entry
+from .shares import STATES, Share, concerned
 
 DOTS = tuple(f"{name}_dot" for name in STATES)
 OPERANDS = (*STATES, *DOTS, "xi", "lam", "nu", "lam_dot", NUMBERS_DOT)

@@ -21,9 +21,9 @@ from ...model.show import suggest
 from ...model.tape import Tape, Traced, value_of
 from ...model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ...system import System
+from ...system.once import once
 from ...system.population import places_of
 from ..design_start import own_start
-from ..once import once
 from .chain import Gradients
 from .linearized import Linearized
 

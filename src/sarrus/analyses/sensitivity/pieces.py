@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...outputs.recording import Angles
 from ...results import Pieces, StepsTaken, Turn
 from ...system import System
 from .chain import Nodes
-from .recording import Angles
 from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two

@@ -11,6 +11,7 @@ from ..._jit.driver import compiled_function, compiled_part
 from ...algebra import Array
 from ...results import RadauSteps
 from ...system import System
+from ...system.lane_room import aligned
 from ..dynamics.newton_matrix import constraint_parts
 from ..dynamics.placed import (
     LEFT_OUT,
@@ -25,7 +26,6 @@ from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS, calls, operators_by_b
-from .lane_room import aligned
 from .row_order import by_rows, no_rows
 from .stages_matrix import StagesMatrix
 from .step_matrix import StepMatrix, solvers

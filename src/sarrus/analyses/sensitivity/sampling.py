@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...outputs.recording import States
 from ...results import RadauSteps, StepsTaken
 from .chain import Nodes
-from .recording import States
 from .reported import Reported
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁

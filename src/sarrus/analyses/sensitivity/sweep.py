@@ -13,6 +13,7 @@ from ..._jit.pointer import run
 from ...algebra import Array
 from ...results import Steps
 from ...system import System
+from ...system.lane_room import aligned, used
 from ..dynamics import alpha_loop
 from ..dynamics.newton_matrix import weigh
 from ..linear import SingularMatrix
@@ -20,7 +21,6 @@ from . import block_loop, by_numbers, lanes_loop
 from . import sweep_loop as loop
 from .blocks import Blocks
 from .kernels import GROUPS
-from .lane_room import aligned, used
 from .step_matrix import Factors, solvers
 
 FUNCTIONS = {

@@ -22,12 +22,12 @@ import numpy as np
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
+from ...outputs.recording import Angles
 from ...results import StepsTaken, Turn
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..saddle import Saddle
 from .event_functions import Recorded, Slopes, recorded
-from .recording import Angles
 from .sampling import apart, interpolation
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..._jit.differentiate import PARTIALS
-from ..._jit.expression import Expression, Graph
-from ..._jit.replay import needed
+from .differentiate import PARTIALS
+from .expression import Expression, Graph
+from .replay import needed
 
 
 def gradient(graph: Graph, of: Any, by: Sequence[Expression]) -> list[Any]:

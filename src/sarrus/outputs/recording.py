@@ -9,19 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.expression import Expression, Graph
-from ..._jit.replay import needed
-from ...algebra import Array
-from ...elements.evaluation import element_from, partition
-from ...elements.recorder import record_scalars
-from ...model import SarrusError
-from ...model.coordinates import WIDTH
-from ...model.solid import GROUND
-from ...model.tape import Operation, Tape, Traced, value_of
-from ...system import System
-from ...system.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
-from ...system.local import GROUND as STILL
-from ...system.population import Population
+from .._jit.expression import Expression, Graph
+from .._jit.replay import needed
+from ..algebra import Array
+from ..elements.evaluation import element_from, partition
+from ..elements.recorder import record_scalars
+from ..model import SarrusError
+from ..model.coordinates import WIDTH
+from ..model.solid import GROUND
+from ..model.tape import Operation, Tape, Traced, value_of
+from ..system import System
+from ..system.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
+from ..system.local import GROUND as STILL
+from ..system.population import Population
 
 TURN = 2 * np.pi
 Key = tuple[str, int]

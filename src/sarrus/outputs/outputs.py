@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ...algebra import Array
-from ...elements import Dot1, Dot2, Heading, Normalization
-from ...euler import A, B, E
-from ...model.coordinates import WIDTH
-from ...model.marker import Marker
-from ...model.show import suggest
-from ...model.solid import GROUND
-from ...model.tape import Traced, own
-from ...system.population import Population
+from ..algebra import Array
+from ..elements import Dot1, Dot2, Heading, Normalization
+from ..euler import A, B, E
+from ..model.coordinates import WIDTH
+from ..model.marker import Marker
+from ..model.show import suggest
+from ..model.solid import GROUND
+from ..model.tape import Traced, own
+from ..system.population import Population
 from .force_outputs import COILS, SPRINGS, WORDS, ForceOutputs
 from .recording import TURN, UnknownOutput, bodies_of, members_of
 

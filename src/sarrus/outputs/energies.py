@@ -13,24 +13,24 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..._jit import pointer
-from ..._jit.differentiate import directional
-from ..._jit.driver import compiled_function
-from ..._jit.emit import NUMBERS_DOT, Output, Recording
-from ..._jit.expression import Expression, Graph
-from ..._jit.vector import LANES
-from ...algebra import Array
-from ...elements.evaluation import element_from
-from ...elements.operators import OPERATORS
-from ...elements.recorder import Variant
-from ...model.coordinates import WIDTH
-from ...system import System
-from ...system.population import Population
-from ..once import once
+from .._jit import pointer
+from .._jit.differentiate import directional
+from .._jit.driver import compiled_function
+from .._jit.emit import NUMBERS_DOT, Output, Recording
+from .._jit.expression import Expression, Graph
+from .._jit.reverse import gradient
+from .._jit.vector import LANES
+from ..algebra import Array
+from ..elements.evaluation import element_from
+from ..elements.operators import OPERATORS
+from ..elements.recorder import Variant
+from ..model.coordinates import WIDTH
+from ..system import System
+from ..system.lane_drivers import block, entry, local
+from ..system.lane_room import aligned, used
+from ..system.once import once
+from ..system.population import Population
 from . import energy_loop
-from .lane_room import aligned, used
-from .reverse import gradient
-from .shares import block, entry, local
 
 Energy = Literal["kinetic", "potential"]
 OPERANDS = ("q", "v")

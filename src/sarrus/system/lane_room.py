@@ -13,8 +13,8 @@ from threading import Lock
 
 import numpy as np
 
-from ..._jit.vector import LANES
-from ...algebra import Array
+from .._jit.vector import LANES
+from ..algebra import Array
 
 LINE = 64  # bytes that are read at once
 SMALL, LARGE, MOST = (

@@ -7,7 +7,7 @@ from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
-from ..system import System
+from .system import System
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ...algebra import Array
-from ...elements import RSDA, TSDA, NonlinearRSDA, NonlinearTSDA
-from ...model.tape import Traced, whole
-from ...system.population import Population
+from ..algebra import Array
+from ..elements import RSDA, TSDA, NonlinearRSDA, NonlinearTSDA
+from ..model.tape import Traced, whole
+from ..system.population import Population
 from .energies import Along, Energy, members, plain, told
 from .recording import Recording, UnknownOutput, members_of
 

@@ -85,7 +85,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(p): p.read_bytes() for p in [folder, *folder.rglob("*")] if p.is_file()}
 
 
-@pytest.mark.parametrize("make", [foreign_group, foreign_names, foreign_json, foreign_file, Path.mkdir])
+@pytest.mark.parametrize("make", [foreign_group, foreign_names, foreign_json, foreign_file])
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_what_is_no_run_is_never_touched(
     make: Callable[[Path], None], overwrite: bool, tmp_path: Path
@@ -96,6 +96,19 @@ def test_what_is_no_run_is_never_touched(
     with pytest.raises(SarrusError, match=r"thesis: is there and is no saved run.* Choose another name"):
         sr.simulate(slider_crank(), save=folder, overwrite=overwrite, **GIVEN)
     assert contents(folder) == before
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_runs_and_studies_take_an_empty_folder(overwrite: bool, tmp_path: Path) -> None:
+    for name in ("run", "study"):
+        (tmp_path / name).mkdir()
+    saved = sr.simulate(slider_crank(), save=tmp_path / "run", overwrite=overwrite, **GIVEN)
+    assert sr.load_run(tmp_path / "run").t.tolist() == saved.t.tolist()
+    short = sr.Simulation(0.01, steps=2)
+    sr.study(
+        slider_crank(), {"spring.k": [10]}, "slider.x", analysis=short, folder=tmp_path / "study", workers=1
+    )
+    assert len(sr.open_study(tmp_path / "study")) == 1
 
 
 @pytest.mark.usefixtures("small")

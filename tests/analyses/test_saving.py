@@ -184,6 +184,7 @@ def test_the_folder_describes_itself(tmp_path: Path) -> None:
 
 def test_what_cannot_be_saved_is_told(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("irreplaceable")
     with pytest.raises(FileExistsError, match="is there and is no saved run"):
         sr.simulate(slider_crank(), until=1.0, save=tmp_path / "mine")
     with pytest.raises(FileNotFoundError):

@@ -108,6 +108,18 @@ def test_files_take_the_same(tmp_path: Path) -> None:
         assert table["end"][0] == pytest.approx(end(start), abs=1e-6)
 
 
+@pytest.mark.parametrize("verb", ["study", "optimize"])
+@pytest.mark.parametrize("option", ["--total-time-limit", "--time-limit"])
+def test_the_limit_of_the_whole_has_its_name(
+    verb: str, option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """That of Python; its old spelling is taken, too."""
+    file = written(tmp_path, STUDY if verb == "study" else BEST)
+    main([verb, str(file), option, "1e-6", "-q"])
+    told = capsys.readouterr()
+    assert "time limit of 1e-06 s" in (told.out + told.err).replace("1e-6", "1e-06")
+
+
 @pytest.mark.parametrize("text", [STUDY, BEST])
 @pytest.mark.parametrize(
     ("start", "message"),

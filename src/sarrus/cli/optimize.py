@@ -21,7 +21,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "study", type=Path, help="a .yaml or .json file: model, parameters, minimize or fit, analysis"
     )
-    shared.time_limit(parser)
+    shared.total_time_limit(parser)
     shared.figure(parser, "the convergence")
     shared.table(parser, "all designs that were tried")
 
@@ -35,7 +35,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     sought = read_optimization_file(chosen.study, load_any)
     most = int(sought.options.get("iterations", 100))
     with Bar(f"{sought.name}: simulations", most) as bar:
-        found = sought.solved(lambda count, value: bar.reach(min(count, most)), chosen.time_limit)
+        found = sought.solved(lambda count, value: bar.reach(min(count, most)), chosen.total_time_limit)
     answer.say(found)
     answer.put(status=found.status, optimality=found.optimality)
     answer.put(study=sought.name, message=found.message, objective=found.value, objective_before=found.value0)

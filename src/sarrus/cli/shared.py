@@ -48,6 +48,18 @@ def start_of(chosen: argparse.Namespace) -> dict[str, Any] | None:
     return {**others, **({"rates": rates} if rates else {})}
 
 
+def total_time_limit(parser: argparse.ArgumentParser) -> None:
+    """``--total-time-limit``: how long all simulations together may take; `time_limit` in a file is that of each."""
+    parser.add_argument(
+        "--total-time-limit",
+        "--time-limit",
+        dest="total_time_limit",
+        type=positive,
+        metavar="S",
+        help="end after so many seconds, with what was computed (time_limit in the file is that of each simulation)",
+    )
+
+
 def until(parser: argparse.ArgumentParser) -> None:
     """``--until``: the end of a motion."""
     parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")

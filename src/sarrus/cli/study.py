@@ -34,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--workers", type=natural, help="processes (as many as pay, measured on the first cases)"
     )
-    shared.time_limit(parser)
+    shared.total_time_limit(parser)
     parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
     parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
     parser.add_argument(
@@ -59,7 +59,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     folder = chosen.folder or chosen.study.with_suffix("")
     total = len(asked.cases)
     with Bar(f"{asked.name}: {total} cases", total) as bar, _executor(chosen.dask) as executor:
-        limit = chosen.time_limit
+        limit = chosen.total_time_limit
         table = carry_out(asked, folder, chosen.workers, executor, chosen.retry_failed, bar.reach, limit)
     if table.status != "finished":
         log.info("%s holds the cases that are done; the same command goes on with the others", folder)

@@ -240,10 +240,12 @@ def _locked(folder: Path) -> FolderLock:
 
 
 def _is_ours(folder: Path) -> bool:
-    """Whether a folder is that of a run, also of one that was just begun."""
+    """Whether a folder is empty, or that of a run, also of one that was just begun."""
     if not folder.is_dir():
         return False
     names = {place.name for place in folder.iterdir()}
+    if not names:
+        return True
     if METADATA in names:
         return {"format", "sarrus"} <= set(_attributes(folder))
     checks = {LOCK: is_lock, RECIPE: _is_checked}

@@ -99,7 +99,7 @@ def simulate(
         `GeneralizedAlpha` and `Radau`)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
-        continues it; `load_run` opens it. A folder that is there is refused unless it is a run and `overwrite` is true
+        continues it; `load_run` opens it. A folder with anything in it is refused, a run unless `overwrite`
     overwrite : whether a saved run that is there is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
     time_limit : seconds of the clock after which the run ends with the status "time limit"

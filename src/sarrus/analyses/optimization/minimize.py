@@ -75,7 +75,8 @@ def optimize(
         that cannot be simulated is replaced by another one; `Optimum.start_reports` says what became of every start
     seed : of the random designs
     executor : of ``concurrent.futures``, which runs the starts beside one another
-    total_time_limit : seconds of the clock after which the search ends with the best design so far
+    total_time_limit : seconds of the clock after which the search ends with the best design so far; `time_limit`, of
+        `settings`, is that of each simulation
     progress : called with the number of the simulation and the objective; True for lines on standard error
     settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
     strict : raise the first warning as a `StrictError`

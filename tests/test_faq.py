@@ -1,4 +1,4 @@
-"""Every sentence of the page "When it says no" is said by the program: each is provoked, and compared word by word."""
+"""Every message on the page "Messages and what to do" is provoked and compared word by word."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which numbered equation of the paper stands where in Sarrus, and which test holds it: makes `docs/equations.md`.
+"""The paper's numbered equations, where each is in Sarrus, and which test verifies it: makes `docs/equations.md`.
 
     python -m tests.paper.coverage
 
@@ -19,7 +19,7 @@ SOURCE, PAGE = ROOT / "src" / "sarrus", ROOT / "docs" / "equations.md"
 NUMBERS = range(9, 117)
 FORMULAS = ("algebra.py", "euler.py", "elements/*.py", "model/joints/*.py")
 
-# Not written down in Sarrus, because it follows from what is.
+# Not contained in Sarrus, because they follow from other equations.
 FOLLOWS = {
     27: "equal to (88) on unit p",
     37: "from (36) by (18)",
@@ -39,14 +39,14 @@ FOLLOWS = {
 HEAD = """# The paper's equations
 
 Every numbered equation from 9 to 116 of R. Serban and E. J. Haug, *Analytical Derivatives for Multibody System
-Analyses*: where it stands in Sarrus, and the test that holds it against an independent value, the paper's printed form
-(where that is wrong, the [right one](errata.md)) in exact fractions, or in 70 digits where a root or an angle enters.
+Analyses*, with its place in Sarrus and its test. The test compares it with an independent value, in the paper's printed
+form or, if that is wrong, in the [corrected one](errata.md): in exact fractions, or with 70 digits for roots and angles.
 
 * **coded**: a formula of Sarrus is this equation;
-* **follows**: nothing is coded, it comes out of other equations;
+* **follows**: Sarrus does not contain the equation, because it follows from others;
 * **test only**: a step of the paper's derivation, or a definition, that the tests use.
 
-The tests are in `tests/paper`. This page is made from them and from the sources by `python -m tests.paper.coverage`.
+The tests are in `tests/paper`. `python -m tests.paper.coverage` generates this page from them and from the sources.
 """
 
 

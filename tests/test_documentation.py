@@ -1,4 +1,4 @@
-"""The tutorial runs as it stands and prints what it says; the reference has every public name."""
+"""Code in the documentation runs and prints what the pages show; links and the reference are complete."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ import pytest
 import sarrus as sr
 from sarrus.cli import VERBS
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
 THEORY = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")}
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -45,6 +47,44 @@ def test_the_tutorial(
         words, numbers = printed(line)
         found = [values for text, values in told if text == words]
         assert any(values == pytest.approx(numbers, rel=NEAR, abs=1e-12) for values in found), line
+
+
+def test_the_architecture_page(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    names: dict[str, object] = {}
+    for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE):
+        exec(compile(block, "architecture.md", "exec"), names)
+    lines = [printed(line) for line in capsys.readouterr().out.splitlines()]
+    shown = [
+        printed(line) for line in re.findall(r"^    (\S.*|  .*)$", page, re.MULTILINE) if "derivative" in line
+    ]
+    assert shown
+    assert {words for words, _ in shown} <= {words for words, _ in lines}
+    assert "is now `b[111]`" in page
+    assert lines[1] == ("# #", [111.0, 10.0])
+
+
+def links(page: Path) -> list[str]:
+    """Targets of the links of a page, without code blocks, other sites and anchors."""
+    text = re.sub(
+        r"^```.*?^```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    )
+    targets = re.findall(r"\]\(([^)\s]+)\)", text)
+    return [target.partition("#")[0] for target in targets if not re.match(r"https?:|#", target)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_files(page: Path) -> None:
+    assert [target for target in links(page) if not (page.parent / target).exists()] == []
+
+
+def test_links_are_seen() -> None:
+    assert "../src/sarrus/system/system.py" in links(DOCS / "architecture.md")
+
+
+def test_every_decision_is_listed() -> None:
+    folder = DOCS / "decisions"
+    assert {path.name for path in folder.glob("0*.md")} == set(links(folder / "README.md"))
 
 
 def test_the_model_file_of_the_tutorial(tmp_path: Path) -> None:

@@ -39,8 +39,8 @@ FOLLOWS = {
 HEAD = """# The paper's equations
 
 Every numbered equation from 9 to 116 of R. Serban and E. J. Haug, *Analytical Derivatives for Multibody System
-Analyses*, with its place in Sarrus and its test. The test compares it with an independent value, in the paper's printed
-form or, if that is wrong, in the [corrected one](errata.md): in exact fractions, or with 70 digits for roots and angles.
+Analyses*, with its place in Sarrus and its test. The test compares it with an independent value, in the printed form
+or, if that is wrong, in the [corrected one](errata.md): in exact fractions, or with 70 digits for roots and angles.
 
 * **coded**: a formula of Sarrus is this equation;
 * **follows**: Sarrus does not contain the equation, because it follows from others;

@@ -159,6 +159,13 @@ def test_what_mujoco_could_not_make_in_seconds(body: str, assets: str, why: str,
         mjcf(tmp_path / "a.xml", body, assets)
 
 
+@pytest.mark.parametrize("anchor", ["", "1 2", "0 0 0 0"])
+def test_an_anchor_that_mujoco_would_read_beyond_its_end(anchor: str, tmp_path: Path) -> None:
+    connect = f'<equality><connect body1="a" body2="a" anchor="{anchor}"/></equality>'
+    with pytest.raises(sr.ModelError, match=rf'xml:1: file: `anchor` of <connect> must be .* got "{anchor}"'):
+        mjcf(tmp_path / "a.xml", f"{BALL}</worldbody>{connect}<worldbody>")
+
+
 def test_a_few_repetitions_are_read(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     assert (

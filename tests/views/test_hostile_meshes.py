@@ -148,6 +148,14 @@ def test_wrong_numbers_of_a_gltf_are_refused(changes: dict[str, Any], tmp_path: 
     refused(gltf(tmp_path / "a.gltf", **changes), "is no mesh that can be read")
 
 
+@pytest.mark.parametrize("counts", ["1000000000", "4", "-3 6", "2 2"])
+def test_polygons_have_the_corners_that_the_file_lists(counts: str, tmp_path: Path) -> None:
+    file = dae(tmp_path / "a.dae")
+    polygons = file.read_text().replace("triangles>", "polylist>").replace("<triangles", "<polylist")
+    file.write_text(polygons.replace("<p>", f"<vcount>{counts}</vcount><p>"))
+    refused(file, "corners by <vcount> and 3 by <p>")
+
+
 def test_nesting_of_the_text_itself_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.gltf").write_text("[" * 100_000)
     refused(tmp_path / "a.gltf", "is no mesh that can be read")

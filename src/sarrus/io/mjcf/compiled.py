@@ -39,7 +39,7 @@ def compiled(path: Path) -> Any:
     check_counts(path)
     try:
         return mujoco().MjModel.from_xml_path(str(path))
-    except ValueError as error:
+    except (ValueError, RuntimeError) as error:
         raise _refusal(path, " ".join(str(error).split())) from None
 
 

@@ -1,4 +1,4 @@
-"""How much an MJCF file asks for, counted before MuJoCo reads it: its compiler cannot be interrupted."""
+"""How much an MJCF file asks for, counted before MuJoCo reads it: its compiler cannot be interrupted and may hang."""
 
 from __future__ import annotations
 
@@ -47,6 +47,12 @@ class _Counter:
         self.count += self.times[-1]
         if tag in FILES and (self.folder / attributes.get("file", "")).is_file():
             self._other(self.folder / attributes["file"])
+        if tag == "connect" and "anchor" in attributes and len(attributes["anchor"].split()) != 3:
+            anchor = attributes["anchor"]
+            told = f'`anchor` of <connect> must be three numbers, got "{anchor}". Give the point in body1.'
+            raise ModelError(
+                told, part="file", where=self._place()
+            )  # MuJoCo reads on beyond its end, and may hang
         if self.count > MOST:
             raise self._refusal(f"asks for more than {MOST:,} elements, with those that <replicate> repeats")
         if tag in CELLS and _product(*(attributes.get(name, "1") for name in CELLS[tag])) > MOST_CELLS:
@@ -61,8 +67,11 @@ class _Counter:
         raise self._refusal("declares a document type, which could define entities")
 
     def _refusal(self, sentence: str) -> ModelError:
-        where = f"{self.file}:{self.parser.CurrentLineNumber}"
-        return ModelError(f"{sentence}; take it out, or make the file smaller", part="file", where=where)
+        told = f"{sentence}; take it out, or make the file smaller"
+        return ModelError(told, part="file", where=self._place())
+
+    def _place(self) -> str:
+        return f"{self.file}:{self.parser.CurrentLineNumber}"
 
 
 def _product(*texts: str) -> int:

@@ -111,6 +111,8 @@ def _triangles(piece: Any, width: int) -> Array:
     sides = piece.find("vcount")
     counts = [len(p) for p in numbers] if sides is None else [int(x) for x in sides.text.split()]
     corners, start = np.concatenate(numbers), np.cumsum([0, *counts])
+    if start[-1] != len(corners) or min(counts, default=0) < 0:
+        raise ValueError(f"its polygons have {start[-1]} corners by <vcount> and {len(corners)} by <p>")
     fans = [(a, a + k, a + k + 1) for a, n in zip(start, counts, strict=False) for k in range(1, n - 1)]
     return np.asarray(corners[np.array(fans)])
 

@@ -1,4 +1,4 @@
-"""The reference of every public name, made from the docstrings while the documentation is built."""
+"""The reference of all public names, generated from docstrings when the documentation is built."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ HERE = Path(__file__).parent
 CHAPTERS = {
     "model": ("models", "Models: bodies, joints, drivers, forces"),
     "system": ("systems", "Systems: the equations and their derivatives"),
+    "outputs": ("outputs", "Outputs"),
     "analyses": ("analyses", "Analyses"),
     "studies": ("studies", "Studies"),
     "results": ("results", "Results"),
@@ -25,12 +26,12 @@ INNER = {
     "frames",
     "friction",
     "resolve",
-}  # how parts are made of elements
+}  # methods that compose parts from elements
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 
 
 def write(app: Any = None) -> None:
-    """Write one page for each part of the package, and the list of them."""
+    """Write one page for each part of the package."""
     import sarrus
 
     folder = HERE / "api"
@@ -47,13 +48,13 @@ def write(app: Any = None) -> None:
 
 
 def _home(what: Any) -> str:
-    """The part of the package that something comes from; what has none, as the ground, is of the model."""
+    """The part of the package that defines an object; objects without a module, such as the ground, belong to the model."""
     module = str(getattr(what, "__module__", ""))
     return module.split(".")[1] if module.startswith("sarrus.") else "model"
 
 
 def _update(path: Path, text: str) -> None:
-    """Write only what is new, so that Sphinx does not read everything again."""
+    """Write a page only if it has changed, so that Sphinx does not read it again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
 
@@ -64,13 +65,13 @@ def _entry(name: str, what: Any) -> Iterator[str]:
         yield f"`sarrus.{name}`: {_plain(type(what).__doc__ or '')}\n"
         return
     yield f"```python\nsarrus.{name}{_signature(what)}\n```\n"
-    yield from _told(inspect.getdoc(what) or "")
+    yield from _markdown(inspect.getdoc(what) or "")
     if inspect.isclass(what):
         for own, member in _members(what):
             arguments = "" if isinstance(member, property) else _signature(member)
             yield f"### {name}.{own}\n"
             yield f"```python\n{name}.{own}{arguments}\n```\n"
-            yield from _told(inspect.getdoc(member) or "")
+            yield from _markdown(inspect.getdoc(member) or "")
 
 
 def _signature(what: Any) -> str:
@@ -78,26 +79,26 @@ def _signature(what: Any) -> str:
         found = inspect.signature(what)
     except (TypeError, ValueError):
         return "(...)"
-    kept = [
+    shown = [
         p.replace(annotation=inspect.Parameter.empty) for p in found.parameters.values() if p.name != "self"
     ]
-    text = _clean(str(inspect.Signature(kept)))
+    text = _clean(str(inspect.Signature(shown)))
     if len(text) < 90:
         return text
-    lines = [_clean(str(p)) for p in kept]
-    named = next((n for n, p in enumerate(kept) if p.kind is inspect.Parameter.KEYWORD_ONLY), None)
-    if named is not None and not any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in kept):
+    lines = [_clean(str(p)) for p in shown]
+    named = next((n for n, p in enumerate(shown) if p.kind is inspect.Parameter.KEYWORD_ONLY), None)
+    if named is not None and not any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in shown):
         lines.insert(named, "*")
     return "(\n    " + ",\n    ".join(lines) + ",\n)"
 
 
 def _clean(text: str) -> str:
-    """Without the places in memory of default values."""
+    """Remove memory addresses of default values."""
     return re.sub(r"<[^<>]*>", "...", text)
 
 
 def _members(what: type) -> Iterator[tuple[str, Any]]:
-    """Public methods and properties with a docstring, those of base classes included; not how parts are made inside."""
+    """Public methods and properties with a docstring, including those of base classes, except the ones in INNER."""
     seen: set[str] = set()
     for base in what.__mro__:
         if base.__module__.startswith("sarrus."):
@@ -110,8 +111,8 @@ def _members(what: type) -> Iterator[tuple[str, Any]]:
                     yield name, plain
 
 
-def _told(doc: str) -> Iterator[str]:
-    """A docstring of numpydoc's form as Markdown: paragraphs, and a list for each section."""
+def _markdown(doc: str) -> Iterator[str]:
+    """A numpydoc docstring as Markdown: paragraphs, and a list for each section."""
     pieces = SECTION.split(doc)
     yield _plain(pieces[0]) + "\n"
     for title, body in zip(pieces[1::2], pieces[2::2], strict=True):
@@ -120,7 +121,7 @@ def _told(doc: str) -> Iterator[str]:
 
 
 def _list(body: str) -> Iterator[str]:
-    """Entries ``name : told``, or ``name`` with indented lines below it."""
+    """Items ``name : description``, or ``name`` with indented lines below it."""
     entries: list[list[str]] = []
     for line in body.splitlines():
         if line.strip():
@@ -130,9 +131,11 @@ def _list(body: str) -> Iterator[str]:
                 entries.append([line.strip()])
     for first, *others in entries:
         head, colon, rest = first.partition(" : ")
-        told = " ".join([rest, *others]).strip()
+        description = " ".join([rest, *others]).strip()
         yield (
-            f"- `{head}`" + (f": {_plain(told)}" if told else "") if colon or others else f"- {_plain(first)}"
+            f"- `{head}`" + (f": {_plain(description)}" if description else "")
+            if colon or others
+            else f"- {_plain(first)}"
         )
     yield ""
 

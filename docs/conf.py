@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # for api_pages
 
 
 def _mathjax() -> Path:
-    """The folder of MathJax 3.2.2, which a Python package carries."""
+    """The folder of MathJax 3.2.2 in its Python package."""
     found = importlib.util.find_spec("sphinx-mathjax-offline")
     if found is None or found.origin is None:
         raise RuntimeError('formulas need MathJax: pip install "sarrus[docs]"')
@@ -33,7 +33,7 @@ myst_dmath_double_inline = True
 
 html_theme = "furo"
 html_title = f"Sarrus {release}"
-# Formulas are typeset in the reader's browser, by one file that stands beside the pages: they work without a network.
+# One file in the site typesets formulas in the reader's browser, without a network.
 html_static_path = [str(_mathjax() / "tex-svg.js"), "site.css"]
 html_css_files = ["site.css"]
 mathjax_path = "tex-svg.js"

@@ -48,7 +48,7 @@ def write(app: Any = None) -> None:
 
 
 def _home(what: Any) -> str:
-    """The part of the package that defines an object; objects without a module, such as the ground, belong to the model."""
+    """The part of the package that defines an object; objects without a module, like the ground, belong to the model."""
     module = str(getattr(what, "__module__", ""))
     return module.split(".")[1] if module.startswith("sarrus.") else "model"
 
@@ -141,7 +141,7 @@ def _list(body: str) -> Iterator[str]:
 
 
 def _plain(text: str) -> str:
-    """Text that Markdown leaves as it is, but for what stands in double backquotes."""
+    """Escape Markdown in a text, except in backquotes."""
     parts = re.split(r"(``.+?``|`[^`]+`)", text.strip())
     return "".join(
         part if part.startswith("`") else re.sub(r"([*_<>\[\]$|\\#])", r"\\\1", part) for part in parts
@@ -149,6 +149,6 @@ def _plain(text: str) -> str:
 
 
 def setup(app: Any) -> dict[str, bool]:
-    """Make the pages before Sphinx looks for them."""
+    """Write the pages before Sphinx reads them."""
     app.connect("builder-inited", write)
     return {"parallel_read_safe": True}

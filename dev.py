@@ -49,6 +49,7 @@ COMMANDS = {
         [str(BIN / "ruff"), "format", "--check", "."],
         [PYTHON, "-m", "mypy"],
         [str(BIN / "lint-imports"), "--no-logo"],
+        [PYTHON, "-m", "tests.language"],
     ],
     "docs": [[PYTHON, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html"]],
     "format": [[str(BIN / "ruff"), "check", "--fix", "."], [str(BIN / "ruff"), "format", "."]],

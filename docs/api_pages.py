@@ -48,7 +48,7 @@ def write(app: Any = None) -> None:
 
 
 def _home(what: Any) -> str:
-    """The part of the package that defines an object; objects without a module, like the ground, belong to the model."""
+    """The part of the package that defines an object; objects without a module, like the ground, are of the model."""
     module = str(getattr(what, "__module__", ""))
     return module.split(".")[1] if module.startswith("sarrus.") else "model"
 

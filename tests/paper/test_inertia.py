@@ -72,7 +72,7 @@ def test_eq_057_gyroscopic_derivative_to_p():
 
 
 def test_eq_058_gyroscopic_derivative_to_velocity():
-    """(Gᵀ(ṗ)J'G(ṗ) p)_ṗ with its first sign mended (erratum E1); eight times in S_v."""
+    """(Gᵀ(ṗ)J'G(ṗ) p)_ṗ with its first sign corrected (erratum E1); eight times in S_v."""
     right = -G(p_dot).T @ J @ G(p) + bar(J @ G(p_dot) @ p)
     assert equal(right, derivative(lambda p_dot: gyroscopic(p, p_dot), p_dot))
     assert equal(kernel(element, "S_v", q, v=v), only_p(8 * right))

@@ -73,6 +73,7 @@ def test_what_a_file_may_say() -> None:
         ({"distribution": "normal"}, "there is no distribution 'normal'; did you mean"),
         ({"distribution": "norm", "lok": 1}, "lok"),
         ({"distribution": "norm", "scale": -1}, "has no values"),
+        ({"distribution": "norm", "loc": 1, "scale": 1e308}, "some that are not finite"),
         ([], "one at least"),
         ("5 florins", "florins"),
         (True, "a number is expected"),

@@ -85,6 +85,11 @@ class Range:
         return np.asarray(self.low * (1 - np.asarray(u)) + self.high * np.asarray(u))
 
 
+PROBABILITIES = np.array(
+    [1e-12, 0.5, 1 - 1e-12]
+)  # hardly a sample of the largest study is beyond these quantiles
+
+
 @dataclass(frozen=True)
 class Distribution:
     """A distribution of ``scipy.stats`` by its name there, with its arguments.
@@ -101,10 +106,9 @@ class Distribution:
     count: int = 5
 
     def __post_init__(self) -> None:
-        if not np.all(np.isfinite(self.at(np.array([0.25, 0.5, 0.75])))):
-            raise SarrusError(
-                f"the distribution {self.name} with {dict(self.arguments)} has no values; {_SCIPY}"
-            )
+        if not np.all(np.isfinite(self.at(PROBABILITIES))):
+            wrong = "has no values, or some that are not finite"
+            raise SarrusError(f"the distribution {self.name} with {dict(self.arguments)} {wrong}; {_SCIPY}")
 
     def grid(self) -> Array:
         """Quantiles."""

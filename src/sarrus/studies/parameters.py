@@ -116,7 +116,8 @@ class Distribution:
 
     def at(self, u: Array) -> Array:
         """Quantiles."""
-        return np.asarray(self.frozen().ppf(np.asarray(u)), dtype=float)
+        with np.errstate(over="ignore"):  # what is not finite is refused
+            return np.asarray(self.frozen().ppf(np.asarray(u)), dtype=float)
 
     def frozen(self) -> Any:
         """SciPy's distribution.

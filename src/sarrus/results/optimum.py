@@ -44,10 +44,11 @@ class Optimum(Result):
     names : of the design variables
     x, x0 : their values, and those at the start (p,)
     value, value0 : of the objective
-    success : whether all constraints hold, and the first-order optimality conditions to 0.01, see `optimality`
+    success : whether all constraints hold, and `optimality` is at most 0.01
     status : "converged", "not converged", "stopped" or "time limit"
-    optimality : what the multipliers of all limits leave of the objective's gradient: a relative change of the
-        objective (of 1e-4 of that at the start at least) by a relative change of the variables, 0 at an optimum
+    optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its value
+        or size, and of the square root of the fall of the objective, over its changes in the search; 0 at an optimum.
+        The same for an objective f as for a·f + b
     message : one sentence: how it went
     history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
         not press against bounds, NaN where none was asked for; how far constraints are from being satisfied

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
@@ -20,7 +21,7 @@ from ..threads import one_thread_if_small
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables
 from .solvers import Answer, in_words
-from .task import guarded, optimum_of
+from .task import guarded, normalize, optimum_of
 
 POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
 LARGE = 2.0  # [-] residuals over sigma, on the average, that noise does not explain
@@ -124,13 +125,23 @@ def _misfits(given: Any) -> list[Misfit]:
 
 
 def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
+    """SciPy's least squares, residuals divided so that the gradient of their squares is `FIRST` at the start.
+
+    Its `ftol` is relative to the sum of squares, most of which the parameters may not change: it is given smaller by so
+    much.
+    """
     from scipy.optimize import least_squares
 
-    variables = squares.search.variables
-    found = least_squares(
-        squares.residuals, variables.z0, jac=squares.jacobian, bounds=variables.ends.T,
-        xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=iterations,
-    )  # fmt: skip
+    search = squares.search
+    normalize(search, squares.slope)
+    variables, root = search.variables, np.sqrt(search.size)
+    share = min(search.size / abs(search.origin), 1.0) if search.origin else 1.0
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Setting `ftol` below the machine epsilon", UserWarning)
+        found = least_squares(
+            lambda z: squares.residuals(z) / root, variables.z0, jac=lambda z: squares.jacobian(z) / root,
+            bounds=variables.ends.T, xtol=tolerance, ftol=tolerance * share, gtol=tolerance, max_nfev=iterations,
+        )  # fmt: skip
     return Answer(bool(found.success), in_words(str(found.message)))
 
 

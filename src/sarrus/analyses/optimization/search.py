@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,11 +20,22 @@ Bounds = Mapping[str, tuple[float | None, float | None]]
 Progress = Callable[[int, float], None] | bool
 PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
 SLIGHT = 1e-3  # [-] of the objective's size: the least rise of the wall
+ROUND_OFF = 1e-12  # [-] of the objective: a gradient that is the rounding of nothing
+FIRST = 0.3  # [-] the scaled gradient at a start: solvers try a step of that size first, in sizes of the variables
+PRESSING = 1e-3  # [-] of the gradient: the least size of an objective whose gradient is balanced by limits
 log = logging.getLogger("sarrus.optimize")
 
 
 class Stuck(Exception):
     """Too many designs in a row could not be simulated."""
+
+
+class Gradients(NamedTuple):
+    """At a design z (p,) the gradient of the objective (p,), and those of the constrained responses (c, p)."""
+
+    z: Array
+    slope: Array
+    others: Array
 
 
 class Variables:
@@ -116,8 +127,10 @@ class Search:
 
     Attributes
     ----------
-    first : the objective at the start
     begun : the variables at the start (p,)
+    gradients : all that were computed, by the bytes of their designs
+    origin, size : a solver sees the objective without the origin and divided by the size, so that its tolerances mean
+        the same for f and a·f + b; see `normalize`
     """
 
     def __init__(
@@ -136,19 +149,33 @@ class Search:
         self._best = (np.inf, np.inf)
         self._in_a_row = 0
         self._seen: dict[bytes, int] = {}
-        self._sizes: dict[bytes, float] = {}
+        self.gradients: dict[bytes, Gradients] = {}
         self._progress, self.began = _line if progress is True else progress, time.perf_counter()
         self.anchor, self.begun = variables.z0, variables.x0
         problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
-        self.value(self.anchor)
-        self.first = self._told[0][0]
-        self.size = abs(self.first) or 1.0
+        self.origin = self.value(self.anchor)
+        self.size = abs(self.origin) or 1.0
 
-    def restart(self, size: float) -> None:
-        """Let a solver begin anew at the best design, the objective divided by another size."""
+    def normalize(self, slope: Array, rest: float) -> None:
+        """Take the objective at a solver's start for its origin, and its gradient there for its size.
+
+        Parameters
+        ----------
+        slope : that gradient (p,)
+        rest : the size of what multipliers of limits leave of it
+        """
+        self.origin = self.value(self.variables.z0)
+        steepness = float(np.linalg.norm(slope))
+        if steepness > ROUND_OFF * abs(self.origin):
+            self.size = max(rest, PRESSING * steepness) / FIRST
+        else:
+            self.size = abs(self.origin) or 1.0
+
+    def restart(self) -> None:
+        """Let a solver begin anew at the best design."""
         assert self.best is not None
         self.variables = self.variables.beginning(self.best.x)
-        self.anchor, self.size, self._in_a_row = self.variables.z0, size, 0
+        self.anchor, self._in_a_row = self.variables.z0, 0
 
     def point(self, z: Array) -> Point:
         """The design."""
@@ -180,18 +207,42 @@ class Search:
             matrix = self.point(z).slopes
         except Infeasible:
             return self._wall(z)[1]
-        slope = np.asarray(matrix[: self.count].sum(axis=0) * self.variables.scale)
-        self.noted(z, slope)
+        scaled = np.asarray(matrix * self.variables.scale)
+        slope = np.asarray(scaled[: self.count].sum(axis=0))
+        self.noted(z, slope, scaled[self.count :])
         return slope
 
-    def noted(self, z: Array, slope: Array) -> None:
-        """Write the size of a gradient down."""
-        self._sizes[np.asarray(z).tobytes()] = float(np.linalg.norm(self.variables.free_gradient(z, slope)))
+    def scaled_value(self, z: Array) -> float:
+        """The objective as a solver sees it."""
+        return (self.value(z) - self.origin) / self.size
+
+    def scaled_slope(self, z: Array) -> Array:
+        """Its gradient by z (p,)."""
+        return self.slope(z) / self.size
+
+    def noted(self, z: Array, slope: Array, others: Array | None = None) -> None:
+        """Remember the gradient of the objective at a design, and those of the constrained responses."""
+        rows = np.zeros((0, len(slope))) if others is None else others
+        self.gradients[np.asarray(z).tobytes()] = Gradients(np.array(z), slope, rows)
+
+    def _steepness(self, key: bytes) -> float:
+        """The size of the gradient at a design, as far as it does not press against bounds; NaN if not asked for."""
+        known = self.gradients.get(key)
+        return (
+            np.nan
+            if known is None
+            else float(np.linalg.norm(self.variables.free_gradient(known.z, known.slope)))
+        )
+
+    @property
+    def values(self) -> Array:
+        """The objective of each simulation (n,)."""
+        return np.array([value for value, _ in self._told])
 
     @property
     def history(self) -> Array:
         """Of each simulation the objective, the size of its gradient (NaN: not asked for), and the gap (n, 3)."""
-        sizes = (self._sizes.get(key, np.nan) for key in self._seen)
+        sizes = map(self._steepness, self._seen)
         return np.array(
             [[value, size, short] for (value, short), size in zip(self._told, sizes, strict=True)]
         )
@@ -242,7 +293,7 @@ class Search:
         if place is None:  # SLSQP also tells of a step that it could not make
             return
         self.anchor = np.array(z)
-        size = self._sizes.get(np.asarray(z).tobytes(), np.nan)
+        size = self._steepness(np.asarray(z).tobytes())
         steepness = "" if np.isnan(size) else f", free gradient {size:.3g}"  # solvers ask for it later
         log.info("simulation %d: objective %.9g%s", place + 1, self._told[place][0], steepness)
 

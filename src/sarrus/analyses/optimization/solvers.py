@@ -72,7 +72,7 @@ def solver_of(
 def by_scipy(
     search: Search, method: str, iterations: int, tolerance: float, second_order: bool = False
 ) -> Answer:
-    """`scipy.optimize.minimize`, the objective divided by its size at the start."""
+    """`scipy.optimize.minimize`, the objective as `Search.normalize` makes it."""
     from scipy.optimize import Bounds, minimize
 
     def accepted(z: Array, *_: Any) -> None:
@@ -87,7 +87,7 @@ def by_scipy(
             "ignore", "delta_grad == 0.0", UserWarning
         )  # at a wall constraints stand still
         found = minimize(
-            lambda z: search.value(z) / search.size, search.variables.z0, jac=lambda z: search.slope(z) / search.size,
+            search.scaled_value, search.variables.z0, jac=search.scaled_slope,
             method=method, bounds=bounds, constraints=_constraints(search, second_order), tol=tolerance,
             callback=accepted, options={"maxiter": iterations},
             hessp=(lambda z, p: search.curved(z, p) / search.size) if second_order else None,
@@ -150,8 +150,8 @@ def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bo
     problem = ipyopt.Problem(
         n, low.copy(), high.copy(), m, np.clip(ends[0], -1e20, 1e20), np.clip(ends[1], -1e20, 1e20),
         (rows, columns), triangle,
-        lambda z: search.value(z) / search.size,
-        lambda z, out: _put(out, search.slope(z) / search.size),
+        search.scaled_value,
+        lambda z, out: _put(out, search.scaled_slope(z)),
         lambda z, out: _put(out, search.others(z) / size if m else np.zeros(0)),
         lambda z, out: _put(out, np.ravel(search.other_slopes(z) / size[:, None]) if m else np.zeros(0)),
         curvature if second_order else None,

@@ -13,14 +13,14 @@ from ...model import collecting
 from ...results import Optimum
 from ..progress import TimeLimit
 from .constraint import Within, gap
-from .optimality import OPTIMAL, SHARP, objective_size, optimality
+from .optimality import OPTIMAL, SHARP, balance, optimality
 from .problem import Infeasible, Problem
 from .search import Progress, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
 RESTARTS = 20  # of a solver that makes progress
-PROGRESS = 1e-6  # [-] fall of the objective that counts as progress
+PROGRESS = 1e-6  # [-] fall of the objective as the solver sees it that counts as progress
 
 
 @dataclass(frozen=True)
@@ -43,19 +43,27 @@ class Task:
     def _repeated(self, search: Search) -> Answer:
         """Run the solver, again from where it stopped while that helps: its scales are those of the start."""
         solver = solver_of(self.solver, bool(self.constraints), self.second_order)
+        normalize(search)
         answer = solver(search, self.iterations, self.tolerance)
         left, best = self.iterations - answer.iterations, _merit(search)
         for _ in range(RESTARTS):
-            size = objective_size(best[1], search.first)
             if left < 1 or (best[0] <= SATISFIED and best_optimality(search) <= SHARP):
                 break
-            search.restart(size)
+            search.restart()
+            normalize(search)
             again = solver(search, left, self.tolerance)
             left, before, best = left - max(again.iterations, 1), best, _merit(search)
-            if not (best[0] < before[0] - SATISFIED or before[1] - best[1] > PROGRESS * size):
+            if not (best[0] < before[0] - SATISFIED or before[1] - best[1] > PROGRESS * search.size):
                 break
             answer = again
         return answer
+
+
+def normalize(search: Search, slope_of: Callable[[Array], Array] | None = None) -> None:
+    """Make the objective that a solver sees independent of its unit and of constants in it; see `Search.normalize`."""
+    z = search.variables.z0
+    slope = (slope_of or search.slope)(z)
+    search.normalize(slope, float(np.linalg.norm(balance(search, z, slope).rest)))
 
 
 def _merit(search: Search) -> tuple[float, float]:
@@ -104,11 +112,9 @@ def optimum_of(
     success = optimal and short <= near and not answer.status
     message = answer.message
     if success and not answer.success:
-        message = f"converged: the optimality conditions hold to {open_by:.1e} ({message})"
+        message = f"converged: the optimum is within {open_by:.1e}, as predicted ({message})"
     elif answer.success and not optimal:
-        message = (
-            f"not converged: the optimality conditions are open by {open_by:.2g}, and the solver is stuck"
-        )
+        message = f"not converged: the optimum is predicted at a relative distance of {open_by:.2g}, and the solver is stuck"
     if short > near:
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"

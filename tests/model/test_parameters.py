@@ -17,10 +17,10 @@ from sarrus.model.body import Body
 from sarrus.model.expression import Expression
 from sarrus.model.file.numbers import Numbers
 from sarrus.model.file.stated import function_in
-from sarrus.model.file.typed import measures, typed
 from sarrus.model.inertia import Inertia
 from sarrus.model.measure import In
 from sarrus.model.quantity import Vector
+from sarrus.model.typed import measures, typed
 
 CRANK = """\
 name: parameters

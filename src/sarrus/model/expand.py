@@ -22,6 +22,7 @@ from .quantity import Array, Vec3, vector
 from .rates import check_rates
 from .show import quote, show
 from .solid import GROUND
+from .text_units import check_texts
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}
@@ -152,6 +153,7 @@ def _joints(
     for joint in model.joints:
         with findings.about("joints", joint.name):
             check_connections(joint)
+            check_texts(joint)
             pieces[joint.name] = [Piece(joint.name, primitive) for primitive in joint.primitives(poses)]
             known[joint.name] = tuple(joint.coordinates(poses))
     for joint in model.joints if not findings.errors else ():
@@ -165,6 +167,7 @@ def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> li
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
             check_connections(driver)
+            check_texts(driver)
             pieces += [Piece(driver.name, primitive) for primitive in driver.primitives(poses, known)]
     return pieces
 
@@ -174,6 +177,7 @@ def _forces(model: Model, poses: Poses, findings: Findings) -> list[Piece]:
     for force in model.forces:
         with findings.about("forces", force.name):
             check_connections(force)
+            check_texts(force)
             pieces += [Piece(force.name, primitive) for primitive in force.primitives(poses)]
     return pieces
 

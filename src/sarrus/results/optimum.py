@@ -46,9 +46,9 @@ class Optimum(Result):
     value, value0 : of the objective
     success : whether all constraints hold, and `optimality` is at most 0.01
     status : "converged", "not converged", "stopped" or "time limit"
-    optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its value
-        or size, and of the square root of the fall of the objective, over its changes in the search; 0 at an optimum.
-        The same for an objective f as for a·f + b
+    optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its
+        value or size, and of the square root of the fall of the objective, over its changes in the search; 0 at an
+        optimum. The same for an objective f as for a·f + b
     message : one sentence: how it went
     history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
         not press against bounds, NaN where none was asked for; how far constraints are from being satisfied

@@ -84,9 +84,9 @@ def optimize(
     Returns
     -------
     Optimum
-        ``success`` means that the constraints hold and that the optimum is near, as predicted from gradients at the end,
-        whatever the solver says: ``optimality`` is at most 0.01, see `Optimum`. The best design is kept, also after
-        Ctrl-C.
+        ``success`` means that the constraints hold and that the optimum is near, as predicted from gradients at the
+        end, whatever the solver says: ``optimality`` is at most 0.01, see `Optimum`. The best design is kept, also
+        after Ctrl-C.
 
     Raises
     ------

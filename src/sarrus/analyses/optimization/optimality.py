@@ -90,9 +90,9 @@ def optimality(search: Search, z: Array, slope_of: Callable[[Array], Array] | No
     """The predicted relative distance of a design from the optimum: 0 at an optimum.
 
     It is the larger of two: the predicted change of a variable, in its size; and the square root of the predicted fall
-    of the objective over the changes of it seen in the search, which is a distance where the objective is quadratic.
-    Where a fall below `FLAT` of that achieved is predicted, the first counts as `OPTIMAL` at most. `slope_of` gives the gradient where
-    it is known otherwise than from `Search.slope`.
+    of the objective over the changes of it seen in the search, which is a distance where the objective is quadratic,
+    with the fall on the way to limits over them. Where a fall below `FLAT` of that achieved is predicted, the first
+    counts as `OPTIMAL` at most. `slope_of` gives the gradient where it is known otherwise than from `Search.slope`.
     """
     slope = (slope_of or search.slope)(z)
     here = balance(search, z, slope)
@@ -103,16 +103,16 @@ def optimality(search: Search, z: Array, slope_of: Callable[[Array], Array] | No
     step = predicted_step(Lagrangian(search, here.weights, slope_of), z, here.free, rest)
     if step is None:
         return _distance(search, z, rest / size, size, here)
-    return _distance(search, z, step, 0.5 * float(rest @ step), here)
+    return _distance(search, z, step, 0.5 * max(float(rest @ step), 0.0), here)
 
 
 def _distance(search: Search, z: Array, step: Array, fall: float, here: Balance) -> float:
-    """The relative distance for a predicted step against the gradient, and a predicted fall; with that to the limits."""
+    """The relative distance for a predicted step against the gradient and its fall, with that to the limits."""
     low, high = search.variables.ends.T
     change = max(relative(np.clip(z - step, low, high) - z, z), here.gap)
-    values, whole = search.values, max(fall, 0.0) + here.gain
+    values, whole = search.values, fall + here.gain
     achieved, largest = abs(values[0] - search.value(z)), np.ptp(values)
-    in_value = float(np.sqrt(whole / largest)) if largest > 0 else float(whole > 0)
+    in_value = float(np.sqrt(fall / largest) + here.gain / largest) if largest > 0 else float(whole > 0)
     return max(min(change, OPTIMAL) if whole <= FLAT * achieved else change, in_value)
 
 

@@ -77,7 +77,7 @@ class Lagrangian:
 
 
 def predicted_step(lagrangian: Lagrangian, z: Array, free: Array, rest: Array) -> Array | None:
-    """The step s with H s = the gradient that is left (p,), H the second derivatives; None where these are not positive.
+    """The step s with H s = the gradient that is left (p,), H the second derivatives; None where H is not positive.
 
     The curvature that the search has seen proposes a step; the gradient at a design along it corrects the
     curvature and the length of the step, until the steps together explain the gradient. On a quadratic objective these

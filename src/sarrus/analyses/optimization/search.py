@@ -21,6 +21,7 @@ Progress = Callable[[int, float], None] | bool
 PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
 SLIGHT = 1e-3  # [-] of the objective's size: the least rise of the wall
 ROUND_OFF = 1e-12  # [-] of the objective: a gradient that is the rounding of nothing
+SMALL_GAP = 1e-7  # [-] of a limit, which a better design may miss: interior-point methods end so near
 FIRST = 0.3  # [-] the scaled gradient at a start: solvers try a step of that size first, in sizes of the variables
 PRESSING = 1e-3  # [-] of the gradient: the least size of an objective whose gradient is balanced by limits
 log = logging.getLogger("sarrus.optimize")
@@ -178,8 +179,17 @@ class Search:
         self.anchor, self._in_a_row = self.variables.z0, 0
 
     def point(self, z: Array) -> Point:
-        """The design."""
-        return self.problem.at(self.variables.of(z))
+        """The design.
+
+        Raises
+        ------
+        Infeasible
+            If there is none, or its assembly has no derivatives.
+        """
+        found = self.problem.at(self.variables.of(z))
+        if not found.start.nearest:
+            raise Infeasible(f"its assembly has no derivatives: {found.start.message}")
+        return found
 
     def value(self, z: Array) -> float:
         """The objective.
@@ -322,7 +332,7 @@ class Search:
         self._told.append((value, short))
         self.trace.append(point.x.copy())
         best_short, best = self._best[0], self._best[1]
-        if short < best_short - 1e-9 or (short <= max(best_short, 1e-9) and value < best):
+        if short < best_short - SMALL_GAP or (short <= max(best_short, SMALL_GAP) and value < best):
             self._best, self.best = (short, value), point
         if self._progress:
             self._progress(len(self._told), value)

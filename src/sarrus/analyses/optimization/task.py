@@ -36,7 +36,10 @@ class Task:
     def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
         """The optimum from one start; of warnings, those of the system's own state and of the best design."""
         with collecting():
-            search = Search(problem, variables, self.constraints, progress)
+            try:
+                search = Search(problem, variables, self.constraints, progress)
+            except TimeLimit as over:  # there is no design yet to return
+                raise Infeasible(str(over)) from None
             answer = guarded(lambda: self._repeated(search))
             return optimum_of(search, answer, max(SATISFIED, self.tolerance))
 
@@ -114,7 +117,7 @@ def optimum_of(
     if success and not answer.success:
         message = f"converged: the optimum is within {open_by:.1e}, as predicted ({message})"
     elif answer.success and not optimal:
-        message = f"not converged: the optimum is predicted at a relative distance of {open_by:.2g}, and the solver is stuck"
+        message = f"not converged: the optimum is {open_by:.2g} away, as predicted, and the solver is stuck"
     if short > near:
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"

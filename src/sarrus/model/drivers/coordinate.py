@@ -29,6 +29,11 @@ class CoordinateDriver(Driver):
     coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
     motion: Annotated[Motion, In("", over="s")]
 
+    @property
+    def law_measures(self) -> dict[str, In]:
+        """What the motion measures: a length for x, y and z."""
+        return {"motion": In("m" if self.coordinate in ("x", "y", "z") else "1", over="s")}
+
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield coordinate - f(t)."""
         refuse_ground(self.body.name, "body")

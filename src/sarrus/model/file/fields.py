@@ -36,11 +36,11 @@ from ..quantity import Vector
 from ..shape import Shape
 from ..show import quote
 from ..solid import Solid
+from ..typed import typed
 from .entry import Entry, said
 from .form import list_of, marked, one_of
 from .scope import full_name
 from .stated import function_in, law_in, list_in, number_in
-from .typed import typed
 
 Solids: TypeAlias = Mapping[str, Solid]
 

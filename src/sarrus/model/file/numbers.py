@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections import ChainMap
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -12,26 +10,22 @@ from ..body import Body
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
-from ..expression.dimensions import Powers, fits, unit_of
-from ..expression.units import powers_of, unit_text
+from ..expression.dimensions import Powers, unit_of
+from ..expression.units import powers_of
 from ..findings import KINDS
 from ..forces import Force
 from ..joints import Joint
+from ..measure import In
 from ..show import quote, show, suggest
+from ..text_units import check_function_unit, check_unit, variable_of
+from ..typed import measures
 from .scalar import NUMBER
 from .scope import full_name
-from .typed import measures
 
-TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
 MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another
 AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
 FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
-
-
-def variable_of(over: str) -> str:
-    """Return the name of a formula's variable: t for time, x for anything else."""
-    return "t" if over == "s" else "x"
 
 
 class Computed(float):
@@ -72,28 +66,17 @@ class Numbers:
     def number(self, text: str, unit: str) -> Computed:
         """Return the number that a text gives, in the SI unit ``unit``, with its formula."""
         tree = self.tree(text)
-        self._check_unit(tree, text, unit)
+        check_unit(tree, text, unit, self.units)
         result = Computed(_finite(tree.value(self.values), text))
         result.expression = tree
         return result
 
     def function(self, text: str, unit: str, over: str) -> Expression:
         """Return the formula of a function of one variable, with numbers for all other names."""
-        variable = variable_of(over)
-        tree = self.tree(text, variable)
-        self._check_function(tree, text, unit, {variable: powers_of(over)})
+        tree = self.tree(text, variable_of(over))
+        check_function_unit(tree, text, In(unit, over), self.units)
         known = [name for name in tree.names() if name in self.values]
         return tree.replaced({name: Number(self.values[name], of=name) for name in known})
-
-    def _check_function(self, tree: Expression, text: str, unit: str, variable: dict[str, Powers]) -> None:
-        """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without."""
-        try:
-            self._check_unit(tree, text, unit, variable)
-        except ModelError as error:
-            try:
-                self._check_unit(tree, text, unit, {name: {} for name in variable})
-            except ModelError:
-                raise error from None
 
     def point(self, text: str) -> Any:
         """Return the entries of a named point as they are written."""
@@ -147,19 +130,6 @@ class Numbers:
             tree = Number(value)
         own = powers_of(unit) if unit else (unit_of(tree, self.units) or None)
         self.trees[name], self.values[name], self.units[name] = tree, value, own
-
-    def _check_unit(
-        self, tree: Expression, text: str, unit: str, variables: Mapping[str, Powers] | None = None
-    ) -> None:
-        found = unit_of(tree, ChainMap({**(variables or {})}, self.units))
-        if unit and not fits(found, unit):
-            expected = "a plain number" if unit == "1" else unit
-            told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
-            if variables and (tonne := TONNE.search(text)):
-                raise ModelError(
-                    f"{told}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
-                )
-            raise ModelError(f"{told}; give it in {expected}, or leave the unit away")
 
     def _definition(self, name: str, text: str, variables: tuple[str, ...]) -> tuple[Any, str | None]:
         """Return what the file says for a name, and the unit that its place declares."""

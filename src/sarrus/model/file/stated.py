@@ -20,9 +20,10 @@ from ..curve import Formula, Tree
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
+from ..text_units import variable_of
 from .entry import said
 from .form import list_of, marked
-from .numbers import Echo, Numbers, variable_of
+from .numbers import Echo, Numbers
 from .scalar import NUMBER
 
 Handler: TypeAlias = ValidatorFunctionWrapHandler

@@ -62,8 +62,10 @@ def test_a_unit_that_does_not_fit_is_refused(case: str) -> None:
 def test_the_message_is_that_of_files(tmp_path: Any) -> None:
     text = """
 bodies: {ball: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}}
-forces: {s: {type: tsda, k: 5 kg * x, length: 0.5, points: [{body: ground, at: [0, 0, 0]}, {body: ball, at: [0, 0, 0]}]}}
-"""
+forces: {s: {type: tsda, k: 5 kg * x, length: 0.5, points: [[ground, 0, 0], [ball, 0, 0]]}}
+""".replace("[ground, 0, 0]", "{body: ground, at: [0, 0, 0]}").replace(
+        "[ball, 0, 0]", "{body: ball, at: [0, 0, 0]}"
+    )
     (tmp_path / "m.yaml").write_text(text)
     with pytest.raises(sr.ModelError) as of_file:
         sr.load(tmp_path / "m.yaml")

@@ -43,13 +43,18 @@ RETIRED = {
 }
 
 # folders and files without retired words; add a folder when it has been cleaned
-CLEAN = ("README.md", "CONTRIBUTING.md", "docs")
+CLEAN = ("README.md", "CONTRIBUTING.md", "docs", "src/sarrus/system")
 
 # expressions that may contain a retired word: the only exceptions
 ALLOWED = {
     "-march=native": "an option of gcc",
     "exudyn_told.py": "a file of the benchmarks",
     "lane_room.py": "a file, until it is renamed",
+    "def room(": "a function of lane_room.py, until it is renamed",
+    "def rooms(": "a function of lane_room.py, until it is renamed",
+    "room(sum(": "a function of lane_room.py, until it is renamed",
+    "told = signature": "text of system/group.py, which all kernels depend on",
+    "driver(told,": "text of system/group.py, which all kernels depend on",
     "`March`": "a class, until it is renamed",
     "curve.trouble": "a public field",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",

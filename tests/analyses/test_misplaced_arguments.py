@@ -32,9 +32,9 @@ def test_only_measurements_are_fitted(pendulum: sr.System, given: object) -> Non
 
 
 def test_reactions_need_whole_states(pendulum: sr.System) -> None:
-    with pytest.raises(ValueError, match=r"lam must have shape \(6,\), but has \(1,\)"):
+    with pytest.raises(ValueError, match=r"lam must have shape \(6,\), got \(1,\)\."):
         pendulum.reaction("pin", pendulum.q0, [1.0])
-    with pytest.raises(ValueError, match=r"q must have shape \(7,\), but has \(3,\)"):
+    with pytest.raises(ValueError, match=r"q must have shape \(7,\), got \(3,\)\."):
         pendulum.reaction("pin", np.zeros(3), np.zeros(6))
 
 

@@ -11,7 +11,7 @@ from tests.sensitivity.zoo import zoo
 import sarrus as sr
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.system.curve_derivatives import CurveDerivatives
-from sarrus.system.told import memory_places
+from sarrus.system.element_values import memory_places
 
 FORCE = [[0, 1], [0.3, 2], [0.5, 1.5], [0.8, 2], [1.2, 0.5]]
 LAW = [[-1, -12], [0.5, 5], [1.5, 20], [2.5, 45]]

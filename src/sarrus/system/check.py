@@ -1,4 +1,4 @@
-"""Every operator of a system against an independent route, for any model and any user's elements.
+"""Comparison of every operator of a system with an independent computation, for any model and any user's elements.
 
 The compiled operators are compared with the elements' own formulas in plain NumPy: derivatives with the complex-step
 derivative of the operator that they differentiate (exact to round-off), the others as they stand. The quadratic
@@ -29,7 +29,7 @@ NEARBY = 0.03  # how far from the state the size of its terms is taken, since th
 
 @dataclass(frozen=True)
 class Finding:
-    """How far one operator is from its independent value, and where most."""
+    """The largest error of one operator, and where it is."""
 
     operator: Operator
     independent: str
@@ -44,7 +44,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Report:
-    """The findings for all operators. Printed, a table; true if all agree."""
+    """The results for all operators. Prints as a table; true if all agree."""
 
     system: str
     findings: tuple[Finding, ...]
@@ -99,7 +99,7 @@ def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: An
 
 
 def random_state(system: Any, q: Any, seed: int) -> dict[str, Any]:
-    """Coordinates near the model's (or those given) and random operands."""
+    """Random operands, and coordinates near the model's (or the given ones)."""
     random = np.random.default_rng(seed)
     state: dict[str, Any] = {name: random.normal(size=system.nq) for name in ("xi", "eta", "v", "a")}
     state["lam"], state["t"] = random.normal(size=system.m), 0.25
@@ -186,7 +186,7 @@ def _finding(system: Any, operator: Operator, route: str, found: Array, want: Ar
 
 
 def _size(system: Any, operator: Operator, scale: Array) -> Array:
-    """What an error is measured by: the largest term of its block, but at least a small share of its row's."""
+    """The scale of an error: the largest term of its block, but at least a small fraction of that of its row."""
     row = scale.max(axis=1, keepdims=True, initial=0.0)
     block = scale
     if not operator.is_vector and scale.size:
@@ -199,7 +199,7 @@ def _size(system: Any, operator: Operator, scale: Array) -> Array:
 
 
 def _operands(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
-    """The operands as element k sees them."""
+    """The operands of element k."""
 
     rest = np.zeros(WIDTH)
     there = {key: local(p, k, state[key], GROUND if key == "q" else rest) for key in BODY_OPERANDS}
@@ -208,7 +208,7 @@ def _operands(p: Population, k: int, state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
-    """Rows and columns of element k's share; negative for ground."""
+    """Rows and columns of element k's contribution; negative for the ground."""
 
     def along(axis: Axis) -> Array:
         if axis is Axis.ROWS:

@@ -1,4 +1,4 @@
-"""The constraint operators of a system, under their public names."""
+"""The constraint operators of a system, by their public names."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ class ConstraintOperators(Operators):
         return self._evaluate("Phi_t_b", out, b, q=q, t=t)
 
     def gamma(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> Array:
-        """Right side of Φ_q a = γ = -(Φ_q v)_q v - 2 Φ_tq v - Φ_tt. Eq. (4).
+        """Right-hand side of Φ_q a = γ = -(Φ_q v)_q v - 2 Φ_tq v - Φ_tt. Eq. (4).
 
         Returns
         -------
@@ -174,7 +174,7 @@ class ConstraintOperators(Operators):
         return self._evaluate("gamma_v", out, b, q=q, v=v, t=t)
 
     def Phi_b(self, q: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
-        """Φ_b: derivative to all numbers of all elements, in the order of `number_names`.
+        """Φ_b: derivative with respect to all parameters of all elements, in the order of `number_names`.
 
         Returns
         -------

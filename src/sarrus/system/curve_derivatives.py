@@ -1,9 +1,9 @@
-"""How the equations change with what curves are made of: coefficients of tables, numbers of formulas; at many times.
+"""Derivatives of the equations with respect to the parameters of curves: table values and formula constants.
 
-An operator takes curves by their values and slopes, f⁽ᵒ⁾(x); with the derivatives of what it gives by these, recorded
-exactly, its change with a number c of a curve is the sum of those times ∂f⁽ᵒ⁾/∂c at x. A number of a curve has a column
-behind those of all elements: a coefficient of a table its own, the numbers of a formula one after another from the
-place at which the curve is stored.
+An operator uses curves by their values and slopes, f⁽ᵒ⁾(x). Its derivative with respect to a parameter c of a curve is
+the sum of its exact, recorded derivatives with respect to these calls, times ∂f⁽ᵒ⁾/∂c at x. A parameter of a curve has
+a column behind those of all elements: one for each coefficient of a table, and for the constants of a formula one
+after another, starting at the index of the curve.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ KNOWN = 256  # functions of one variable whose derivatives are kept
 
 
 class Part(NamedTuple):
-    """Derivatives of some rows (n,) by numbers, columns (k, nt), at nt times: slopes (n, nt) times basis (k, nt)."""
+    """Derivatives of some rows (n,) by parameters, columns (k, nt), at nt times: slopes (n, nt) times basis (k, nt)."""
 
     rows: Array
     slopes: Array
@@ -59,7 +59,7 @@ class Part(NamedTuple):
 
 
 class Integral(NamedTuple):
-    """An integral of a curve (nt,), the columns of the numbers it depends on, and its derivatives by each (nt,)."""
+    """An integral of a curve (nt,), the columns of the parameters it depends on, and its derivatives by each (nt,)."""
 
     value: Array
     numbers: list[int]
@@ -67,13 +67,13 @@ class Integral(NamedTuple):
 
 
 class Entries:
-    """Derivatives of an operator by numbers of curves at many times: a sum of parts."""
+    """Derivatives of an operator by parameters of curves at many times: a sum of parts."""
 
     def __init__(self, parts: Sequence[Part], times: int) -> None:
         self._parts, self._times = parts, times
 
     def along(self, db: Array, height: int) -> Array:
-        """The change of the operator (nt, height, k) with changes of the numbers (len(b), k)."""
+        """The change of the operator (nt, height, k) for changes of the parameters (len(b), k)."""
         found = np.zeros((self._times, height, db.shape[1]))
         for rows, slopes, columns, basis in self._parts:
             moved = np.einsum("nt,ntk->tk", basis, db[columns])
@@ -91,7 +91,7 @@ class Entries:
         return found
 
     def matrix(self, height: int, width: int) -> csr_array:
-        """The derivatives at the only time."""
+        """The derivatives at a single time."""
         found = csr_array((height, width))
         for rows, slopes, columns, basis in self._parts:
             values, count = np.outer(slopes, basis).reshape(-1), len(columns)
@@ -101,7 +101,7 @@ class Entries:
 
 
 class _Recipe(NamedTuple):
-    """One operator of a variant: its entries, its calls of curves, and the derivatives of the entries by them.
+    """One operator of a variant: its components, its calls of curves, and the derivatives of the components by them.
 
     places : of the entries: block along the axis, entry of the block
     calls : order, number that holds the place, and argument
@@ -121,7 +121,7 @@ class _Recipe(NamedTuple):
 
 
 class CurveDerivatives:
-    """The derivatives of a system's operators by the numbers of its curves.
+    """The derivatives of a system's operators with respect to the parameters of its curves.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ class CurveDerivatives:
 
     @property
     def width(self) -> int:
-        """How many columns there are."""
+        """Number of columns."""
         return len(self._system.b)
 
     def __bool__(self) -> bool:
@@ -159,7 +159,7 @@ class CurveDerivatives:
         return Entries(parts, len(operands["t"]))
 
     def matrix(self, name: str, b: Array, t: float, **operands: Array) -> csr_array:
-        """The derivatives of an operator at one time, as wide as all columns; operands are (nq,) or (m,)."""
+        """The derivatives of an operator at one time, for all columns; operands are (nq,) or (m,)."""
         now = {"t": np.array([t])} | {key: x[None] for key, x in operands.items()}
         height = self._system.m if OPERATORS[name].axes[0] is Axis.ROWS else self._system.nq
         return self(name, b, {}, **now).matrix(height, self.width)
@@ -196,7 +196,7 @@ class CurveDerivatives:
     def _parts(
         self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
     ) -> list[Part]:
-        """Those of all elements of a population, which are evaluated together."""
+        """The derivatives of all elements of a population, which are evaluated together."""
         recipe = _recipe(p.variant, name)
         found = self.on_elements(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
         count = len(recipe.calls)
@@ -244,13 +244,13 @@ class CurveDerivatives:
         return inputs
 
     def _row(self, p: Population, k: int, name: str, block: int, entry: int) -> int:
-        """The row of an entry of a block."""
+        """The row of a component of a block."""
         if OPERATORS[name].axes[0] is Axis.ROWS:
             return int(p.rows[k]) + entry
         return int(p.bodies[k, block // 2]) + (3 if block % 2 else 0) + entry
 
     def _basis(self, p: Population, k: int, place: int, order: int, x: Array) -> tuple[Array, Array]:
-        """Columns (numbers, nt) of a curve's numbers, and the derivatives of f⁽ᵒ⁾(x) by them (numbers, nt)."""
+        """Columns (parameters, nt) of a curve's parameters, and the derivatives of f⁽ᵒ⁾(x) by them (parameters, nt)."""
         at = int(self._system.b[p.at + k * p.kind.size() + place])
         curve = stored(p, k, place)
         if isinstance(curve, Curve):
@@ -277,7 +277,7 @@ def _quadrature(curve: Any, a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
-    """The piece in which each x lies (nt,), and what the derivative there has of its four coefficients (4, nt)."""
+    """The interval of each x (nt,), and the factors of its four coefficients in the derivative (4, nt)."""
     knots = np.array(curve.knots)
     piece = np.searchsorted(knots[1:-1], x, side="right")
     u, powers = x - knots[piece], np.zeros((4, len(x)))
@@ -294,7 +294,7 @@ def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
 
 
 class _User:
-    """A user's function. Equal are those that do the same: what one refers to may have changed since it was seen."""
+    """A user's function. Two are equal if they do the same; objects that one refers to may have changed in between."""
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self._function, self._steps = function, program(function)
@@ -323,18 +323,18 @@ def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, li
 
 @lru_cache(KNOWN)
 def _by_numbers(written: Any) -> list[Any]:
-    """The derivatives of a written formula by its numbers, as functions."""
+    """The derivatives of a formula with respect to its constants, as functions."""
     return list(written.slopes())
 
 
 def formula_graph(law: Formula) -> tuple[Graph, Expression]:
-    """A formula as it was recorded."""
+    """A formula as recorded."""
     graph, found, _ = _recorded(_known(law.function), 0)
     return graph, found
 
 
 def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
-    """What a formula computes on the way (wanted, nt)."""
+    """The intermediate values of a formula (wanted, nt)."""
     values = evaluated(formula_graph(law)[0], wanted, {("x",): x}, MANY)
     return np.array([np.broadcast_to(value, x.shape) for value in values], dtype=float).reshape(-1, *x.shape)
 
@@ -368,7 +368,7 @@ def constant(graph: Graph, value: Any) -> Expression:
 
 
 def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]], list[Expression]]:
-    """A vector recorded: its entries with their places, block along the axis and entry of the block."""
+    """A recorded vector: its components with their indices, block along the axis and component of the block."""
     recording = record(variant, (name,))
     graph, blocks = recording.graph, recording.outputs[0].blocks
     places = [
@@ -385,14 +385,14 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
     calls = [Expression(graph, n) for n in needed(graph, entries) if graph.nodes[n].op in ORDERS]
     partials = jacobian(graph, entries, calls)
     nodes = [graph.nodes[call.id] for call in calls]
-    told = [
+    curve_calls = [
         (ORDERS[node.op], graph.nodes[node.args[0]].value[1], Expression(graph, node.args[1]))
         for node in nodes
     ]
     for place in np.ndindex(*partials.shape):
         partials[place] = constant(graph, partials[place])
-    wanted = [*(x for _, _, x in told), *partials.flat]
-    return _Recipe(graph, places, told, partials, needed(graph, wanted))
+    wanted = [*(x for _, _, x in curve_calls), *partials.flat]
+    return _Recipe(graph, places, curve_calls, partials, needed(graph, wanted))
 
 
 def evaluated(
@@ -402,7 +402,7 @@ def evaluated(
     operations: Mapping[str, Callable[..., Any]] = MANY,
     order: list[int] | None = None,
 ) -> list[Any]:
-    """Recorded expressions at many times; `order`: what they need, where it is known."""
+    """Recorded expressions at many times; `order`: the operations they need, if known."""
     values: dict[int, Any] = {}
     for identity in order or needed(graph, wanted):
         node = graph.nodes[identity]
@@ -416,7 +416,7 @@ def evaluated(
 
 
 def _curves_of(kind: Any) -> list[tuple[int, int]]:
-    """Of each curve of an element: its place among the values, and that of its number."""
+    """Of each curve of an element: its index among the values, and that of its parameter."""
     found, at, value = [], 0, 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
         if field == "Time":

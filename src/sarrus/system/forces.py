@@ -1,4 +1,4 @@
-"""The force operators of a system, under their public names."""
+"""The force operators of a system, by their public names."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ForceOperators(Operators):
         return self._evaluate("Q_v", out, b, q=q, v=v, t=t)
 
     def Q_b(self, q: ArrayLike, v: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
-        """Q_b: derivative to all numbers of all forces.
+        """Q_b: derivative with respect to all parameters of all forces.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""The inertia operators of a system, under their public names."""
+"""The inertia operators of a system, by their public names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .operators import Operators
 
 
 class InertiaOperators(Operators):
-    """M, the quadratic velocity force S (right side: M a + Φ_qᵀλ = Q + S), and their derivatives.
+    """M, the quadratic velocity force S (right-hand side: M a + Φ_qᵀλ = Q + S), and their derivatives.
 
     Arguments, `b` and `out` as for the constraint operators. Rows of r in N, rows of p in N m.
     """
@@ -45,7 +45,7 @@ class InertiaOperators(Operators):
         return self._evaluate("M_a_q", out, b, q=q, a=a)
 
     def M_a_b(self, q: ArrayLike, a: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
-        """(M a)_b: derivative to mass, inertia entries and centre of mass.
+        """(M a)_b: derivative with respect to mass, inertia components and centre of mass.
 
         Returns
         -------
@@ -54,7 +54,7 @@ class InertiaOperators(Operators):
         return self._evaluate("M_a_b", out, b, q=q, a=a)
 
     def S(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> Array:
-        """Quadratic velocity (gyroscopic) force S(q, v) on the right side. Eq. (5).
+        """Quadratic velocity (gyroscopic) force S(q, v) on the right-hand side. Eq. (5).
 
         Returns
         -------
@@ -72,7 +72,7 @@ class InertiaOperators(Operators):
         return self._evaluate("S_q", out, b, q=q, v=v)
 
     def S_v(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
-        """S_v. Eq. (58), eight times, with its sign mended.
+        """S_v. Eq. (58), eight times, with its sign corrected.
 
         Returns
         -------
@@ -81,7 +81,7 @@ class InertiaOperators(Operators):
         return self._evaluate("S_v", out, b, q=q, v=v)
 
     def S_b(self, q: ArrayLike, v: ArrayLike, *, b: Any = None, out: Any = None) -> csr_array:
-        """S_b: derivative to mass, inertia entries and centre of mass.
+        """S_b: derivative with respect to mass, inertia components and centre of mass.
 
         Returns
         -------

@@ -19,7 +19,7 @@ TURN = 2 * np.pi
 
 
 class JointCoordinates(ConstraintOperators):
-    """All angles [rad] and travels [m] of all joints as one vector c(q), with the operators of a constraint.
+    """The angles [rad] and displacements [m] of all joints as one vector c(q), with the operators of a constraint.
 
     ``Phi(q)`` is c(q), ``Phi_q(q)`` its derivative (a row for each coordinate), ``Phi_q_xi(q, v)`` its rate, and so
     on to third derivatives. They are no part of the equations of motion.
@@ -40,7 +40,7 @@ class JointCoordinates(ConstraintOperators):
         self.structure = structure_of(self.populations, body_count, self.m, numbers)
 
     def index(self, name: str) -> int:
-        """The row of a coordinate: ``pin.angle``.
+        """The row of a coordinate, such as ``pin.angle``.
 
         Raises
         ------
@@ -52,7 +52,7 @@ class JointCoordinates(ConstraintOperators):
         return self.names.index(name)
 
     def of_joint(self, joint: str) -> list[str]:
-        """Names of a joint's coordinates, without the joint's own.
+        """Names of a joint's coordinates, without the name of the joint.
 
         Raises
         ------
@@ -64,15 +64,15 @@ class JointCoordinates(ConstraintOperators):
         found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
         if not found:
             known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"
-            raise KeyError(f"no joint {joint!r} with an angle or travel; joints that have some: {known}")
+            raise KeyError(f"no joint {joint!r} with an angle or displacement; joints that have one: {known}")
         return found
 
     def near(self, values: Array, near: Array) -> Array:
-        """Values with the whole turns that bring the angles nearest to others."""
+        """Values with the revolutions that bring the angles nearest to given ones."""
         return values + np.where(self.angles, TURN * np.round((near - values) / TURN), 0.0)
 
     def with_revolutions(self, values: Array, revolutions: Array) -> Array:
-        """Values as `Phi` gives them, with revolutions (nc,) or (nt, nc); with none where these are empty."""
+        """Values of `Phi` plus revolutions (nc,) or (nt, nc); without revolutions if these are empty."""
         return values + TURN * revolutions if np.size(revolutions) else values
 
     def revolutions(self, values: Array, q: ArrayLike) -> Array:
@@ -80,7 +80,7 @@ class JointCoordinates(ConstraintOperators):
         return np.where(self.angles, np.round((values - self.Phi(q)) / TURN), 0.0)
 
     def along(self, t: Array, q: Array, v: Array, revolutions: Array | None = None) -> tuple[Array, Array]:
-        """Values and rates (nt, nc) over a motion.
+        """Values and rates (nt, nc) of a motion.
 
         Without known revolutions (nt, nc) they are counted from one time to the next, with help of the rates.
         """
@@ -95,7 +95,7 @@ class JointCoordinates(ConstraintOperators):
 
 
 class JointCoordinate:
-    """One angle or travel of a joint as a function of the system's coordinates.
+    """One angle or displacement of a joint as a function of the system's coordinates.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class JointCoordinate:
         self._every, self._row = every, every.index(name)
 
     def value(self, q: ArrayLike, near: float | None = None) -> float:
-        """The travel [m], or the angle [rad] with turns counted: nearest to `near`, by default to its initial value."""
+        """The displacement [m], or the angle [rad] nearest to `near` (default: to its initial value)."""
         values = self._every.Phi(q)
         if near is not None:
             values = self._every.near(values, np.full(self._every.m, near))
@@ -122,15 +122,15 @@ class JointCoordinate:
         return float((self._every.Phi_q_xi(q, a) - self._every.gamma(q, v))[self._row])
 
     def gradient(self, q: ArrayLike) -> csr_array:
-        """Its exact derivative to q, as a row (1, nq)."""
+        """Its exact derivative with respect to q, as a row (1, nq)."""
         return self._every.Phi_q(q)[[self._row]]
 
     def gradient_xi_q(self, q: ArrayLike, xi: ArrayLike) -> csr_array:
-        """The derivative to q of the gradient along a fixed direction ξ, as a row (1, nq)."""
+        """The derivative with respect to q of the gradient along a fixed direction ξ, as a row (1, nq)."""
         return self._every.Phi_q_xi_q(q, xi)[[self._row]]
 
     def gradientT_q(self, q: ArrayLike) -> csr_array:
-        """The derivative to q of the gradient as a column, symmetric (nq, nq)."""
+        """The derivative with respect to q of the gradient as a column, symmetric (nq, nq)."""
         return self._every.Phi_qT_lam_q(q, np.eye(1, self._every.m, self._row)[0])
 
 
@@ -164,5 +164,5 @@ class SystemJoint:
         return self["angle"].value(q, near)
 
     def travel(self, q: ArrayLike) -> float:
-        """Its travel. [m]"""
+        """Its displacement. [m]"""
         return self["travel"].value(q)

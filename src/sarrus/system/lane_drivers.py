@@ -1,4 +1,4 @@
-"""Drivers that compute a recording for all elements of each population, several states at once in lanes."""
+"""Drivers that evaluate a recording for all elements of each population, several states at once in SIMD lanes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .population import Population
 
 
 def block(values: Sequence[Any]) -> list[Array]:
-    """One block, or none if there is nothing in it."""
+    """One block, or None if it is empty."""
     return [np.array(values, dtype=object)] if len(values) else []
 
 
 def local(variant: Variant, symbols: Array, name: str) -> Any:
-    """Coordinates, or a direction in them, of an element's bodies, some of which may be the ground."""
+    """Coordinates of an element's bodies, or a direction in them; some bodies may be the ground."""
     ground = GROUND if name == "q" else (0,) * WIDTH
     parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
     return partition(variant.kind, np.concatenate(parts))

@@ -1,7 +1,7 @@
-"""Where do arrays in lanes, panels of columns, and what is kept of all steps have their room?
+"""Arrays in SIMD lanes, aligned in memory; large arrays take memory that was used before.
 
-Where the memory is read fastest; large arrays in memory that was used before and that nobody holds any more: the
-system takes as long to give and take back fresh pages as a sweep to fill them.
+The system takes as long to provide and release fresh pages as a sweep takes to fill them, so large arrays reuse memory
+that nothing refers to any more.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _LOOKING = Lock()
 
 
 def used(*shape: int) -> Array:
-    """Numbers of any value."""
+    """An uninitialized array."""
     size = prod(shape) + LINE // 8
     found = _lent(-(-size // LINE) * LINE) if SMALL < size < LARGE else np.empty(size)
     first = -found.ctypes.data % LINE // 8
@@ -48,7 +48,7 @@ def _lent(size: int) -> Array:
 
 
 def aligned(*shape: int) -> Array:
-    """Zeros that begin where a line of the memory does."""
+    """Zeros aligned to a cache line."""
     found = used(*shape)
     found[...] = 0.0
     return found
@@ -60,7 +60,7 @@ def room(entries: int, *rows: int) -> Array:
 
 
 def rooms(entries: Mapping[str, int]) -> dict[str, Array]:
-    """Zeros in lanes, of several names one after another."""
+    """Zeros in lanes, for several names one after another."""
     whole, found, first = room(sum(entries.values())), {}, 0
     for name, count in entries.items():
         found[name] = whole[first * LANES : (first + count) * LANES]

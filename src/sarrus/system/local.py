@@ -1,4 +1,4 @@
-"""A system's vectors as one element sees them."""
+"""A system's vectors restricted to one element."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ GROUND = np.array(recorder.GROUND, dtype=float)
 
 
 def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
-    """A vector of the system as element k of a population sees it; `ground` stands for the fixed body's part."""
+    """A vector of the system restricted to element k of a population; `ground` replaces the part of the fixed body."""
     return np.concatenate([ground if f < 0 else vector[f : f + WIDTH] for f in firsts(p, k)])
 
 
 def firsts(p: Population, k: int) -> list[int]:
-    """First coordinate of each body of element k, negative for ground."""
+    """First coordinate of each body of element k, negative for the ground."""
     return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]

@@ -1,6 +1,6 @@
-"""Size of an operator's entries before the elements' contributions cancel: the sum of their absolute values.
+"""Magnitude of an operator's components before the elements' contributions cancel: the sum of their absolute values.
 
-A sum that has cancelled says nothing about its own round-off. Verdicts such as "balanced" or "zero" compare with these
+A sum with cancellation contains no information about its round-off. Tests for "balanced" or "zero" compare with these
 sums, which cannot vanish by cancellation.
 """
 
@@ -17,9 +17,9 @@ from .pattern import Layout, Pattern
 
 
 class Magnitude:
-    """An operator evaluated element by element, for sums of absolute values; made once per structure.
+    """An operator evaluated element by element, for sums of absolute values; cached per structure.
 
-    The compiled loops write each block of each element to a place of its own, as the index tables say.
+    The compiled loops write each block of each element to a separate position, given by the index tables.
     """
 
     def __init__(self, layout: Layout, operator: Operator, pattern: Pattern) -> None:
@@ -34,7 +34,7 @@ class Magnitude:
         self.operands = self._group.operands
 
     def _separate(self, layout: Layout, operator: Operator, n: int, old: Array) -> Array:
-        """A place table without shared places; where each number belongs is appended to the targets."""
+        """A table of separate positions; the target of each value is appended to the targets."""
         heights, widths = _shapes(layout, operator, n, old.shape[:2])
         size = heights * widths
         start = len(self._targets) + np.cumsum(size.reshape(-1)) - size.reshape(-1)
@@ -47,7 +47,7 @@ class Magnitude:
         return np.stack([start.reshape(size.shape), np.where(widths > 0, widths, 1)], axis=-1)
 
     def __call__(self, numbers: Array, operands: Sequence[object]) -> Array:
-        """The numbers of the operator's pattern."""
+        """The values of the operator's pattern."""
         out = np.zeros(len(self._targets))
         self._group.run(numbers, *operands, out)
         return np.bincount(self._targets, weights=abs(out), minlength=self._size)

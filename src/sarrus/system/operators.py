@@ -1,4 +1,4 @@
-"""How a system evaluates one operator: shapes checked, patterns and kernels made at first use, memory reused."""
+"""Evaluation of one operator of a system: shapes are checked, patterns and kernels created at first use."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Operators:
         return known[name]
 
     def group(self, *names: str) -> Group:
-        """Operators that are computed in one compiled call.
+        """A group of operators that are computed in one compiled call.
 
         Parameters
         ----------
@@ -61,11 +61,11 @@ class Operators:
         return known[chosen]
 
     def compilable(self) -> list[tuple[str, ...]]:
-        """Every operator alone, and the groups."""
+        """Every operator by itself, and the groups."""
         return [*((name,) for name in OPERATORS), *(names for names in GROUPS.values() if len(names) > 1)]
 
     def compile(self, progress: Callable[[str], None] | None = None) -> None:
-        """Compile all kernels now (or find them in the cache) rather than at their first use.
+        """Compile all kernels now (or load them from the cache) instead of at their first use.
 
         Parameters
         ----------
@@ -81,7 +81,7 @@ class Operators:
             )
 
     def magnitude(self, name: str, /, *, b: Any = None, **operands: Any) -> Any:
-        """Sum of the absolute contributions of all elements to an operator whose entries are such sums.
+        """Sum of the absolute contributions of all elements to an operator whose components are such sums.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ class Operators:
         return found if OPERATORS[name].is_vector else self.matrix(name, found)
 
     def matrix(self, name: str, data: Array) -> csr_array:
-        """The numbers of an operator as a sparse matrix that shares their memory."""
+        """The values of an operator as a sparse matrix that shares their memory."""
         return self.pattern(name).matrix(data)
 
     def _evaluate(self, name: str, out: Any, b: Any, /, **operands: Any) -> Any:
@@ -113,7 +113,7 @@ class Operators:
         if any(
             np.may_share_memory(data, operand) for operand in (*checked.values(), b) if operand is not None
         ):
-            raise ValueError(f"out of {name} must not share memory with an operand; give another array")
+            raise ValueError(f"`out` of {name} must not share memory with an operand. Give another array.")
         numbers = self.b if b is None else self._vector("b", b, len(self.b))
         group.run(numbers, *(checked[key] for key in group.operands), data)
         return result
@@ -130,13 +130,13 @@ class Operators:
     @staticmethod
     def _vector(key: str, value: Any, length: int) -> Array:
         if np.iscomplexobj(value):
-            raise TypeError(f"{key} must be real, but holds complex numbers; give its real part")
+            raise TypeError(f"{key} must be real, got complex numbers. Give the real part.")
         try:
             vector = np.ascontiguousarray(value, dtype=float)
         except (TypeError, ValueError):
-            raise TypeError(f"{key} must be {length} numbers, but is {show(value)}; give an array") from None
+            raise TypeError(f"{key} must be {length} numbers, got {show(value)}. Give an array.") from None
         if np.shape(value) != (length,):
-            raise ValueError(f"{key} must have shape ({length},), but has {np.shape(value)}")
+            raise ValueError(f"{key} must have shape ({length},), got {np.shape(value)}.")
         return vector
 
     def _output(self, name: str, out: Any) -> Any:
@@ -146,11 +146,11 @@ class Operators:
             return fresh if OPERATORS[name].is_vector else self.matrix(name, fresh)
         if not self._fits(name, out):
             kind = "a float array" if OPERATORS[name].is_vector else "a matrix"
-            raise ValueError(f"out must be {kind} returned by an earlier call of {name} of this system")
+            raise ValueError(f"`out` must be {kind} returned by an earlier call of {name} of this system.")
         return out
 
     def _fits(self, name: str, out: Any) -> bool:
-        """Whether an object can take an operator's result: the right kind, shape and pattern, and writable."""
+        """Whether an object can receive an operator's result: the right kind, shape and pattern, and writable."""
         pattern = self.pattern(name)
         if OPERATORS[name].is_vector:
             return isinstance(out, np.ndarray) and _holds(out, pattern.size)
@@ -159,7 +159,7 @@ class Operators:
         return np.array_equal(out.indptr, pattern.indptr) and np.array_equal(out.indices, pattern.indices)
 
     def atoms(self, axis: Axis) -> Array:
-        """Where the blocks along an axis begin: equations of one element, r and p of a body, an element's fields."""
+        """First indices of the blocks along an axis: equations of elements, r and p of bodies, fields of elements."""
         found = self.structure.layout.atoms(axis)
         return found.start[found.width > 0]
 
@@ -172,20 +172,21 @@ def _refuse_mixed(names: tuple[str, ...]) -> None:
     """Raise a ValueError unless the names are operators of one family."""
     if not names:
         raise ValueError(
-            f"a group needs at least one operator; choose from {', '.join(GROUPS)}, or operators"
+            f"A group needs at least one operator. Choose from {', '.join(GROUPS)}, or operators."
         )
     for name in names:
         if name not in OPERATORS:
             known = [*OPERATORS, *GROUPS]
-            raise ValueError(f"there is no operator {name!r}; {suggest(str(name), known)}")
+            raise ValueError(f"There is no operator {name!r}; {suggest(str(name), known)}.")
         if OPERATORS[name].family != OPERATORS[names[0]].family:
             family, other = OPERATORS[names[0]].family, OPERATORS[name].family
-            told = f"{names[0]} is of the family {family}, but {name} of {other}"
-            raise ValueError(f"{told}; ask for one group of each family")
+            raise ValueError(
+                f"{names[0]} is of the family {family}, but {name} of {other}. Give one group for each family."
+            )
 
 
 def _holds(data: Any, size: int) -> bool:
-    """Whether an array can take the numbers of an operator."""
+    """Whether an array can receive the values of an operator."""
     fits = isinstance(data, np.ndarray) and data.shape == (size,) and data.dtype == np.float64
     return fits and bool(data.flags.c_contiguous and data.flags.writeable)
 

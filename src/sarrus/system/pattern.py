@@ -1,4 +1,4 @@
-"""The sparse pattern of an operator, and where each element's blocks go in it. Computed once, in linear time."""
+"""The sparsity pattern of an operator, with the positions of the elements' blocks. Computed once, in linear time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .population import Population
 
 @dataclass(frozen=True)
 class Atoms:
-    """The pieces into which an axis is cut: first index and width of each, and the whole length."""
+    """The pieces of an axis: first index and width of each, and the total length."""
 
     start: Array
     width: Array
@@ -39,13 +39,13 @@ class Pattern:
 
     @property
     def size(self) -> int:
-        """Numbers to store."""
+        """Number of stored values."""
         return len(self.indices) if len(self.shape) == 2 else self.shape[0]
 
     def matrix(self, data: Array) -> csr_array:
-        """A matrix with these numbers, which shares their memory alone; SciPy looked at the pattern once for all."""
+        """A matrix with these values, which shares only their memory; SciPy checks the pattern once."""
         if data.shape != (self.size,):
-            raise ValueError(f"{self.size} numbers are needed, but {data.shape} are given")
+            raise ValueError(f"data must have shape ({self.size},), got {data.shape}.")
         found = copy(self._empty)
         found.data, found.indices, found.indptr = data, self.indices.copy(), self.indptr.copy()
         return found
@@ -56,7 +56,7 @@ class Pattern:
 
 
 class Layout:
-    """The axes of a system: its coordinates, constraint equations and numbers, cut into atoms."""
+    """The axes of a system, divided into atoms: its coordinates, constraint equations and parameters."""
 
     def __init__(self, populations: Sequence[Population], body_count: int, row_count: int, number_count: int):
         self.populations = populations
@@ -96,7 +96,7 @@ class Layout:
         return 2 * (p.bodies[:, piece // 2] // WIDTH) + piece % 2
 
     def pattern(self, operator: Operator) -> Pattern:
-        """Pattern and places of an operator over all populations of its family."""
+        """Pattern and positions of an operator over all populations of its family."""
         members = [n for n, p in enumerate(self.populations) if operator in p.kind.family]
         if operator.is_vector:
             return self._vector(operator, members)
@@ -145,7 +145,7 @@ class Layout:
 
 @cache
 def _structure(variant: Variant, operator: Operator) -> tuple[tuple[int, int], ...]:
-    """The recorded blocks of an operator; those of built-in elements are kept on disk, beside their kernels."""
+    """The recorded blocks of an operator; those of built-in elements are cached on disk, beside their kernels."""
     if variant.kind not in BUILT_IN:
         return structure(variant, operator)
     found = kept(f"{variant.name}.{operator.name}", lambda: structure(variant, operator))
@@ -153,7 +153,7 @@ def _structure(variant: Variant, operator: Operator) -> tuple[tuple[int, int], .
 
 
 def _unique(keys: Array) -> Array:
-    """The different keys, rising; by sorting, which is linear enough (`numpy.unique` hashes, and is not)."""
+    """The distinct keys in ascending order; by sorting, which is faster than the hashing of `numpy.unique`."""
     ordered = np.sort(keys)
     return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])] if len(keys) else keys
 

@@ -1,4 +1,4 @@
-"""The elements of a system by kind, as arrays: their bodies, equations and numbers."""
+"""The elements of a system by kind, as arrays: their bodies, equations and parameters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..model.coordinates import WIDTH
 
 @dataclass
 class Population:
-    """All elements of one variant: of one kind, and with the ground in the same places (if any) among their bodies.
+    """All elements of one variant: of one kind, and with the ground (if any) at the same positions among their bodies.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Population:
 
     @property
     def is_force(self) -> bool:
-        """Whether these are forces, weight among them."""
+        """Whether these are forces, including weight."""
         return bool(self.kind.family) and self.kind.family[0].family == "force"
 
     @property
@@ -55,12 +55,12 @@ class Population:
 
     @property
     def end(self) -> int:
-        """Place behind the last element's numbers."""
+        """Index behind the last element's parameters."""
         return self.at + self.count * self.kind.size()
 
 
 def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population], Array]:
-    """Sort a blueprint's placed elements by kind, number their equations, add the normalizations, lay out the numbers.
+    """Sort a blueprint's elements by kind, number their equations, add the normalizations, and lay out the parameters.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def _lay_out(populations: list[Population]) -> Array:
 
 
 def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
-    """The numbers of a population; curves go to the store behind all numbers, and their place is the number.
+    """The parameters of a population; curves are stored behind all parameters, and the parameter is their index.
 
     A field that holds the time has no number.
     """
@@ -121,9 +121,9 @@ def _numbers(population: Population, end: int, store: list[float]) -> Iterator[f
 def places_of(
     populations: Sequence[Population], placed: Sequence[Placed], numbers: Array
 ) -> Iterator[tuple[int, Any]]:
-    """For every number of the placed elements of the same model, of any kind: its place among the numbers, and itself.
+    """For every parameter of the elements of the same model: its index in the parameter vector, and its value.
 
-    Those of curves have the places of `CurveDerivatives`. What elements remember is left out.
+    Parameters of curves have the indices of `CurveDerivatives`. State variables are left out.
     """
     waiting: dict[Variant, list[Placed]] = {}
     for p in placed:
@@ -141,7 +141,7 @@ def places_of(
 
 
 def inside(curve: Curve | Formula) -> Sequence[Any]:
-    """What a curve is made of: all that is stored of a table, the numbers of a written formula."""
+    """The data of a curve: all stored values of a table, the constants of a formula."""
     if isinstance(curve, Curve):
         return curve.numbers()
     return [number.number for number in curve.written.numbers()] if curve.written else ()

@@ -1,4 +1,4 @@
-"""The force and torque with which a joint or driver acts on its body j. Joint reactions of Eq. (1), with its sign."""
+"""The force and torque of a joint or driver on its body j. Joint reactions of Eq. (1), with its sign."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .local import GROUND, firsts, local
 
 
 class Wrench(NamedTuple):
-    """A joint's action on its body j, in global axes.
+    """The action of a joint on its body j, in global axes.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Wrench(NamedTuple):
 
 
 def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: float) -> Wrench:
-    """The share of some rows of Φ_qᵀ lam as force and torque; on the ground, the opposite of that on body i."""
+    """The contribution of some rows of Φ_qᵀ lam as force and torque; on the ground, the opposite of that on body i."""
     for name, vector, size in (("q", q, system.nq), ("lam", lam, system.m)):
         if vector.shape != (size,):
             raise ValueError(f"{name} must have shape ({size},), but has {vector.shape}")
@@ -49,7 +49,7 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
 
 
 def _of_pair(system: Any, marker: Marker, rows: Array, q: Array, lam: Array) -> Array:
-    """Φ_qᵀ lam (nq,) of a coupling on the bodies of one of its joints, which may be bodies of the other, too."""
+    """Φ_qᵀ lam (nq,) of a coupling on the bodies of one of its joints, which may also be bodies of the other joint."""
     found = np.zeros(system.nq)
     for p in system.populations:
         for k in np.flatnonzero(np.isin(p.rows, rows)).tolist() if p.kind.rows else ():
@@ -63,7 +63,7 @@ def _of_pair(system: Any, marker: Marker, rows: Array, q: Array, lam: Array) -> 
 
 
 def _whole(blocks: Any) -> list[Array]:
-    """The blocks of r and p, zeros where there is none."""
+    """The blocks of r and p, zeros if there is none."""
     sizes = (3, 4)
     return [np.zeros(n) if x is None else np.asarray(x) for n, x in zip(sizes, blocks, strict=True)]
 

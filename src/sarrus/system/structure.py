@@ -1,8 +1,8 @@
-"""What do systems have in common that differ in numbers alone? Patterns, tables of kernels, and what is made of these.
+"""Data common to systems that differ only in parameter values: patterns, tables of kernels, and what derives from them.
 
-An optimization or a study makes a system for every design, nearly always with the same elements between the same
-bodies: the structure is then the same object for all of them, kept as long as one of them lives. The last few
-structures of small systems are kept longer: a program that makes a system, uses it and makes the next finds them.
+An optimization or a study creates a system for every design, nearly always with the same elements between the same
+bodies. The structure is then one object for all of them, which exists as long as one of them does. The last few
+structures of small systems exist longer, for programs that create a system, use it and create the next one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .population import Population
 
 
 class Structure:
-    """Elements without their numbers: their kinds, bodies and equations, and the places of their numbers.
+    """Elements without their parameter values: their kinds, bodies and equations, and positions of their parameters.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Structure:
         self.magnitudes: dict[str, Magnitude] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the compiled groups, which are made again at first use."""
+        """Everything except the compiled groups, which are created again at first use."""
         return {**self.__dict__, "groups": {}, "magnitudes": {}}
 
 

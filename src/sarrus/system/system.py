@@ -1,4 +1,4 @@
-"""A model compiled to arrays, once."""
+"""The class System: a model compiled to arrays, once."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..model.coordinates import WIDTH, coordinates_of
 from ..model.marker import Marker, marker
 from .check import Report, check_derivatives
 from .constraints import ConstraintOperators
+from .element_values import ElementValues, memory_places
 from .forces import ForceOperators
 from .inertia import InertiaOperators
 from .joints import JointCoordinates, SystemJoint
 from .population import populate
 from .reactions import Wrench, wrench
 from .structure import structure_of
-from .told import Told, memory_places
 
 
 class System(ConstraintOperators, InertiaOperators, ForceOperators):
@@ -39,12 +39,12 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
-    q0, v0 : coordinates and velocities as the model gives them, perhaps not yet assembled (nq,)
-    b : the numbers of all elements (nb,), named by `number_names`
-    memory_places : places in `b` of what elements remember between accepted states
+    q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
+    b : the parameter vector: the parameters of all elements (nb,), named by `number_names`
+    memory_places : indices in `b` of the elements' state variables between accepted states
     rows : joint or driver name -> its equations' rows in Φ
-    joint_coordinates : angles and travels of all joints, see `JointCoordinates`
-    structure : what it shares with systems that differ in numbers alone
+    joint_coordinates : angles and displacements of all joints, see `JointCoordinates`
+    structure : data common to systems that differ only in parameter values
 
     Raises
     ------
@@ -95,7 +95,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         }
 
     def coordinates_of(self, body: str) -> slice:
-        """Place of a body's seven coordinates in q.
+        """Indices of a body's seven coordinates in q.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         return coordinates_of(body, self.bodies, self.name)
 
     def joint(self, name: str) -> SystemJoint:
-        """A joint with its angles and travels as functions of q.
+        """A joint with its angles and displacements as functions of q.
 
         Raises
         ------
@@ -148,19 +148,19 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         return wrench(self, self.marker(joint), self.rows[joint], np.asarray(q), np.asarray(lam), t)
 
     def remember(self, q: Array, b: Array, t: float = 0.0) -> None:
-        """Write into the numbers `b` what elements remember of an accepted state, e.g. the turns of an RSDA."""
+        """Write the state variables of elements at an accepted state into `b`, e.g. the revolutions of an RSDA."""
         if len(self.memory_places):
             b[self.memory_places] = self.remembered(np.asarray(q, dtype=float), b, t)
 
     @cached_property
-    def remembered(self) -> Told:
-        """What elements remember of a state; it belongs at `memory_places` in the numbers."""
-        return Told("remember", self.populations)
+    def remembered(self) -> ElementValues:
+        """The state variables of elements at a state; they are stored at `memory_places` in the parameters."""
+        return ElementValues("remember", self.populations)
 
     @cached_property
-    def potentials(self) -> Told:
+    def potentials(self) -> ElementValues:
         """The potential energies of all elements that have one. [J]"""
-        return Told("potential", self.populations)
+        return ElementValues("potential", self.populations)
 
     def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
         """Potential energy of gravity, springs and bushings, and of users' elements with `potential`. [J]
@@ -173,12 +173,12 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
 
     @property
     def has_memory(self) -> bool:
-        """Whether any element remembers something between steps."""
+        """Whether any element has a state variable between steps."""
         return bool(len(self.memory_places))
 
     @property
     def number_names(self) -> list[str]:
-        """A name for every number of `b`, e.g. ``spring[tsda].k``."""
+        """A name for every parameter in `b`, e.g. ``spring[tsda].k``."""
         return self.axis_names(Axis.NUMBERS)
 
     @property

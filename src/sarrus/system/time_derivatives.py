@@ -1,7 +1,7 @@
-"""How the equations change with the time itself, where motions or forces depend on it; and with numbers of curves.
+"""Derivatives of the equations with respect to time, for explicitly time-dependent motions and forces; and to curves.
 
-After an event a motion goes on sooner or later, so that what depends on time by itself comes at another place of it.
-The time at which it goes on has a column behind those of all numbers of the system.
+After an event a motion continues earlier or later, so that explicitly time-dependent terms act at another phase of it.
+The time at which it continues has a column behind those of all parameters of the system.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ FORCES_AND_MOTIONS = ("Phi", "Q")
 
 
 class TimeDerivatives(CurveDerivatives):
-    """The derivatives of a system's operators by the numbers of its curves, and by the time at which a motion began."""
+    """The derivatives of a system's operators with respect to its curves, and to the initial time of a motion."""
 
     def concerns(self, p: Population) -> bool:
-        """Whether elements of a kind have curves, or depend on time by themselves."""
+        """Whether elements of a kind have curves, or depend explicitly on time."""
         return super().concerns(p) or depends_on_time(p)
 
     @property
     def width(self) -> int:
-        """How many columns there are: the last one is that of the time."""
+        """Number of columns; the last one is that of the time."""
         return super().width + 1
 
     def _parts(
@@ -57,13 +57,13 @@ def depends_on_time(p: Population) -> bool:
 
 
 def timed(system: System) -> bool:
-    """Whether anything in a system depends on time by itself."""
+    """Whether anything in a system depends explicitly on time."""
     return any(depends_on_time(p) for p in system.populations)
 
 
 @cache
 def _by_time(variant: Variant, name: str) -> tuple[Any, list[tuple[int, int]], list[Expression]]:
-    """The derivatives of a vector's entries by the time, with their places; none where it does not contain it."""
+    """The derivatives of a vector's components with respect to time, with their indices; only nonzero ones."""
     graph, places, entries = entries_of(variant, name)
     times = [
         n for n in needed(graph, entries) if graph.nodes[n].op == "input" and graph.nodes[n].value == ("t",)

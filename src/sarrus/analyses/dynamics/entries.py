@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from ..._jit.pointer import Entry
 from ...system import System
+from ...system.element_values import ElementValues
 from ...system.once import once_alike
-from ...system.told import Told
 
 
 @once_alike
 def entry_of(system: System, *names: str) -> Entry:
     """The entry of operators that are computed together, or of "remembered" or "potentials"."""
     if names[0] in ("remembered", "potentials"):
-        told: Told = getattr(system, names[0])
-        return told.entry()
+        values: ElementValues = getattr(system, names[0])
+        return values.entry()
     group = system.group(*names)
     found = group.entry()
     return (

@@ -1,4 +1,4 @@
-"""What elements tell about a state in plain numbers: what they remember, and their potential energy."""
+"""Scalar values that elements compute from a state: their state variables, and their potential energies."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ..elements.recorder import Variant, record_scalars
 from .population import Population
 
 
-class Told:
-    """The numbers that a method of elements tells about a state: one row of numbers for each element that has it.
+class ElementValues:
+    """The values that a method of elements computes from a state: one row of values for each element with this method.
 
     Attributes
     ----------
-    size : how many numbers in all
-    owners : the part of the model that tells each of them
+    size : total number of values
+    owners : the part of the model that each value belongs to
     """
 
     def __init__(self, method: str, populations: Iterable[Population]) -> None:
@@ -42,13 +42,13 @@ class Told:
         ]
 
     def entry(self) -> Entry:
-        """For compiled loops, see `Group.entry`; operands t, q and the numbers told."""
+        """For compiled loops, see `Group.entry`; the operands are t, q and the output array."""
         if not self._members:
             return NONE
         return entry(self._drivers, self._tables, _signature(self._method))
 
     def __call__(self, q: Array, b: Array, t: float) -> Array:
-        """All numbers at a state."""
+        """All values at a state."""
         out = np.zeros(self.size)
         for run, table in zip(self._drivers, self._tables, strict=True):
             run(table, b, float(t), q, out)
@@ -56,7 +56,7 @@ class Told:
 
 
 def memory_places(populations: Iterable[Population]) -> Array:
-    """Where in the numbers of a system that lies which elements remember, in the order of `Told("remember")`."""
+    """Indices in `b` of the elements' state variables, in the order of `ElementValues("remember")`."""
     found = []
     for p in populations:
         if p.count and "Memory" in p.kind.fields.values():
@@ -73,7 +73,7 @@ def _count(p: Population, method: str) -> int:
 
 
 def _table(p: Population, width: int, start: int) -> Array:
-    """Header, bodies, rows and places of a population's numbers, as `emit` reads them."""
+    """Header, bodies, rows and positions of a population's values, as `emit` reads them."""
     places = np.zeros((p.count, width, 2), dtype=np.int64)
     places[:, :, 0] = start + np.arange(p.count * width).reshape(p.count, width)
     parts = [part.reshape(-1) for part in (p.bodies, p.rows, places)]

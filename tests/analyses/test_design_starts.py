@@ -229,3 +229,13 @@ def test_held_coordinates_stay_held() -> None:
     alone = sr.assemble(sr.System(with_numbers(model, {"guide.point.z": 0.1})), CRANK.q0, fixed=["crank"])
     assert moved[0] == CRANK.q0[1] == alone.q[1]
     assert moved[1] == pytest.approx(alone.q[14], abs=1e-12)
+
+
+def test_uncertainty_says_what_assembly_changes_as_studies_do() -> None:
+    """A rod that is drawn 0.1 m off its pin."""
+    model = pendulum().model
+    off = sr.Revolute("pin", frame_i=sr.ground.frame((0, 0, 0), axis=(0, 1, 0)), frame_j=model.bodies[0].frame((-0.4, 0, 0), axis=(0, 1, 0)))
+    moved = sr.Model("off", model.bodies, [off], model.forces, gravity=model.gravity)
+    for call in (study, uncertainty):
+        with pytest.warns(sr.SarrusWarning, match="assembly changed the given initial state: rod: position"):
+            call(moved, {"spring.k": Range(3.9, 4.1, 2)}, RATE, analysis=Simulation(0.1, steps=5))

@@ -21,6 +21,7 @@ from .length import extent, lever, units
 from .metric import metric as metric_of
 from .misuse import kind, refuse_other_system
 from .open_joints import open_joints
+from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
 from .saddle import Saddle
 from .threads import one_thread_if_small
 from .velocity import Rates, assemble_velocity
@@ -57,7 +58,8 @@ def assemble(
     q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
     Φ_q v = -Φ_t and the given rates. Dependent equations do no harm as long as they do not contradict each other.
 
-    The guess chooses the branch: a four-bar drawn crossed is assembled crossed.
+    The guess chooses the branch: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears that
+    follow them, and springs about their axes have the revolutions of the driver's motion at the time t.
 
     What it changes visibly is listed in ``changes``: positions by more than 1e-3 of the mechanism's size, orientations
     by more than 1e-3 rad, and given velocities by more than 1e-3 of themselves, where zero counts as not given. It is
@@ -101,7 +103,13 @@ def assemble(
         guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t)
     )
     given = Rates(system, asked.rates)
-    reached = _search(system, asked, inverse, tolerance, iterations, restarts, seed)
+    memory = prescribed_memory(system, asked.t, system.b)
+    nominal, system = system, system.with_memory(memory)
+    how = inverse, tolerance, iterations, restarts, seed
+    reached = _search(system, asked, guess, *how)
+    led = with_leaders(nominal, reached.q, asked.t) if reached.ok else None
+    if led is not None:
+        reached = _search(system, asked, _search(led, asked, guess, *how).q, *how)
     if not reached.ok:
         return _open(system, asked, reached, tolerance)
     found = _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
@@ -109,6 +117,9 @@ def assemble(
     turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
     if t == 0.0:
         announce(warning(system, (*(moved if q is None else ()), *turned)))
+    turns = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))
+    if system is not nominal or len(turns):
+        found = replace(found, memory=memory, revolutions=turns)
     return replace(found, changes=(*moved, *turned))
 
 
@@ -123,11 +134,18 @@ def _vector(name: str, value: ArrayLike, size: int) -> Array:
 
 
 def _search(
-    system: System, asked: Asked, inverse: Array, tolerance: float, iterations: int, restarts: int, seed: int
+    system: System,
+    asked: Asked,
+    begin: Array,
+    inverse: Array,
+    tolerance: float,
+    iterations: int,
+    restarts: int,
+    seed: int,
 ) -> Reached:
     """The first search that reaches the constraints, or the one that came nearest."""
     search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
-    best, steps = search(asked.q, tolerance, iterations), 0
+    best, steps = search(begin, tolerance, iterations), 0
     between = float(np.ptp(asked.q.reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
     size = units(system.nq, between or extent(system, asked.q))
     for n in range(restarts):

@@ -76,6 +76,7 @@ class AssemblyDerivatives:
             raise ValueError(
                 f"an assembly has derivatives if it succeeded with the least change, but: {found.message}"
             )
+        system = system.with_memory(found.memory)
         self._system, self._found, self._asked = system, found, found.asked
         self._rates = Rates(system, self._asked.rates)
         numbers = self._evaluated()

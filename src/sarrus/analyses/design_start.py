@@ -65,14 +65,21 @@ class DesignStart:
             If a fixed state contradicts its constraints.
         """
         first = self.first
-        if first.success and self.fixed and is_off(system, first.q, first.v, first.t):
+        if (
+            first.success
+            and self.fixed
+            and is_off(system.with_memory(first.memory), first.q, first.v, first.t)
+        ):
             raise SarrusError(f"start: {system.name} has other constraints than the given state. {REMEDY}")
         if not first.success or self.fixed or first.asked is None:
             return first
         asked = first.asked
         q, v = (system.q0 if self.own[0] else asked.q), (system.v0 if self.own[1] else asked.v)
+        system = system.with_memory(first.memory)
         found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=asked.weight)
-        return replace(found, memory=first.memory, revolutions=first.revolutions)
+        return (
+            found if len(found.memory) else replace(found, memory=first.memory, revolutions=first.revolutions)
+        )
 
     def refuse_moved(self, system: System, parameters: Parameters) -> None:
         """Refuse variables that change constraints, which a fixed state contradicts.

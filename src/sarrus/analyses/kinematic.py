@@ -19,6 +19,7 @@ from .lockup import fold_time, involved, last_before
 from .misuse import refuse_other_system
 from .nullspace import NullSpace
 from .onto import onto
+from .prescribed_angles import prescribed_revolutions
 from .progress import Progress, TimeLimit, monitor
 from .recorded_state import RecordedState, histories, recorded_state
 from .starts import Given, Start, state_of
@@ -83,7 +84,7 @@ class _Run:
     def __init__(self, system: System, grid: Array, start: Given) -> None:
         self.system, self.grid, self.guess = system, grid, start.q
         self.path = Path(system, start.q)
-        self.path.b[:] = start.parameters(system)
+        self.path.b[:] = start._replace(t=float(grid[0])).parameters(system)
         self.winding = Winding(system)
         self.last: Instant | None = None
         self.winding.begin(start.q, start.revolutions)
@@ -114,6 +115,7 @@ class _Run:
 
     def _start(self, t: float) -> Instant | None:
         q, reached = onto(self.system, self.guess, t, b=self.path.b)
+        self.winding.begin(q, prescribed_revolutions(self.system, q, t, self.winding.first))
         now = self.path.instant(t, q) if reached and self._determined(t, q) else None
         if now is not None:
             return self._keep(now)

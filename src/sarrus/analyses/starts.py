@@ -19,6 +19,7 @@ from .assembly_changes import position_changes, velocity_changes, warning
 from .length import extent
 from .misuse import kind, refuse_other_system
 from .named_start import named_start
+from .prescribed_angles import prescribed_memory
 from .rank import row_lengths
 
 Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any]
@@ -71,6 +72,7 @@ class Given(NamedTuple):
         if len(self.memory):
             b[system.memory_places] = self.memory
         system.remember(self.q, b, self.t)
+        b[system.memory_places] = prescribed_memory(system, self.t, b)
         return b
 
 
@@ -138,6 +140,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
             asked=asked, memory=given.memory, revolutions=given.revolutions,
         )  # fmt: skip
+    system = system.with_memory(start.memory)
     if not is_off(system, q, v, t):
         return start
     found = assemble(system, q, v, t=t)

@@ -66,9 +66,9 @@ def equilibrium(
     begin = state_of(system, system.q0 if q is None else q, None, t)
     start, t = begin.q, begin.t
     search = _Search(system, begin)
-    assembled, reached = onto(system, start, t)
+    assembled, reached = onto(system, start, t, b=search.b)
     if not reached:
-        gap = largest(system.Phi(assembled, t))
+        gap = largest(system.Phi(assembled, t, b=search.b))
         told = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains; assemble it first"
         return search.result(search.at(assembled), False, told, 0)
     return search.run(assembled, stable, iterations)

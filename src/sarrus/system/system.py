@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -151,6 +152,15 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         """Write the state variables of elements at an accepted state into `b`, e.g. the revolutions of an RSDA."""
         if len(self.memory_places):
             b[self.memory_places] = self.remembered(np.asarray(q, dtype=float), b, t)
+
+    def with_memory(self, memory: Array) -> System:
+        """The same system, whose elements remember other values (k,) at `memory_places`; itself if they are equal."""
+        if not len(memory) or np.array_equal(memory, self.b[self.memory_places]):
+            return self
+        found = copy(self)
+        found.b = self.b.copy()
+        found.b[self.memory_places] = memory
+        return found
 
     @cached_property
     def remembered(self) -> ElementValues:

@@ -234,7 +234,9 @@ def test_held_coordinates_stay_held() -> None:
 def test_uncertainty_says_what_assembly_changes_as_studies_do() -> None:
     """A rod that is drawn 0.1 m off its pin."""
     model = pendulum().model
-    off = sr.Revolute("pin", frame_i=sr.ground.frame((0, 0, 0), axis=(0, 1, 0)), frame_j=model.bodies[0].frame((-0.4, 0, 0), axis=(0, 1, 0)))
+    places = ((sr.ground, 0.0), (model.bodies[0], -0.4))
+    at, own = (body.frame((x, 0, 0), x=(1, 0, 0), z=(0, 1, 0)) for body, x in places)
+    off = sr.Revolute("pin", frame_i=at, frame_j=own)
     moved = sr.Model("off", model.bodies, [off], model.forces, gravity=model.gravity)
     for call in (study, uncertainty):
         with pytest.warns(sr.SarrusWarning, match="assembly changed the given initial state: rod: position"):

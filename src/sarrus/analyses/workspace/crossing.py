@@ -3,6 +3,11 @@
 With s_i >= 0 the distance from an active limit and sigma_i = +1 at its lowest, -1 at its highest value, neighbouring
 admissible positions have c·du = -Σ lam_i sigma_i s_i + ½ etaᵀ H eta, eta in the null space of all gradients. Where all
 terms have one sign, the outputs stay on that side: a barrier.
+
+A limit that coincides with a singular configuration, as an elbow that is stretched at its limit, has lam_i = 0 along
+the whole curve: motion away from it leaves the outputs where they are to first order. Then eta includes that motion.
+A quadratic form takes the same values on both sides of a limit, so that such a limit, or one that is reached without
+being active, changes nothing.
 """
 
 from __future__ import annotations
@@ -12,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from .arrangement import TOUCH
 from .explore import Branch
 from .newton import NoPoint, Tally, correct, plane
 from .step import Step
@@ -19,7 +25,10 @@ from .stratum import Stratum
 from .svd import singular
 
 REACHED = 1e-8  # of a limit, free of units
-VANISHES = 1e-9  # of a term, relative to the largest
+VANISHES = 1e-9  # of a term, free of units: multipliers and normal have length 1
+SHALLOW = (
+    10 * TOUCH
+)  # free of units: a limit that outputs leave by less before they turn back is a singularity
 
 
 class Crossing(NamedTuple):
@@ -56,24 +65,51 @@ def _middle(branch: Branch, tally: Tally) -> Array:
         return guess
 
 
-def _alone(stratum: Stratum, q: Array) -> bool:
-    """Whether no limit is reached but the active ones."""
-    margins = stratum.problem.margins(stratum.problem.values(q))
-    others = [margins[i] for i in range(len(margins)) if not {(i, 0), (i, 1)} & stratum.key]
-    return bool(np.min(others, initial=np.inf) > REACHED)
-
-
 def examine(stratum: Stratum, x: Array) -> Crossing:
     """The terms of the second-order form at one point."""
-    q, lam, _ = stratum.parts(x)
-    J = stratum.problem.jacobian(q)
-    gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])
-    free = stratum.n - len(gradients) + 1
-    Z = singular(gradients)[2][stratum.n - free :].T
-    form = Z.T @ stratum.problem.curvature(q, stratum.weights(x)) @ Z
+    q, lam, c = stratum.parts(x)
+    J, H = stratum.problem.jacobian(q), stratum.problem.curvature(q, stratum.weights(x))
     pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs
-    terms = np.concatenate([pushes, np.linalg.eigvalsh(form)])
-    small = VANISHES * abs(terms).max(initial=0.0)
-    telling = terms[abs(terms) > small]
+    turning = _turning(stratum, J, H, pushes, float(np.linalg.norm(c)))
+    Z = _null_space(stratum, J, turning)
+    terms = np.concatenate([pushes[~turning], np.linalg.eigvalsh(Z.T @ H @ Z)])
+    telling = terms[abs(terms) > VANISHES]
     side = 0 if not len(telling) else 1 if np.all(telling > 0) else -1 if np.all(telling < 0) else 0
-    return Crossing(x, side, terms, _alone(stratum, q) and (side == 0 or len(telling) == len(terms)))
+    known = len(telling) > 0 and (side == 0 or len(telling) == len(terms))
+    return Crossing(x, side, terms, known and _unrestrained(stratum, q, J, Z, side))
+
+
+def _turning(stratum: Stratum, J: Array, H: Array, pushes: Array, normal: float) -> Array:
+    """Which active limits the outputs leave by less than `SHALLOW` before they turn back (count,)."""
+    found = abs(pushes) <= VANISHES
+    for k in np.flatnonzero(abs(pushes) < np.sqrt(SHALLOW)):
+        alone = np.arange(len(pushes)) == k
+        Z = _null_space(stratum, J, alone)
+        away = Z @ (Z.T @ J[stratum.rows[len(stratum.rows) - len(pushes) + k]])
+        rate = float(away @ away)
+        bend = float(away @ H @ away) / rate**2 if rate > VANISHES else 0.0
+        found[k] |= pushes[k] ** 2 <= 2 * SHALLOW * abs(bend) * normal
+    return np.asarray(found)
+
+
+def _null_space(stratum: Stratum, J: Array, without: Array) -> Array:
+    """Motions (n, count) that leave constraints, outputs and active limits as they are, except some of the limits."""
+    rows = stratum.rows[: len(stratum.rows) - len(without)]
+    limits = stratum.rows[len(rows) :][~without]
+    gradients = np.concatenate([J[rows], J[limits], J[stratum.normal]])
+    free = stratum.n - len(gradients) + 1
+    return np.asarray(singular(gradients)[2][stratum.n - free :].T)
+
+
+def _unrestrained(stratum: Stratum, q: Array, J: Array, Z: Array, side: int) -> bool:
+    """Whether limits that are reached without being active leave the terms as they are."""
+    problem = stratum.problem
+    margins = problem.margins(problem.values(q))
+    others = [
+        i for i in range(len(margins)) if min(margins[i]) <= REACHED and not {(i, 0), (i, 1)} & stratum.key
+    ]
+    if not others:
+        return True
+    sizes = np.linalg.svd(J[problem.m + problem.limited[others]] @ Z, compute_uv=False)
+    independent = len(sizes) == len(others) and bool(sizes.min() > np.sqrt(VANISHES))
+    return independent and (side != 0 or len(others) == 1)

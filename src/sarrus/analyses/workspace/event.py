@@ -69,11 +69,17 @@ def first_event(
 def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | None] | None) -> Iterator[Guess]:
     yield from _hits(stratum, step, own)
     yield from _releases(stratum, step, own)
-    cusp = stratum.problem.has_cusps and step.a.speed * step.b.speed < 0 and own not in STILL
+    cusp = _turns_back(stratum, step) and own not in STILL
     if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
         yield Guess(_crossing(_speeds(step)) if cusp else 0.5, "branch", None)
     elif cusp:
         yield Guess(_crossing(_speeds(step)), "cusp", None)
+
+
+def _turns_back(stratum: Stratum, step: Step) -> bool:
+    """Whether the outputs turn back; where they stand still all along, signs of their speed mean nothing."""
+    a, b = step.a.speed, step.b.speed
+    return stratum.problem.has_cusps and a * b < 0 and max(abs(a), abs(b)) > SLACK
 
 
 def _hits(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
@@ -98,10 +104,15 @@ def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
     for limit in stratum.active:
         k, mine = stratum.multiplier(limit), own == ("limit", limit)
         a, b = step.a.x[k], step.b.x[k]
+        if (
+            max(abs(a), abs(b)) <= SLACK
+        ):  # a limit at a singular configuration: its multiplier vanishes all along
+            continue
+        begins_at_zero = mine or abs(a) <= SLACK
         if mine and b * step.a.t[k] < 0:
             raise NoPoint("a multiplier vanishes at once")
-        tau = _sinks(unknowns[:, k] * np.sign(step.a.t[k] if mine else a), mine)
-        if tau is None and a * b < 0 and not mine:
+        tau = _sinks(unknowns[:, k] * np.sign(step.a.t[k] if begins_at_zero else a), begins_at_zero)
+        if tau is None and a * b < 0 and not begins_at_zero:
             tau = a / (a - b)
         if tau is not None:
             yield Guess(tau, "release", limit)
@@ -151,7 +162,7 @@ def _located(stratum: Stratum, step: Step, guess: Guess, tally: Tally) -> Event:
     if guess.kind == "release":
         assert guess.limit is not None
         return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit), tally)
-    if guess.kind == "cusp" or (stratum.problem.has_cusps and step.a.speed * step.b.speed < 0):
+    if guess.kind == "cusp" or _turns_back(stratum, step):
         return _by_bracket(stratum, step, guess, _speed, tally)
     return _by_bracket(stratum, step, guess, _Determinant(stratum), tally)
 

@@ -37,6 +37,8 @@ def formulate(
 ) -> Problem:
     """The problem of a workspace; its constraints are those of the joints, drivers are let go.
 
+    A function whose lowest and highest value are equal keeps it, as if it were fixed.
+
     Raises
     ------
     SarrusError
@@ -52,9 +54,10 @@ def formulate(
         refuse_twice(kind, mine, [one.name for one in table])
     outputs, limited, held, driven = places
     _refuse_outputs([table[k] for k in outputs])
-    _refuse_held([table[k].name for k in outputs if k in held])
     bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
     targets = {k: value_of(table[k].name, x) for k, x in zip(held, kept_at.values(), strict=True)}
+    targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
+    _refuse_held([table[k].name for k in outputs if k in targets])
     _refuse_beyond(table, targets, bounds)
     bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
     normal = outputs if singular == "outputs" else driven
@@ -128,7 +131,7 @@ def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
     low, high = pair_of(one.name, pair)
     if one.kind == "square" and low <= 0:
         low = -np.inf
-    if not low < high:
+    if not low <= high:
         raise SarrusError(f"the limits of {one.name} are {low:g} and {high:g}; give the lower one first")
     if one.kind == "angle" and np.isfinite(low) != np.isfinite(high):
         raise SarrusError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from .problem import Problem
 
 BULGE = 64 / 140  # area under tau³ (1 - tau)³ over its height in the middle, the shape of a quintic's error
 LOOSE = 3e-4  # free of units: how far polylines may be from their curves
+OUTSIDE = 1e-6  # free of units: positions that are farther outside contradict a region
 CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
 
 Cause = tuple[
@@ -65,7 +67,7 @@ class Region:
         seed: int,
         tries: int,
     ) -> None:
-        self.problem, self.branches, self.crossings = problem, branches, crossings
+        self.problem, self.branches, self.crossings, self._met = problem, branches, crossings, met
         arcs = [Arc(np.array([step.quintic() for step in branch.steps()])) for branch in branches]
         self.division: Division = divide(arcs)
         self.cells = Cells(self.division)
@@ -77,9 +79,16 @@ class Region:
 
     @property
     def is_consistent(self) -> bool:
-        """Whether no curve tells that the unbounded cell can be reached, and no cell has a negative area."""
+        """Whether no curve claims that the unbounded cell can be reached, and areas and known positions agree."""
         areas = np.array([cell.area for cell in self.cells.cells[1:]])
-        return not self.can[0] and bool(np.all(areas > -TOUCH))
+        return not self.can[0] and bool(np.all(areas > -TOUCH)) and not self._misses_positions
+
+    @cached_property
+    def _misses_positions(self) -> bool:
+        """Whether known admissible positions lie outside."""
+        outputs = self.problem.m + self.problem.outputs
+        u = np.array([self.problem.values(q)[outputs] for q in self._met]).reshape(-1, 2)
+        return bool(np.any(self.outside(u, OUTSIDE))) if len(u) else False
 
     @property
     def area(self) -> float:

@@ -121,9 +121,9 @@ def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:
     Raises
     ------
     NoPoint
-        If the position does not move along the curve, but only its normal.
+        If the position does not move along the curve, but only its normal, or if it is on no single curve.
     """
-    point = _regular(stratum, x, tally)
+    point = _isolated(stratum, x, tally)
     if np.linalg.norm(point.t[: stratum.n]) < STANDS:
         raise NoPoint("the position stands still along this curve")
     return Vertex("seed", x[: stratum.n], stratum.key, None, point.u, list(_both(stratum, point, None)))
@@ -133,6 +133,23 @@ def _regular(stratum: Stratum, x: Array, tally: Tally) -> Point:
     linear = stratum.linear(x)
     along = singular(linear.G_x)[2][-1]
     return point_with(stratum, x, linear, tangent(stratum, x, linear, along, tally), tally)
+
+
+def _isolated(stratum: Stratum, x: Array, tally: Tally) -> Point:
+    """A point of one curve only.
+
+    Raises
+    ------
+    NoPoint
+        If any normal will do, as where the tip of a folded arm lies on its first axis: the outputs stand still there.
+    """
+    linear = stratum.linear(x)
+    _, sizes, along = singular(linear.G_x)
+    free = along[np.count_nonzero(sizes >= DROPS * sizes[0]) :, : stratum.n]
+    outputs = linear.J[stratum.problem.m + stratum.problem.outputs]
+    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < STANDS:
+        raise NoPoint("the outputs stand still along this curve")
+    return _regular(stratum, x, tally)
 
 
 def _both(stratum: Stratum, point: Point, own: Own) -> Iterator[Half]:
@@ -178,7 +195,7 @@ def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active, tall
         other = strata(key - {limit})
         x = point.x if other.key == stratum.key else balanced(other, point.x[: stratum.n])
         try:
-            here = point if other.key == stratum.key else _regular(other, x, tally)
+            here = point if other.key == stratum.key else _isolated(other, x, tally)
         except NoPoint:
             continue
         rate = here.margins_s[limit]

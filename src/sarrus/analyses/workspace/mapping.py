@@ -189,6 +189,10 @@ class WorkspaceMap:
             )
         return self._region[1]
 
+    def positions_outside(self) -> list[Array]:
+        """Known admissible positions that lie outside of the region of the curves so far."""
+        return self.region().positions_outside if self.branches else []
+
     def _crossing(self, branch: Branch) -> Crossing:
         if id(branch) not in self._crossings:
             self._crossings[id(branch)] = crossing(branch, self._checks)

@@ -81,14 +81,14 @@ class Region:
     def is_consistent(self) -> bool:
         """Whether no curve claims that the unbounded cell can be reached, and areas and known positions agree."""
         areas = np.array([cell.area for cell in self.cells.cells[1:]])
-        return not self.can[0] and bool(np.all(areas > -TOUCH)) and not self._misses_positions
+        return not self.can[0] and bool(np.all(areas > -TOUCH)) and not self.positions_outside
 
     @cached_property
-    def _misses_positions(self) -> bool:
-        """Whether known admissible positions lie outside."""
+    def positions_outside(self) -> list[Array]:
+        """Known admissible positions that lie outside."""
         outputs = self.problem.m + self.problem.outputs
         u = np.array([self.problem.values(q)[outputs] for q in self._met]).reshape(-1, 2)
-        return bool(np.any(self.outside(u, OUTSIDE))) if len(u) else False
+        return [self._met[k] for k in np.flatnonzero(self.outside(u, OUTSIDE))] if len(u) else []
 
     @property
     def area(self) -> float:

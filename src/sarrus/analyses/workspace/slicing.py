@@ -5,6 +5,8 @@ from __future__ import annotations
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +25,7 @@ from .seeds import Start, onto
 from .settle import allowed, constrained, settle
 from .shape import area_rates
 from .stratum import Active, Stratum
+from .verify import look_around
 from .vertex import balanced
 from .watch import SLICES, reached
 
@@ -30,6 +33,9 @@ FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first sli
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
 NEWTON = 8  # steps
 NEAREST = 8  # random positions, moved to a slice, from which it begins
+NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
+MOST_REMADE = 3  # times that a slice is made again because it leaves out positions of its neighbours
+ROUNDS = 3  # of rays from positions outside of a slice
 PER_TASK = 4  # slices that are handed to a worker at once
 TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as shares of the range
     (1.0, 0.0),
@@ -90,6 +96,8 @@ class Slicer:
         self.problem = _formulated(system, asked)
         self.known: dict[float, Slice] = {}
         self._made_from: dict[float, set[float]] = {}
+        self._compared: dict[float, Slice] = {}
+        self._remade: dict[float, int] = {}
 
     def at(self, heights: Iterable[float]) -> list[Slice]:
         """Slices at some heights, in their order; between those that are known the middle ones are made first."""
@@ -98,7 +106,40 @@ class Slicer:
         while missing := [height for height in new if height not in self.known]:
             self._map(_middles(missing, sorted(self.known)))
         self._map([height for height in new if not self.known[height].success])
+        self._reconcile()
         return [self.known[height] for height in wanted]
+
+    def _reconcile(self) -> None:
+        """Make slices again that leave out positions of their neighbours' boundaries, until none does.
+
+        Curves that a whole stretch of slices missed are so found from its ends.
+        """
+        while doubtful := sorted(self._contradicted()):
+            for height in doubtful:
+                self._remade[height] = self._remade.get(height, 0) + 1
+            self._map([height for height in doubtful if self._remade[height] <= MOST_REMADE])
+            for height in doubtful:
+                if self._remade[height] > MOST_REMADE:
+                    self.known[height] = replace(self.known[height], success=False)
+
+    def _contradicted(self) -> Iterator[float]:
+        """Heights of complete slices outside of which lie positions of a neighbour, moved to their height."""
+        good = sorted((one for one in self.known.values() if one.success), key=lambda one: one.height)
+        for a, b in [both for pair in pairwise(good) for both in (pair, pair[::-1])]:
+            if self._compared.get(a.height) is a and self._compared.get(b.height) is b:
+                continue
+            if self._leaves_out(b, a):
+                yield b.height
+        self._compared |= {one.height: one for one in good}
+
+    def _leaves_out(self, one: Slice, other: Slice) -> bool:
+        problem = self.problem.held_at(_height_of(self.problem), one.height)
+        outputs, units = problem.m + problem.outputs, problem.units[problem.outputs]
+        size = max((float(np.ptp(loop.points)) for both in (one, other) for loop in both.loops), default=0.0)
+        return any(
+            not one.holds(problem.values(start.x[: problem.n])[outputs] * units, NEARLY * size)
+            for start in _moved(problem, other.starts)
+        )
 
     def agree(self, pairs: Iterable[tuple[float, float]]) -> bool:
         """Make slices of pairs again that did not begin from each other's curves; whether there are any."""
@@ -175,7 +216,7 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
     for n, (share, shift) in enumerate(TRIES):
         moved = shift * asked.span
         here = problem.held_at(place, task.height + moved)
-        found = _mapped(here, asked.seed + n, asked.longest * share, task)
+        found = _mapped(here, _seed(asked.seed + n, task.height), asked.longest * share, task)
         if found.branches and found.is_closed:
             break
     return _as_slice(task.height, found, abs(moved), asked.derivatives)
@@ -189,7 +230,18 @@ def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> Workspac
     for q in _settled(problem, task.positions):
         map_.begin_at(q)
         _followed(map_)
-    return map_.run()
+    map_.run()
+    for _ in range(ROUNDS):
+        if not (outside := map_.positions_outside()):
+            break
+        for q in outside:
+            look_around(map_, q)
+    return map_
+
+
+def _seed(seed: int, height: float) -> int:
+    """Another one for every slice, so that all together draw many different positions."""
+    return abs(hash((seed, height))) % 2**32
 
 
 def _followed(map_: WorkspaceMap) -> None:

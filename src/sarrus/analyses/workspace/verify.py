@@ -122,7 +122,7 @@ def _round(map_: WorkspaceMap, drawn: Drawn) -> Verification:
     u = np.array([p.values(q)[outputs] for q in positions]).reshape(-1, 2)
     outside = np.flatnonzero(region.outside(u, TOLERANCE)) if len(u) else np.zeros(0, dtype=int)
     for n in outside[:20]:
-        _look_around(map_, positions[n])
+        look_around(map_, positions[n])
     known, crossed = _known(map_, ends), _known(map_, crossings)
     inner, reached = _inner(map_, map_.region())
     return Verification(
@@ -186,7 +186,7 @@ def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Star
     return None if q is None else Ray(problem, q, np.array([np.cos(angle), np.sin(angle)]), Tally()).end()
 
 
-def _look_around(map_: WorkspaceMap, q: Array) -> None:
+def look_around(map_: WorkspaceMap, q: Array) -> None:
     """Rays from a position outside; if they find nothing new, it tells that its cell can be reached."""
     starts = [map_.ray(q) for _ in range(DIRECTIONS)]
     led = [map_.explorer.start(*start) for start in starts if start is not None]

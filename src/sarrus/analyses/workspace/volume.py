@@ -26,11 +26,10 @@ from .measures import measures
 from .quadrature import NEAR, Integral
 from .refusals import functions, refuse_counts
 from .sample import Samples
-from .slicing import Asked, Slicer
+from .slicing import NEARLY, Asked, Slicer
 from .trace import LONGEST
 from .watch import SLICES, Stop, check, stopped, watched
 
-NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 WALK = 5  # positions of a random walk from each assembled one
 RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 

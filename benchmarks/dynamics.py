@@ -71,6 +71,7 @@ def share_of_python() -> float:
     """
     from hmmwv_bump import SPEED, bump, moved, vehicle
 
+    from sarrus._jit.link import link
     from sarrus.analyses.dynamics import alpha, sampler
 
     system = sr.System(vehicle({"left": bump}))
@@ -86,8 +87,8 @@ def share_of_python() -> float:
 
         return call
 
-    parts, sample = alpha.compiled_parts(), sampler._compiled()
-    parts = {**parts, "advance": watched(parts["advance"])}
+    def watched_link(function: Callable[..., Any], **variants: Any) -> Callable[..., Any]:
+        return watched(link(function, **variants))
 
     def share() -> float:
         spent.clear()
@@ -96,8 +97,8 @@ def share_of_python() -> float:
         return 1 - sum(spent) / (time.process_time() - began)
 
     with (
-        patch.object(alpha, "compiled_parts", lambda: parts),
-        patch.object(sampler, "_compiled", lambda: watched(sample)),
+        patch.object(alpha, "link", watched_link),
+        patch.object(sampler, "link", watched_link),
     ):
         return min(share() for _ in range(4))
 

@@ -1,13 +1,12 @@
 """HHT and generalized-α: order, tolerances, stiffness, trouble; against trajectories that other programs computed."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
+from sarrus._jit.link import fingerprint
 from sarrus.analyses.dynamics import alpha_loop
 
 METHODS = (sr.HHT(), sr.GeneralizedAlpha(0.8), sr.HHT(0.0))
@@ -172,16 +171,13 @@ def test_wrong_coefficients_are_refused(method: type, value: float) -> None:
 
 
 def test_a_kept_loop_depends_on_its_constants(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sarrus._jit.driver import compiled_function
-
-    before = compiled_function(alpha_loop.size).__name__
-    assert compiled_function(alpha_loop.size).__name__ == before
-    renamed = compiled_function(alpha_loop.predict).__name__
-    assert renamed != before
-    newton = compiled_function(alpha_loop.newton, update=None).__name__
+    newton, size = fingerprint(alpha_loop.newton), fingerprint(alpha_loop.size)
+    advance = fingerprint(alpha_loop.advance)
+    assert fingerprint(alpha_loop.newton) == newton
     monkeypatch.setattr(alpha_loop, "NEWTON_SHARE", 0.5)
-    assert compiled_function(alpha_loop.newton, update=None).__name__ != newton
-    assert Path(alpha_loop.__file__).exists()
+    assert fingerprint(alpha_loop.newton) != newton
+    assert fingerprint(alpha_loop.advance) != advance  # which calls it
+    assert fingerprint(alpha_loop.size) == size
 
 
 @pytest.mark.parametrize("until", [1e-4, 1e-3, 0.01])

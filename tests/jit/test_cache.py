@@ -135,9 +135,9 @@ def test_without_any_folder_it_still_runs(copy: Path, tmp_path: Path) -> None:
 
 
 def test_a_kernel_of_a_long_name_has_a_short_file_name() -> None:
-    from sarrus._jit.driver import compiled
+    from sarrus._jit.driver import compile_source
 
-    one, other = (compiled("Phi_q_" * 60 + end, ["def f(x):", "    return x + 1"], {}) for end in "ab")
+    one, other = (compile_source("Phi_q_" * 60 + end, ["def f(x):", "    return x + 1"], {}) for end in "ab")
     assert one(1.0) == 2.0
     assert len(one.py_func.__name__) < 80
     assert one.py_func.__name__ != other.py_func.__name__

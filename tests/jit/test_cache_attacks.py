@@ -20,8 +20,8 @@ ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 PROGRAM = """
 import numpy as np
 from sarrus._jit import cache
-from sarrus._jit.driver import compiled
-kernel = compiled("kernel", ["def f(x):", "    return 2.0 * x"], {})
+from sarrus._jit.driver import compile_source
+kernel = compile_source("kernel", ["def f(x):", "    return 2.0 * x"], {})
 print(kernel(21.0), cache.kept("value", lambda: 7), kernel.stats.cache_hits.total(), cache.folder(), sep="|")
 """
 LOOPS = """
@@ -37,8 +37,8 @@ def difference(work):
 """
 VERSIONS = """
 import numpy as np, loops
-from sarrus._jit.driver import compiled_function
-kernel = compiled_function(loops.difference)
+from sarrus._jit.link import compiled, link
+kernel = link(compiled(loops.difference))
 work = loops.Work(**{"first": np.array([5.0]), "second": np.array([3.0])})
 print(kernel(work), kernel.stats.cache_hits.total())
 """
@@ -178,21 +178,16 @@ def test_folders_that_are_made_for_a_chosen_one_are_private(tmp_path: Path) -> N
 
 WINDING = """
 import numpy as np
-from sarrus._jit.driver import compiled_function
+from sarrus._jit.link import link
+from sarrus._jit.pointer import NONE
 from sarrus.analyses.dynamics import winding_loop as loop
 
-def residual(at, b, t, q, lam, Phi, force):
-    Phi[0] = 0.5
-
-def velocity(at, b, t, q, v, rate, Phi_t):
-    rate[0] = 10.0
-
-kernels = {"RESIDUAL": compiled_function(residual), "VELOCITY": compiled_function(velocity)}
-count = compiled_function(loop.count, **kernels)
+count = link(loop.count)
 work = loop.Work(**{name: np.zeros(1) for name in loop.Work._fields})
+work.Phi[0], work.rate[0] = 0.5, 10.0  # no kernels change them
 state, turns = np.zeros((2, 1)), np.zeros((2, 1))
 b = np.zeros(1)
-count(0, 0, b, np.array([True]), np.array([0.0, 1.0]), state, state, np.array([0.5]), turns, work)
+count(NONE, NONE, b, np.array([True]), np.array([0.0, 1.0]), state, state, np.array([0.5]), turns, work)
 print(turns[1, 0], count.stats.cache_hits.total())
 """
 EDITS = {  # of a compiled loop outside the sources by which folders of kernels are named; how often 10 rad are around

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.sparse import vstack
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus._jit.driver import compiled_function
-from sarrus._jit.pointer import run
+from sarrus._jit.link import link
+from sarrus._jit.pointer import call_kernels
 from sarrus._jit.vector import LANES
-from sarrus.analyses.sensitivity import by_numbers, sweep
+from sarrus.analyses.sensitivity import by_numbers
 from sarrus.analyses.sensitivity.block_loop import UNKNOWN, Entries, solve_lane, solve_lane_transposed
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
@@ -47,11 +45,11 @@ def side_by_side(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", Entries._fields)
 def test_operators_of_all_lanes_are_those_of_single_states(crank: sr.System, kind: str) -> None:
-    names, scalars, arrays = GROUPS[kind]
+    names = GROUPS[kind]
     group, at = crank.group(*names), states(crank)
     found = [room(len(out)) for out in group.allocate()]
     operands = [side_by_side(at[name]) for name in group.operands]
-    run(0, scalars + arrays)(group.entry_in_lanes, crank.b, *operands, *found)
+    call_kernels(group.entry_in_lanes, crank.b, *operands, *found)
     for lane in range(LANES):
         wanted = group.allocate()
         single = [at[name][lane] if name != "t" else float(at["t"][lane, 0]) for name in group.operands]
@@ -71,7 +69,7 @@ def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: s
     """μᵀR_b of a step."""
     at, by_b = states(crank), room(crank.nb)
     order = [side_by_side(at[name]) for name in ("t", *by_numbers.ADJOINT)]
-    by_numbers.calls()["GRADIENT"](by_numbers.gradient_entry(crank, "step"), crank.b, *order, by_b)
+    call_kernels(by_numbers.gradient_entry(crank, "step"), crank.b, *order, by_b)
     for lane in range(LANES):
         one = {name: x[lane] for name, x in at.items()}
         R_b, Phi_b = by_numbers_of_step(crank, one)
@@ -85,7 +83,7 @@ def factored(n: int) -> tuple[np.ndarray, list[Factors], np.ndarray]:
     matrices[-1, 0, 0] = 1e-7
     pattern, full = np.arange(0, n * n + 1, n), np.tile(np.arange(n), n)
     pointers, indices, diagonal, ends = unsigned((pattern, full, (n + 1) * np.arange(n), np.full(n, n)))
-    factor = compiled_function(factor_lanes, **sweep._compiled())
+    factor = link(factor_lanes)
     size = -(-n * n // LANES) * LANES
     factors, data, growth = room(size), room(size), room(1)
     data[: n * n * LANES] = side_by_side(matrices.transpose(0, 2, 1).reshape(LANES, -1))
@@ -105,7 +103,7 @@ def test_a_solution_is_refined_where_factors_have_grown() -> None:
     (matrices, factors, growth), right = factored(n), np.random.default_rng(6).normal(size=(n, 1))
     squares = [(np.tril(without_pivoting(A), -1) ** 2).sum() for A in matrices]
     assert np.allclose(growth, 1 + np.array(squares), rtol=1e-9)
-    solve, refined, found = compiled_function(solved, **sweep._compiled()), np.zeros(3), np.zeros((n, 1))
+    solve, refined, found = link(solve_lane_transposed), np.zeros(3), np.zeros((n, 1))
     refined[:] = 0.0, growth[0], 1e-12
     for lane, A in enumerate(matrices):
         solve(factors[lane], refined, growth[lane], right, found, np.zeros((3, n, 1)))
@@ -116,7 +114,7 @@ def test_a_solution_is_refined_where_factors_have_grown() -> None:
 def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> None:
     """What is told is the largest change of any panel that was refined; the first one needs none."""
     (matrices, factors, growth), told = factored(5), []
-    solve, refined = compiled_function(panel_solved, **sweep._compiled()), np.array([UNKNOWN, 0.0, 1e-12])
+    solve, refined = link(solve_lane), np.array([UNKNOWN, 0.0, 1e-12])
     right, found, work = (aligned(*shape, COLUMNS) for shape in ((5,), (5,), (3, 5)))
     for lane, A in enumerate(matrices):
         for own in (np.zeros(right.shape), np.random.default_rng(7).normal(size=right.shape)):
@@ -126,18 +124,6 @@ def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> 
             told.append(refined[0])
     assert told[0] == 0.0 < told[1] < 1e-12 < told[-1] < UNKNOWN
     assert set(told[1:-1]) == {told[1]}
-
-
-def solved(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> None:
-    """What is only called by compiled code, called."""
-    solve_lane_transposed(own, refined, growth, right, solution, room)
-
-
-def panel_solved(
-    own: Any, by_rows: Any, refined: Any, growth: Any, begun: Any, right: Any, solution: Any, room: Any
-) -> None:
-    """The same for panels."""
-    solve_lane(own, by_rows, refined, growth, begun, right, solution, room)
 
 
 def without_pivoting(A: np.ndarray) -> np.ndarray:
@@ -161,7 +147,7 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
         own = every._replace(
             addresses=every.addresses[element : element + 1], starts=every.starts[element : element + 2]
         )
-        by_numbers.calls()["CHANGE"](own, crank.b, *order, dots[column], out, out)
+        call_kernels(own, crank.b, *order, dots[column], out, out)
     assert 0 < len(moved.columns) < len(dots) * sum(p.count for p in crank.populations)
     for lane in range(LANES):
         R_b, Phi_b = by_numbers_of_step(crank, {name: x[lane] for name, x in at.items()})

@@ -14,7 +14,14 @@ from numba.extending import intrinsic, overload, register_jitable
 from . import curves, functions
 from .curves import STEPS, curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
 
-ELEMENTARY = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "tanh")
+ELEMENTARY = (
+    functions.sqrt, functions.sin, functions.cos, functions.tan, functions.asin, functions.acos, functions.atan,
+    functions.exp, functions.log, functions.tanh,
+)  # fmt: skip
+CALLED_BY_CURVES = (
+    curves._piece, curves._cubic, curves._chain, curves._elementary_step, curves._binary_step, curves._formula,
+    curves._evaluate, curves._antiderivative, curves._cubic_integral, curves._formula_integral, curves._integral,
+)  # fmt: skip
 
 
 @intrinsic
@@ -56,18 +63,16 @@ def _choice(function: Callable[[float], float]) -> Callable[[Any], Callable[[flo
 
 def _register() -> None:
     """Let compiled code call the functions of `curves`, and those that they call."""
-    for name in ELEMENTARY:
-        overload(getattr(functions, name), strict=False)(_choice(_math(name)))
-    inner = "_piece _cubic _chain _elementary_step _binary_step _formula _evaluate"
-    for name in f"{inner} _antiderivative _cubic_integral _formula_integral _integral".split():
-        register_jitable(getattr(curves, name))
-    for function in (curve_value, curve_slope, curve_bend, curve_twist, curve_area, curve_moment):
+    for elementary in ELEMENTARY:
+        overload(elementary, strict=False)(_choice(_math(elementary.__name__)))
+    own = (curve_value, curve_slope, curve_bend, curve_twist, curve_area, curve_moment)
+    for function in (*CALLED_BY_CURVES, *own):
         register_jitable(function)
 
 
 _register()
 COMPILED: dict[str, Callable[..., Any]] = {
-    **{name: _math(name) for name in ELEMENTARY},
+    **{elementary.__name__: _math(elementary.__name__) for elementary in ELEMENTARY},
     "atan2": lambda y, x: math.atan2(y, x),
     "nearest": lambda x: math.floor(x + 0.5),
     "sech2": lambda x: 1.0 / (math.cosh(x) * math.cosh(x)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .driver import Signature, compiled
+from .driver import Signature, compile_source
 
 SCHEMES = ("forward", "central")
 
@@ -37,11 +37,11 @@ def differences(signature: Signature, driver: Any, vary: str, scheme: str) -> An
     for front, back, column in zip(ahead, behind, columns, strict=True):
         lines.append(f"        for r in range(len({front})):")
         lines.append(f"            {column}[k, r] = ({front}[r] - {back}[r]) * factor")
-    return compiled(f"{scheme}_{vary}_{signature.name}", lines, {"driver": driver})
+    return compile_source(f"{scheme}_{vary}_{signature.name}", lines, {"driver": driver})
 
 
 def repeated(function: Any, name: str, arguments: int) -> Any:
     """A compiled loop that calls a compiled function n times: ``(n, *arguments)``; for timing without Python."""
     parameters = ", ".join(f"a{k}" for k in range(arguments))
     lines = [f"def repeat(n, {parameters}):", "    for _ in range(n):", f"        function({parameters})"]
-    return compiled(f"repeat_{name}", lines, {"function": function})
+    return compile_source(f"repeat_{name}", lines, {"function": function})

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import inspect
 import threading
-import types
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -71,7 +69,7 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
             if wanted
         ]
     lines += [f"    loop_{n}(index, {n}, numbers, {operands})" for n in range(len(recorders))]
-    result = compiled(signature.name, [*lines, "    return"], loops)
+    result = compile_source(signature.name, [*lines, "    return"], loops)
     with _vectorizer(signature.hot):
         result.compile(signature.types())
     return result
@@ -89,7 +87,7 @@ def _vectorizer(on: bool) -> Iterator[None]:
             config.SLP_VECTORIZE = before
 
 
-def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
+def compile_source(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     """Compile the one function written in `lines`, or find it in the cache under `name` and what it says."""
     digest = hashlib.sha256(repr((name, *lines)).encode()).hexdigest()[:16]
     name = f"{name[:LONGEST]}_{digest}"
@@ -99,31 +97,4 @@ def compiled(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
     function.__name__ = function.__qualname__ = name
     result: Any = njit(nogil=True, error_model="numpy")(function)
     result._cache = KernelCache(function)
-    return result
-
-
-def compiled_function(function: Any, **namespace: Any) -> Any:
-    """Compile a plain function, its globals replaced by the compiled things named; kept under what it depends on."""
-    return _kept(function, namespace)
-
-
-def compiled_part(function: Any, **namespace: Any) -> Any:
-    """As `compiled_function`, for a function that only compiled code calls, and that makes no arrays: half the time.
-
-    It counts no references, and has no second entry for Python, to which long lists of arrays are costly.
-    """
-    return _kept(function, namespace, _nrt=False, no_cpython_wrapper=True)
-
-
-def _kept(function: Any, namespace: dict[str, Any], **options: Any) -> Any:
-    scope = {**function.__globals__, **namespace}
-    used = {name: scope[name] for name in sorted(function.__code__.co_names) if name in scope}
-    told = {name: getattr(value, "__name__", value) for name, value in used.items()}
-    digest = hashlib.sha256((inspect.getsource(function) + repr((told, options))).encode()).hexdigest()[:12]
-    name = f"{function.__name__}_{digest}"
-    copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
-    copy.__qualname__ = name
-    compiler: Any = njit
-    result: Any = compiler(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(copy)
-    result._cache = KernelCache(copy)
     return result

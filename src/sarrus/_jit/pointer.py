@@ -6,15 +6,14 @@ system, with all its kernels in it.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+from numba import njit, types
+from numba.extending import intrinsic, overload
 
-from .driver import Signature, compiled
+from .driver import Signature
 
 
 class Entry(NamedTuple):
@@ -49,39 +48,47 @@ def _address(driver: Any, kinds: tuple[Any, ...]) -> int:
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
 
 
-@cache
-def run(scalars: int, arrays: int) -> Any:
-    """The compiled function ``run(entry, numbers, *scalars, *arrays)``, which calls all drivers of an entry."""
-    given = [f"s{n}" for n in range(scalars)] + [f"a{n}" for n in range(arrays)]
-    operands = ", ".join(given)
-    name = f"run_{scalars}_{arrays}"
-    lines = [
-        f"def {name}(entry, numbers, {operands}):",
-        "    for n in range(len(entry.addresses)):",
-        "        table = entry.tables[entry.starts[n] : entry.starts[n + 1]]",
-        f"        call(entry.addresses[n], table, numbers, {operands})",
-    ]
-    return compiled(name, lines, {"call": _call(scalars, arrays)})
+def call_kernels(table: Entry, numbers: Any, *operands: Any) -> None:
+    """Call all drivers of a table, one after another: ``driver(index, numbers, *operands)``.
+
+    Operands are numbers, which become floats, and contiguous arrays of floats of one dimension.
+    """
+    _from_python(table, numbers, operands)
 
 
-def _call(scalars: int, arrays: int) -> Any:
-    """A call of compiled code of the type ``(table, numbers, *scalars, *arrays) -> None`` at an address."""
-    name = f"call_{scalars}_{arrays}"
-    given = [f"x{n}" for n in range(scalars + arrays)]
-    array, table = types.float64[::1], types.int64[::1]
-    kinds = (table, array, *(types.float64,) * scalars, *(array,) * arrays)
-    lines = [
-        f"def {name}(typingctx, address, table, numbers, {', '.join(given)}):",
-        "    return types.void(types.int64, *kinds), codegen",
-    ]
-    scope: dict[str, Any] = {"types": types, "kinds": kinds, "codegen": _emit}
-    exec("\n".join(lines), scope)
-    return intrinsic(scope[name])
+@overload(call_kernels, jit_options={"error_model": "numpy"})
+def _compiled_call(table: Any, numbers: Any, *operands: Any) -> Any:
+    def loop(table: Any, numbers: Any, *operands: Any) -> None:
+        for n in range(len(table.addresses)):
+            index = table.tables[table.starts[n] : table.starts[n + 1]]
+            _call(table.addresses[n], index, numbers, operands)  # type: ignore[call-arg]
+
+    return loop
 
 
-def _emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    kinds = signature.args[1:]
-    kind = context.call_conv.get_function_type(types.none, kinds)
-    function = builder.inttoptr(args[0], ir.PointerType(kind))
-    context.call_conv.call_function(builder, function, types.none, kinds, args[1:])
-    return context.get_dummy_value()
+@njit(nogil=True)
+def _from_python(table: Any, numbers: Any, operands: Any) -> None:
+    call_kernels(table, numbers, *operands)
+
+
+@intrinsic
+def _call(typingctx: Any, address: Any, index: Any, numbers: Any, operands: Any) -> Any:
+    """A call of compiled code of the type ``(index, numbers, *operands) -> None`` at an address."""
+    array, given = types.float64[::1], tuple(operands)
+    kinds = (
+        types.int64[::1],
+        array,
+        *(types.float64 if isinstance(x, types.Number) else array for x in given),
+    )
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        parts = [builder.extract_value(args[3], n) for n in range(len(given))]
+        parts = [
+            context.cast(builder, x, own, kind) for x, own, kind in zip(parts, given, kinds[2:], strict=True)
+        ]
+        function_type = context.call_conv.get_function_type(types.none, kinds)
+        function = builder.inttoptr(args[0], ir.PointerType(function_type))
+        context.call_conv.call_function(builder, function, types.none, kinds, [*args[1:3], *parts])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, *kinds[:2], operands), codegen

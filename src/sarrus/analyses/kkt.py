@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
+from .._jit.link import link
 from ..algebra import Array
 from .factored import DENSE_BELOW, Factored
-from .linear import compiled
 from .nullspace import DEPENDENT
 from .rank import row_lengths
+from .sparse_lu import compressed
 
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
 REFINEMENTS = 12
@@ -54,9 +55,7 @@ class KKT:
                 np.concatenate([i, n + row, column, corner]),
                 np.concatenate([j, column, n + row, corner]),
             )
-            indptr, indices, place = compiled()["compressed"](
-                n + m, rows.astype(np.int32), columns.astype(np.int32)
-            )
+            indptr, indices, place = link(compressed)(n + m, rows.astype(np.int32), columns.astype(np.int32))
             data = np.zeros(len(indices))
             data[place] = numbers
             return csc_array((data, indices, indptr), shape=(n + m, n + m))

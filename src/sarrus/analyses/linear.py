@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
-from .._jit.driver import compiled_function
+from .._jit.link import link
 from ..algebra import Array
 from . import pivot_order, sparse_lu
 
@@ -25,17 +24,6 @@ TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
 
 class SingularMatrix(ArithmeticError):
     """The matrix has no inverse."""
-
-
-@cache
-def compiled() -> dict[str, Any]:
-    """The compiled functions of `sparse_lu`."""
-    made = {name: compiled_function(getattr(sparse_lu, name)) for name in ("rise", "transposed")}
-    names = ("compressed", "postorder", "symbolic", "slots", "refactor", "solve", "solve_transposed")
-    made |= {name: compiled_function(getattr(sparse_lu, name), **made) for name in names}
-    parts = ("fill", "fewest", "pivot_of", "eliminate")
-    steps = {name.upper(): compiled_function(getattr(pivot_order, name)) for name in parts}
-    return {**made, "order": compiled_function(pivot_order.order, **steps)}
 
 
 class SparseLU:
@@ -89,8 +77,8 @@ class SparseLU:
         """The pattern of the factors in a pivot order."""
         self.row_place, self.column_order = (x.astype(np.uint32) for x in (row_place, column_order))
         given = (self.n, self._indptr, self._indices, self.row_place, self.column_order)
-        self.pointers, self.rows, self.diagonal = compiled()["symbolic"](*given)
-        self.slots = compiled()["slots"](*given, self.pointers, self.rows)
+        self.pointers, self.rows, self.diagonal = link(sparse_lu.symbolic)(*given)
+        self.slots = link(sparse_lu.slots)(*given, self.pointers, self.rows)
 
     def _order(self, data: Array) -> tuple[Array, Array]:
         """Row places and column order: of small matrices by Markowitz's rule, else of the sparsest of some."""
@@ -98,12 +86,12 @@ class SparseLU:
             return self._by_markowitz(data)
         found = list(self._candidates(data))
         places, columns, _ = min(found, key=lambda candidate: candidate[2])
-        to = compiled()["postorder"](self.n, self._indptr, self._indices, places, columns)
+        to = link(sparse_lu.postorder)(self.n, self._indptr, self._indices, places, columns)
         return to[places], columns[np.argsort(to)]
 
     def _by_markowitz(self, data: Array) -> tuple[Array, Array]:
         places, columns = np.empty(self.n, np.int32), np.empty(self.n, np.int32)
-        if not compiled()["order"](self._indptr, self._indices, data, places, columns):
+        if not link(pivot_order.order)(self._indptr, self._indices, data, places, columns):
             raise SingularMatrix("the matrix is singular to working precision")
         return places, columns
 
@@ -129,7 +117,9 @@ class SparseLU:
         self.factors[:] = 0.0
         self.factors[self.slots] = data
         self.work = np.empty(self.n, self.factors.dtype)
-        return float(compiled()["refactor"](self.pointers, self.rows, self.diagonal, self.factors, self.work))
+        return float(
+            link(sparse_lu.refactor)(self.pointers, self.rows, self.diagonal, self.factors, self.work)
+        )
 
     def factor(self, data: Array) -> None:
         """Factor a matrix with these numbers, with new pivots if the old ones no longer fit.
@@ -146,7 +136,7 @@ class SparseLU:
         """x of A x = right."""
         x = np.empty(self.n, self.factors.dtype)
         x[self.row_place] = right
-        compiled()["solve"](self.pointers, self.rows, self.diagonal, self.factors, x)
+        link(sparse_lu.solve)(self.pointers, self.rows, self.diagonal, self.factors, x)
         result = np.empty(self.n, self.factors.dtype)
         result[self.column_order] = x
         return result
@@ -154,7 +144,7 @@ class SparseLU:
     def solve_transposed(self, right: Array) -> Array:
         """x of Aᵀ x = right."""
         x = right[self.column_order].astype(self.factors.dtype)
-        compiled()["solve_transposed"](self.pointers, self.rows, self.diagonal, self.factors, x)
+        link(sparse_lu.solve_transposed)(self.pointers, self.rows, self.diagonal, self.factors, x)
         return x[self.row_place]
 
 

@@ -2,7 +2,7 @@
 
 Markowitz (1957) with Zlatev's limited search (1980): of the columns with the fewest entries some are looked at; of
 their entries that are not small in their column, that one is the pivot whose row and column have the fewest others.
-The matrix is held dense while this goes on, a column in one line. Plain functions, for `compiled_function`.
+The matrix is held dense while this goes on, a column in one line. Compiled functions.
 """
 
 from __future__ import annotations
@@ -11,10 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-FILL: Any = None  # the functions below, put in place when `order` is compiled
-FEWEST: Any = None
-PIVOT_OF: Any = None
-ELIMINATE: Any = None
+from .._jit.link import compiled
+
 LOOKED_AT = 4  # columns at each step
 LARGE = 0.01  # of the largest in its column: an entry that may be a pivot
 
@@ -32,6 +30,7 @@ class Work(NamedTuple):
     columns: Any
 
 
+@compiled
 def fill(indptr: Any, indices: Any, data: Any, work: Any) -> None:
     """Spread the matrix."""
     for j in range(len(indptr) - 1):
@@ -42,6 +41,7 @@ def fill(indptr: Any, indices: Any, data: Any, work: Any) -> None:
             work.in_column[j] += 1
 
 
+@compiled
 def fewest(k: Any, work: Any) -> Any:
     """Put the columns with the fewest entries into `looked`, the k-th step; returns how many."""
     found, left, looked, count = 0, work.left, work.looked, work.in_column
@@ -56,6 +56,7 @@ def fewest(k: Any, work: Any) -> Any:
     return found
 
 
+@compiled
 def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
     """Row of the pivot, -1 if there is none, and its column's place in `left`."""
     n, best, size, row, taken = len(row_place), np.inf, 0.0, -1, -1
@@ -73,6 +74,7 @@ def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
     return row, taken
 
 
+@compiled
 def eliminate(k: Any, row: Any, column: Any, work: Any, row_place: Any) -> None:
     """The k-th step, with the pivot in this row and column."""
     a, full, below, beside = work.a, work.full, 0, 0
@@ -96,6 +98,7 @@ def eliminate(k: Any, row: Any, column: Any, work: Any, row_place: Any) -> None:
                 work.in_column[other] += 1
 
 
+@compiled(entry=True)
 def order(indptr: Any, indices: Any, data: Any, row_place: Any, column_order: Any) -> Any:
     """Write the place of each row and the column at each place; false if the matrix is singular."""
     n = len(row_place)
@@ -103,14 +106,14 @@ def order(indptr: Any, indices: Any, data: Any, row_place: Any, column_order: An
     looked = np.zeros(LOOKED_AT, np.int64)
     a, full = np.zeros((n, n), data.dtype), np.zeros((n, n), np.bool_)
     work = Work(a, full, counts[0], counts[1], np.arange(n), looked, places[0], places[1])
-    FILL(indptr, indices, data, work)
+    fill(indptr, indices, data, work)
     row_place[:] = -1
     for k in range(n):
-        row, taken = PIVOT_OF(FEWEST(k, work), work, row_place)
+        row, taken = pivot_of(fewest(k, work), work, row_place)
         if row < 0:
             return False
         column = work.left[taken]
         work.left[taken], work.left[k] = work.left[k], column
         row_place[row], column_order[k] = k, column
-        ELIMINATE(k, row, column, work, row_place)
+        eliminate(k, row, column, work, row_place)
     return True

@@ -2,8 +2,7 @@
 
 The pattern of the factors is found once (`postorder`, `symbolic`, `slots`); after that a matrix with the same pattern
 is written into the places of its factors and factored there without searching, pivoting or allocating (`refactor`),
-from compiled code. The pivot order is the caller's. These are plain functions, to be compiled by
-`compiled_function`.
+from compiled code. The pivot order is the caller's. These are compiled functions.
 
 A matrix is given by columns (`indptr`, `indices`) in its own order; its row r becomes row `row_place[r]` of the
 factors, its column `column_order[j]` becomes column j. Indices take 4 bytes each; those read in hot loops are unsigned,
@@ -16,7 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from .._jit.link import compiled
 
+
+@compiled(entry=True)
 def compressed(n: Any, rows: Any, columns: Any) -> Any:
     """The pattern by columns, rows rising, of numbers that may share places: indptr, indices, and the place of each."""
     count = len(rows)
@@ -54,6 +56,7 @@ def compressed(n: Any, rows: Any, columns: Any) -> Any:
     return indptr, indices, place
 
 
+@compiled(entry=True)
 def transposed(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
     """The pattern of a matrix in pivot order, by rows: pointers, columns."""
     pointers, columns = np.zeros(n + 1, np.int32), np.empty(len(indices), np.int32)
@@ -70,6 +73,7 @@ def transposed(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: 
     return pointers, columns
 
 
+@compiled(entry=True)
 def postorder(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
     """An order of the pivots with the same factors in which what depends on each other is near: where each goes (n,).
 
@@ -111,6 +115,7 @@ def postorder(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: A
     return to
 
 
+@compiled(entry=True)
 def symbolic(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
     """Pattern of the factors: for every column its rows, rising (both factors in one).
 
@@ -157,6 +162,7 @@ def symbolic(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: An
     return pointers, rows[: pointers[n]].copy(), diagonal
 
 
+@compiled
 def rise(x: Any, count: Any) -> None:
     """Sort the first numbers of x (Shell 1959)."""
     gap = 1
@@ -172,6 +178,7 @@ def rise(x: Any, count: Any) -> None:
         gap //= 3
 
 
+@compiled(entry=True)
 def slots(
     n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any, pointers: Any, rows: Any
 ) -> Any:
@@ -185,6 +192,7 @@ def slots(
     return found
 
 
+@compiled(entry=True)
 def refactor(pointers: Any, rows: Any, diagonal: Any, factors: Any, work: Any) -> Any:
     """Factor the matrix that stands in `factors`: U on and above the diagonal, L (unit diagonal) below, in its place.
 
@@ -218,6 +226,7 @@ def refactor(pointers: Any, rows: Any, diagonal: Any, factors: Any, work: Any) -
     return worst
 
 
+@compiled(entry=True)
 def solve(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None:
     """Solve L U x = x in place."""
     n = len(diagonal)
@@ -231,6 +240,7 @@ def solve(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None
             x[rows[entry]] -= factors[entry] * x[j]
 
 
+@compiled(entry=True)
 def solve_transposed(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None:
     """Solve (L U)ᵀ x = x in place."""
     n = len(diagonal)

@@ -13,11 +13,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from .._jit import pointer
 from .._jit.differentiate import directional
-from .._jit.driver import compiled_function
 from .._jit.emit import NUMBERS_DOT, Output, Recording
 from .._jit.expression import Expression, Graph
+from .._jit.link import link
 from .._jit.reverse import gradient
 from .._jit.vector import LANES
 from ..algebra import Array
@@ -105,15 +104,14 @@ class Along:
         self._motion = [in_lanes(x) for x in (t[:, None], q, v)]
         value = self._room(1)
         results = [value, *self._results()]
-        compiled()["slopes"](_slopes_entry(system, energy), b, *self._motion, *results)
+        link(energy_loop.slopes)(_slopes_entry(system, energy), b, *self._motion, *results)
         self.value, self.slopes = self._by_time(value, [0])[0], self._sorted(results[1:])
 
     def turned(self, q_dot: Array, v_dot: Array, b_dot: Array) -> Array:
         """The changes of the slopes for changes of all coordinates, rates (nt, nq) and numbers (len(b),)."""
-        dots, results = (in_lanes(q_dot), in_lanes(v_dot)), self._results()
-        compiled()["turns"](
-            _turns_entry(self._system, self._energy), self._b, *self._motion, *dots, b_dot, *results
-        )
+        (t, q, v), results = self._motion, self._results()
+        table, dots = _turns_entry(self._system, self._energy), (in_lanes(q_dot), in_lanes(v_dot))
+        link(energy_loop.turns)(table, self._b, t, q, v, *dots, b_dot, *results)
         return self._sorted(results)
 
     def _room(self, width: int) -> Array:
@@ -194,11 +192,3 @@ def _recording(
     found = Recording(f"{variant.name}.{energy}", graph, variant.moving, size, arrays, ("t",))
     found.outputs += [Output(blocks, True) for blocks in (*first, *bodies, block(by[2 * cut :]))]
     return found
-
-
-@cache
-def compiled() -> dict[str, Any]:
-    """The loops over all blocks."""
-    known = {"SLOPES": pointer.run(0, 1 + len(OPERANDS) + 4)}
-    known |= {"TURNS": pointer.run(0, 1 + len(OPERANDS) + len(DOTS) + 3)}
-    return {name: compiled_function(getattr(energy_loop, name), **known) for name in ("slopes", "turns")}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.driver import COMPILING, Signature, compiled, driver
+from .._jit.driver import COMPILING, Signature, compile_source, driver
 from .._jit.emit import HEADER
 from .._jit.pointer import Entry, entry
 from .._jit.vector import LANES
@@ -80,11 +80,11 @@ class Group:
         lines = [f"def bundle(indices, numbers, {arguments}):"]
         lines += [f"    driver_{n}(indices[{n}], numbers, {arguments})" for n in range(len(drivers))]
         name = "_".join(["bundle", *(run.py_func.__name__ for run in drivers)])
-        function = compiled(name, lines, {f"driver_{n}": run for n, run in enumerate(drivers)})
+        function = compile_source(name, lines, {f"driver_{n}": run for n, run in enumerate(drivers)})
         return function, (self.index, *(index for _, index in self._others))
 
     def entry(self) -> Entry:
-        """All drivers by address, for compiled loops that call them with `_jit.pointer.run`."""
+        """All drivers by address, for compiled loops that call them with `_jit.pointer.call_kernels`."""
         drivers = [self.compiled, *(run for run, _ in self._others)]
         return entry(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
 

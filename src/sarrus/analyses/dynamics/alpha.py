@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ...algebra import Array
 from ...model.arguments import Number, real
 from ...results import Assembly, Steps, StepsTaken
@@ -19,12 +18,12 @@ from ..factored import DENSE_BELOW, SingularSystem
 from ..length import extent
 from ..linear import SingularMatrix
 from . import alpha_loop as loop
-from .implicit import GROUPS, Accelerations, Implicit, calls, entries
+from .implicit import GROUPS, Accelerations, Implicit, entries
 from .keeping import Keeping
 from .march import CHUNK
 from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
-from .placed import PRECISE, PlacedMatrix, compiled_solver
+from .placed import PRECISE, PlacedMatrix
 from .prescribed import Prescribed
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally
@@ -137,17 +136,6 @@ def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
     return loop.Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
 
 
-@cache
-def compiled_parts() -> dict[str, Any]:
-    """The functions of `alpha_loop`, compiled once for all systems: kernels are called by address."""
-    made = calls() | compiled_solver() | {"weigh": compiled_part(weigh)}
-    order = "residual evaluate factor size update correct weights_of renew round_off ignored_round_off newton"
-    rest = "multiplier_change settled polish replace predict accept keep stretch rescale remember"
-    for name in f"{order} {rest}".split():
-        made[name] = compiled_part(getattr(loop, name), **made)
-    return made | {"advance": compiled_function(loop.advance, **made)}
-
-
 class AlphaStepper(Implicit):
     """HHT or generalized-α at work on one system: its memory, and the calls of the compiled loop.
 
@@ -179,7 +167,7 @@ class AlphaStepper(Implicit):
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix = newton_matrix(system)
         self.matrix.numbers.keep(self.independence.kept)
-        self._advance, self._weigh = compiled_parts()["advance"], weigh
+        self._advance, self._weigh = link(loop.advance), weigh
         self._entries: Any = loop.Entries(**entries(system, KINDS))
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))

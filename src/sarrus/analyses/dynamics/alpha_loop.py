@@ -16,18 +16,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RESIDUAL: Any = None  # calls of kernels by address, and solvers, put in place when this is compiled
-MOMENTUM: Any = None
-FORCE: Any = None
-JACOBIAN: Any = None
-INERTIA: Any = None
-STIFFNESS: Any = None
-VELOCITY: Any = None
-REMEMBER: Any = None
-weigh: Any = None  # of `newton_matrix`
-refactor: Any = None  # of `placed`
-backsolve: Any = None
-leave_out: Any = None
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+from .newton_matrix import weigh
+from .placed import backsolve, leave_out, refactor
+
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
 NEWTON_LIMIT = 12  # iterations
@@ -175,6 +168,7 @@ class Record(NamedTuple):
     given: Any
 
 
+@compiled
 def update(scheme: Any, h: Any, state: Any) -> Any:
     """q₁, v₁, ã₁ of a₁."""
     m, f = scheme.alpha_m, scheme.alpha_f
@@ -186,6 +180,7 @@ def update(scheme: Any, h: Any, state: Any) -> Any:
         state.v1[k] = state.v0[k] + h * ((1.0 - scheme.gamma) * x0 + scheme.gamma * x1)
 
 
+@compiled
 def residual(
     entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
 ) -> Any:
@@ -195,9 +190,9 @@ def residual(
     of it.
     """
     n = len(state.q0)
-    RESIDUAL(entries.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
-    MOMENTUM(entries.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
-    FORCE(entries.force, b, t, state.q1, state.v1, memory.Q)
+    call_kernels(entries.residual, b, t, state.q1, state.lam1, memory.Phi, memory.Phi_qT_lam)
+    call_kernels(entries.momentum, b, state.q1, state.v1, state.a1, memory.M_a, memory.S)
+    call_kernels(entries.force, b, t, state.q1, state.v1, memory.Q)
     for k in range(n):
         memory.right[k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
     for k in range(len(memory.Phi)):
@@ -206,14 +201,16 @@ def residual(
         memory.right[n + k] = gap / beta if left_out[k] == 0.0 else state.lam1[k]
 
 
+@compiled
 def evaluate(entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any) -> None:
     """The numbers of all operators at one state."""
-    JACOBIAN(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
-    INERTIA(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
-    STIFFNESS(entries.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
+    call_kernels(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
+    call_kernels(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
+    call_kernels(entries.stiffness, b, t, q, v, matrix.Q_q, matrix.Q_v)
     leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
 
 
+@compiled
 def factor(
     entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
 ) -> Any:
@@ -226,6 +223,7 @@ def factor(
     return refactor(matrix.values, matrix.placed)
 
 
+@compiled
 def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> Any:
     """Root mean square of factor x change, each entry over its tolerance."""
     total = 0.0
@@ -235,6 +233,7 @@ def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> An
     return (total / len(q0)) ** 0.5
 
 
+@compiled
 def correct(
     scheme: Any,
     h: Any,
@@ -257,12 +256,14 @@ def correct(
     return max(change, size(memory.solution, gamma, state.v0, state.v1, tol.rtol_v, tol.atol_v))
 
 
+@compiled
 def weights_of(scheme: Any, h: Any) -> Any:
     """β' and γ' of a step."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     return scheme.beta * h * h * kappa, scheme.gamma * h * kappa
 
 
+@compiled
 def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, beta: Any, gamma: Any) -> Any:
     """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
     control.counts[3] += 1
@@ -273,6 +274,7 @@ def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, b
     return True
 
 
+@compiled
 def round_off(h: Any, state: Any, tol: Any) -> Any:
     """How large in v, over the tolerances, the round-off of Φ becomes by h: see `AlphaStepper._finest`."""
     largest, total = 0.0, 0.0
@@ -284,11 +286,13 @@ def round_off(h: Any, state: Any, tol: Any) -> Any:
     return 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5
 
 
+@compiled
 def ignored_round_off(h: Any, state: Any, tol: Any) -> Any:
     """1 where the round-off of Φ is more in v than Newton's method may leave there, as in very short steps, else 0."""
     return 1.0 if round_off(h, state, tol) > NEWTON_SHARE else 0.0
 
 
+@compiled
 def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
     """The largest change of a multiplier by the last correction; `size` sees accelerations alone."""
     change = 0.0
@@ -297,6 +301,7 @@ def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
     return change
 
 
+@compiled
 def settled(state: Any, memory: Any, beta: Any) -> Any:
     """Whether the last correction changed the multipliers by less than `SETTLED` of the largest."""
     largest = 0.0
@@ -305,6 +310,7 @@ def settled(state: Any, memory: Any, beta: Any) -> Any:
     return multiplier_change(state, memory, beta) <= SETTLED * largest
 
 
+@compiled
 def polish(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
     rate: Any, before: Any,
@@ -334,6 +340,7 @@ def polish(
     return POLISHES
 
 
+@compiled
 def replace(iterations: Any, control: Any) -> None:
     """New factors for the next step, where the last one took more corrections than steps with these did on average.
 
@@ -345,6 +352,7 @@ def replace(iterations: Any, control: Any) -> None:
         numbers[2], numbers[5] = 0.0, 0.0
 
 
+@compiled
 def newton(
     scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
 ) -> Any:  # fmt: skip
@@ -377,6 +385,7 @@ def newton(
     return 0, 1.0, before
 
 
+@compiled
 def predict(ratio: Any, state: Any) -> Any:
     """First guess of a₁ and λ₁: their last change, once more."""
     for k in range(len(state.a0)):
@@ -385,6 +394,7 @@ def predict(ratio: Any, state: Any) -> Any:
         state.lam1[k] = state.lam0[k] + ratio * state.lam_change[k]
 
 
+@compiled
 def accept(state: Any) -> Any:
     """The end of the step is the start of the next."""
     for k in range(len(state.a0)):
@@ -396,12 +406,14 @@ def accept(state: Any) -> Any:
         state.lam0[k] = state.lam1[k]
 
 
+@compiled
 def stretch(ratio: Any, state: Any) -> None:
     """ã₀ - a₀ goes with h."""
     for k in range(len(state.x0)):
         state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
 
 
+@compiled
 def rescale(
     entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
 ) -> None:
@@ -417,7 +429,7 @@ def rescale(
         return
     if not factor(entries, b, t, state.q0, state.v0, state.a0, state.lam0, matrix, 0.0, 0.0) > TRUSTED:
         return
-    VELOCITY(entries.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
+    call_kernels(entries.velocity, b, t, state.q0, state.v0, memory.rate, memory.Phi_t)
     for k in range(n):
         memory.right[k] = 0.0
     for k in range(len(memory.rate)):
@@ -428,6 +440,7 @@ def rescale(
     control.numbers[7] *= ratio * ratio
 
 
+@compiled
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.numbers[7]
@@ -439,14 +452,16 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> Non
         record.lam[row, k] = state.lam1[k]
 
 
+@compiled
 def remember(entries: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> None:
     """Let the elements remember an accepted state."""
     if len(places):
-        REMEMBER(entries.remember, b, t, q, memory)
+        call_kernels(entries.remember, b, t, q, memory)
         for k in range(len(places)):
             b[places[k]] = memory[k]
 
 
+@compiled(entry=True)
 def advance(
     scheme: Any,
     entries: Any,

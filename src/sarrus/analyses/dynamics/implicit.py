@@ -7,7 +7,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..._jit.pointer import run
 from ...algebra import Array
 from ...system import System
 from ..independence import Independence
@@ -29,23 +28,6 @@ GROUPS = {  # operators that are computed together, by the name under which loop
     "TURNING": ("gamma_v",),
     "BENDING": ("Phi_q", "gamma"),
 }
-CALLS = {  # scalars and arrays that each takes
-    "RESIDUAL": (1, 4),
-    "MOMENTUM": (0, 5),
-    "FORCE": (1, 3),
-    "JACOBIAN": (1, 4),
-    "INERTIA": (0, 7),
-    "STIFFNESS": (1, 4),
-    "VELOCITY": (1, 4),
-    "TURNING": (1, 3),
-    "BENDING": (1, 4),
-    "REMEMBER": (1, 2),
-}
-
-
-def calls() -> dict[str, Any]:
-    """What calls the kernels of groups by address."""
-    return {name: run(*counts) for name, counts in CALLS.items()}
 
 
 def entries(system: System, kinds: Iterable[str]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..._jit.link import compiled
 from ...system import System
 from .placed import LEFT_OUT, Numbers, Part, PlacedMatrix
 
@@ -24,6 +25,7 @@ def constraint_parts(nq: int) -> list[Part]:
     return [Part(LEFT_OUT, nq, nq), Part("Phi_q", nq, 0), Part("Phi_q", 0, nq, transposed=True)]
 
 
+@compiled
 def weigh(weights: Any, beta: Any, gamma: Any) -> None:
     """The weights of the parts of the Newton matrix for a scheme's β' and γ', in the order of `alpha_parts`."""
     weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta

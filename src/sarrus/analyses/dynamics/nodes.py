@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..._jit.link import compiled
 from ...algebra import Array
 
 
@@ -42,6 +43,7 @@ class Nodes(NamedTuple):
         return found[0, 0], found[1, 0]
 
 
+@compiled
 def between(
     q0: Any, v0: Any, a0: Any, q1: Any, v1: Any, a1: Any, s: Any, h: Any, apart: Any, q: Any, v: Any, a: Any
 ) -> None:  # fmt: skip

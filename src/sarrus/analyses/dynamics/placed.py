@@ -8,22 +8,20 @@ data[place] += weight of the part x number.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from ..._jit.driver import compiled_function
+from ..._jit.link import compiled, link
 from ...algebra import Array
 from ...system import System
 from ...system.once import once_alike
 from ..linear import SparseLU
-from ..linear import compiled as factors
+from ..sparse_lu import compressed
+from ..sparse_lu import refactor as factor_in_place
+from ..sparse_lu import solve as solve_in_place
 
-ASSEMBLE: Any = None  # `assemble` and solvers, put in place when this is compiled
-REFACTOR: Any = None
-SOLVE: Any = None
 UNIT, LEFT_OUT = (
     "unit",
     "left_out",
@@ -98,7 +96,7 @@ class Numbers:
         found = self.system.group(*group)
         found.run(b, *(operands[name] for name in found.operands), *self.of(to or group))
         if "Phi_q" in group:
-            compiled_solver()["leave_out"](self.views["Phi_q"], self.row_of, self.left_out)
+            link(leave_out)(self.views["Phi_q"], self.row_of, self.left_out)
 
 
 class PlacedMatrix:
@@ -138,8 +136,7 @@ class PlacedMatrix:
     def assembled(self) -> Array:
         """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
         data = np.zeros(len(self._layout.indices), dtype=self.weights.dtype)
-        assemble = compiled_solver()["ASSEMBLE"]
-        assemble(self.parts, self._layout.place, self.weights, self.numbers.values, data)
+        link(assemble)(self.parts, self._layout.place, self.weights, self.numbers.values, data)
         return data
 
     def matrix(self) -> csc_array:
@@ -161,7 +158,7 @@ class PlacedMatrix:
             If the matrix is singular.
         """
         placed = self.placed or self._lodged()
-        if placed and compiled_solver()["refactor"](self.numbers.values, placed) > least:
+        if placed and link(refactor)(self.numbers.values, placed) > least:
             self.placed = placed
             return placed
         return self.choose_pivots()
@@ -180,7 +177,7 @@ class PlacedMatrix:
     def solve(self, right: Array) -> Array:
         """x of A x = right, with the factors at hand."""
         solution = np.zeros(self.n)
-        compiled_solver()["backsolve"](self.placed, right, solution)
+        link(backsolve)(self.placed, right, solution)
         return solution
 
     def state(self) -> dict[str, Array]:
@@ -223,7 +220,7 @@ def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: 
     found = [_entries(system, part, dict(like)) for part in parts]
     rows, columns = (np.concatenate(axis) for axis in zip(*found, strict=True))
     first = np.cumsum([0, *(len(own) for own, _ in found)])[:-1]
-    indptr, indices, place = factors()["compressed"](n, rows, columns)
+    indptr, indices, place = link(compressed)(n, rows, columns)
     return Layout(indptr, indices, place, tuple(first.tolist()))
 
 
@@ -254,16 +251,7 @@ def entries_of(system: System, name: str) -> tuple[Array, Array]:
     return rows, pattern.indices.astype(np.int32)
 
 
-@cache
-def compiled_solver() -> dict[str, Any]:
-    """What is compiled here, by the names that loops give it."""
-    known = {"REFACTOR": factors()["refactor"], "SOLVE": factors()["solve"]}
-    known["ASSEMBLE"] = compiled_function(assemble)
-    for function in (refactor, backsolve, leave_out):
-        known[function.__name__] = compiled_function(function, **known)
-    return known
-
-
+@compiled(entry=True)
 def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
     """Sum the weighted numbers of all parts into the numbers of the matrix.
 
@@ -281,22 +269,25 @@ def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> N
                 data[where[k]] += weight * numbers[k]
 
 
+@compiled(entry=True)
 def refactor(values: Any, placed: Any) -> Any:
     """Assemble and factor a matrix; returns how far its pivots can be trusted."""
-    ASSEMBLE(placed.parts, placed.places, placed.weights, values, placed.factors)
-    return REFACTOR(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
+    assemble(placed.parts, placed.places, placed.weights, values, placed.factors)
+    return factor_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
 
 
+@compiled(entry=True)
 def backsolve(placed: Any, right: Any, solution: Any) -> None:
     """solution = matrix⁻¹ right."""
     work = placed.work
     for k in range(len(right)):
         work[placed.row_place[k]] = right[k]
-    SOLVE(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    solve_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
     for k in range(len(right)):
         solution[placed.column_order[k]] = work[k]
 
 
+@compiled(entry=True)
 def leave_out(Phi_q: Any, row_of: Any, left_out: Any) -> None:
     """Equations that are left out have no gradient."""
     for k in range(len(Phi_q)):

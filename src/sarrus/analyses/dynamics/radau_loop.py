@@ -15,21 +15,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, remember
+from .alpha_loop import evaluate as evaluate_index_3
+from .placed import backsolve, leave_out, refactor
+from .stabilized_matrix import weigh
 
-RESIDUAL: Any = None  # drivers and solvers, put in place when this is compiled
-MOMENTUM: Any = None
-FORCE: Any = None
-VELOCITY: Any = None
-INERTIA: Any = None
-TURNING: Any = None
-BENDING: Any = None
-remember: Any = None  # of `alpha_loop`
-plain_evaluate: Any = None
-weigh: Any = None  # of `stabilized_matrix`
-refactor: Any = None  # of `placed`
-backsolve: Any = None
-leave_out: Any = None
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
 STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
@@ -164,6 +156,7 @@ class Record(NamedTuple):
     given: Any
 
 
+@compiled
 def stages(scheme: Any, h: Any, state: Any) -> None:
     """q, v and a at the stages, of their increments."""
     for i in range(3):
@@ -176,6 +169,7 @@ def stages(scheme: Any, h: Any, state: Any) -> None:
             state.a[i, k] = slope / h
 
 
+@compiled
 def residual(
     scheme: Any, index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, left_out: Any
 ) -> None:
@@ -184,11 +178,11 @@ def residual(
     stages(scheme, h, state)
     for i in range(3):
         t, q, v = t0 + scheme.c[i] * h, state.q[i], state.v[i]
-        RESIDUAL(index.residual, b, t, q, state.mu[i], memory.Phi, memory.Phi_qT_mu)
-        RESIDUAL(index.residual, b, t, q, state.lam[i], memory.Phi, memory.Phi_qT_lam)
-        MOMENTUM(index.momentum, b, q, v, state.a[i], memory.M_a, memory.S)
-        FORCE(index.force, b, t, q, v, memory.Q)
-        VELOCITY(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
+        call_kernels(index.residual, b, t, q, state.mu[i], memory.Phi, memory.Phi_qT_mu)
+        call_kernels(index.residual, b, t, q, state.lam[i], memory.Phi, memory.Phi_qT_lam)
+        call_kernels(index.momentum, b, q, v, state.a[i], memory.M_a, memory.S)
+        call_kernels(index.force, b, t, q, v, memory.Q)
+        call_kernels(index.velocity, b, t, q, v, memory.rate, memory.Phi_t)
         for k in range(n):
             slope = 0.0
             for j in range(3):
@@ -201,12 +195,14 @@ def residual(
             memory.residual[i, 2 * n + m + k] = kept * (memory.rate[k] + memory.Phi_t[k])
 
 
+@compiled
 def evaluate(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrices: Any) -> None:
     """All derivatives at one state."""
-    plain_evaluate(index, b, t, q, v, a, lam, matrices)
-    TURNING(index.turning, b, t, q, v, matrices.gamma_v)
+    evaluate_index_3(index, b, t, q, v, a, lam, matrices)
+    call_kernels(index.turning, b, t, q, v, matrices.gamma_v)
 
 
+@compiled
 def factor(scheme: Any, h: Any, matrices: Any) -> Any:
     """Factor the real and the complex Newton matrix of the derivatives at hand; returns their lesser trust."""
     s, pair = scheme.gamma / h, scheme.pair / h
@@ -215,6 +211,7 @@ def factor(scheme: Any, h: Any, matrices: Any) -> Any:
     return min(refactor(matrices.values, matrices.real), refactor(matrices.values, matrices.pair))
 
 
+@compiled
 def scaled(right: Any, n: Any, m: Any, s: Any) -> None:
     """The right side of a Newton system, its rows scaled as those of the matrix."""
     for k in range(n):
@@ -224,6 +221,7 @@ def scaled(right: Any, n: Any, m: Any, s: Any) -> None:
         right[2 * n + m + k] /= s
 
 
+@compiled
 def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
     """Back from w_v / s, w_λ / s², w_μ / s."""
     for k in range(n):
@@ -233,6 +231,7 @@ def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
         solution[2 * n + m + k] *= s
 
 
+@compiled
 def size(change: Any, q: Any, v: Any, tol: Any) -> Any:
     """Root mean square of the changes of q and of v, the greater; each entry over its tolerance."""
     n, in_q, in_v = len(q), 0.0, 0.0
@@ -242,6 +241,7 @@ def size(change: Any, q: Any, v: Any, tol: Any) -> Any:
     return (max(in_q, in_v) / n) ** 0.5 + 0.0 * (in_q + in_v)  # max may hide what is not a number
 
 
+@compiled
 def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: Any) -> Any:
     """One Newton step for all stages; returns its size."""
     n, m, T, back = len(state.q0), len(matrices.left_out), scheme.T, scheme.T_inverse
@@ -273,6 +273,7 @@ def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: An
     return largest
 
 
+@compiled
 def newton(
     scheme: Any,
     index: Any,
@@ -308,6 +309,7 @@ def newton(
     return 0, 1.0
 
 
+@compiled
 def estimate(
     scheme: Any,
     index: Any,
@@ -330,7 +332,7 @@ def estimate(
             in_v += scheme.error[j] * state.zv[j, k]
         right[k] = (in_q / h + state.v0[k]) / s
         memory.end[k] = (in_v / h + state.a0[k]) / (s * s)
-    MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
+    call_kernels(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
     copied(memory.M_a, right[n : 2 * n])
     backsolve(matrices.real, right, found)
     unscaled(found, n, m, s)
@@ -339,7 +341,7 @@ def estimate(
         right[:] = 0.0
         for k in range(n):
             right[k], memory.end[k] = found[k], found[n + k] / s
-        MOMENTUM(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
+        call_kernels(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
         copied(memory.M_a, right[n : 2 * n])
         backsolve(matrices.real, right, found)
         unscaled(found, n, m, s)
@@ -347,12 +349,14 @@ def estimate(
     return error
 
 
+@compiled
 def copied(x: Any, to: Any) -> None:
     """Copy numbers."""
     for k in range(len(to)):
         to[k] = x[k]
 
 
+@compiled
 def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
     """The polynomial that is 1 at the node c_j and 0 at the others (and at 0), at x."""
     c = scheme.c
@@ -363,6 +367,7 @@ def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
     return value
 
 
+@compiled
 def predict(scheme: Any, ratio: Any, state: Any) -> None:
     """First guess of the stages: the polynomials of the last step go on; `ratio` is the new step over the last."""
     for i in range(3):
@@ -378,6 +383,7 @@ def predict(scheme: Any, ratio: Any, state: Any) -> None:
                 state.lam[i, k] += u * state.lam_before[j, k]
 
 
+@compiled
 def first_guess(scheme: Any, h: Any, state: Any) -> None:
     """The stages of the first step: v and a go on, and λ stays."""
     for i in range(3):
@@ -389,6 +395,7 @@ def first_guess(scheme: Any, h: Any, state: Any) -> None:
         state.mu[i] = 0.0
 
 
+@compiled
 def accept(state: Any) -> None:
     """The end of the step is the start of the next."""
     copied(state.q[2], state.q0)
@@ -400,15 +407,16 @@ def accept(state: Any) -> None:
         copied(state.lam[i], state.lam_before[i])
 
 
+@compiled
 def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory: Any, matrices: Any) -> Any:
     """a and λ of the equations of motion at a state; returns how far the pivots can be trusted."""
     n = len(q)
-    BENDING(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
+    call_kernels(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
     leave_out(matrices.Phi_q, matrices.row_of, matrices.left_out)
-    INERTIA(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
+    call_kernels(index.inertia, b, q, v, a, matrices.M, matrices.M_a_q, matrices.S_q, matrices.S_v)
     memory.solution[:] = 0.0
-    MOMENTUM(index.momentum, b, q, v, memory.solution[:n], memory.M_a, memory.S)
-    FORCE(index.force, b, t, q, v, memory.Q)
+    call_kernels(index.momentum, b, q, v, memory.solution[:n], memory.M_a, memory.S)
+    call_kernels(index.force, b, t, q, v, memory.Q)
     trust = refactor(matrices.values, matrices.motion)
     for k in range(n):
         memory.right[k] = memory.Q[k] + memory.S[k]
@@ -420,6 +428,7 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
     return trust
 
 
+@compiled
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
@@ -433,6 +442,7 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: A
         copied(state.mu[i], record.stage_mu[row, i])
 
 
+@compiled
 def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
     """Accelerations between which states are interpolated: of the equations of motion, which are the most accurate.
 
@@ -444,6 +454,7 @@ def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
             end[k] = state.a[2, k]
 
 
+@compiled(entry=True)
 def advance(
     scheme: Any,
     index: Any,

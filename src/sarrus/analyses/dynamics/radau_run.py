@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
-from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ...algebra import Array
 from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
 from ..factored import SingularSystem
 from ..linear import SingularMatrix
 from . import radau_loop as loop
-from .alpha import compiled_parts
 from .alpha_loop import Tolerance
-from .implicit import GROUPS, Accelerations, Implicit, calls, entries
+from .implicit import GROUPS, Accelerations, Implicit, entries
 from .keeping import Keeping
 from .newton_matrix import motion_parts
 from .nodes import Nodes
-from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix, compiled_solver
+from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from .stabilized_matrix import MATRICES, newton_parts, weigh
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally
@@ -33,20 +30,6 @@ DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations i
 # however large tolerances are
 EXACT, LEFT = 1e-4, 1e-11
 ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
-
-
-@cache
-def _compiled() -> Any:
-    """The time loop: the same code for every system; drivers are called by their address."""
-    plain, known = compiled_parts(), calls() | compiled_solver()
-    known |= {"plain_evaluate": plain["evaluate"], "remember": plain["remember"]}
-    known["weigh"] = compiled_part(weigh)
-    inner = (
-        "copied stages residual evaluate factor scaled unscaled size improve newton estimate lagrange predict"
-    )
-    for name in (*inner.split(), "first_guess", "accept", "smooth", "motion", "keep"):
-        known[name] = compiled_part(getattr(loop, name), **known)
-    return compiled_function(loop.advance, **known)
 
 
 class RadauStepper(Implicit):
@@ -63,7 +46,7 @@ class RadauStepper(Implicit):
         self._numbers = self.b.copy()
         remember_start(system, start, self.b)
         self.independence = independence_at(system, start)
-        self._loop = _compiled()
+        self._loop = link(loop.advance)
         self._index = loop.Indices(**entries(system, GROUPS))
         self._make_matrices()
         nq, m = system.nq, system.m

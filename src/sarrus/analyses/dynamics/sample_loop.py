@@ -9,19 +9,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-INERTIA: Any = None  # calls of kernels by address, and solvers, put in place when this is compiled
-JACOBIAN: Any = None
-RESIDUAL: Any = None
-VELOCITY: Any = None
-MOMENTUM: Any = None
-FORCE: Any = None
-GAMMA: Any = None
-POTENTIAL: Any = None
-REMEMBER: Any = None
-refactor: Any = None  # of `placed`
-backsolve: Any = None
-between: Any = None  # of `nodes`
-leave_out: Any = None
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+from .nodes import between
+from .placed import backsolve, leave_out, refactor
+
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
@@ -96,6 +88,7 @@ class Samples(NamedTuple):
     revolutions: Any
 
 
+@compiled
 def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:
     """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
     h = nodes.t[row + 1] - nodes.t[row]
@@ -106,28 +99,32 @@ def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:
         out.lam[n, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
 
 
+@compiled
 def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
     """Evaluate and factor [M Φ_qᵀ; Φ_q 0]; returns how far the pivots can be trusted."""
-    INERTIA(entries.inertia, b, q, matrix.M)
-    JACOBIAN(entries.jacobian, b, t, q, matrix.Phi_q)
+    call_kernels(entries.inertia, b, q, matrix.M)
+    call_kernels(entries.jacobian, b, t, q, matrix.Phi_q)
     leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
     return refactor(matrix.values, matrix.placed)
 
 
+@compiled
 def position_defect(entries: Any, b: Any, t: Any, q: Any, lam: Any, work: Any) -> None:
     """Φ, as `work.rate`."""
-    RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+    call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
     for k in range(len(work.Phi)):
         work.rate[k] = work.Phi[k]
 
 
+@compiled
 def velocity_defect(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any) -> None:
     """Φ_q v + Φ_t, as `work.rate`."""
-    VELOCITY(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
+    call_kernels(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
     for k in range(len(work.rate)):
         work.rate[k] += work.Phi_t[k]
 
 
+@compiled
 def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
     """Take the least change that removes the defect from x. Returns the largest defect, and what was done.
 
@@ -156,6 +153,7 @@ def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
     return every, CHANGED
 
 
+@compiled
 def sensible(v: Any, defect: Any, work: Any) -> Any:
     """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
     moved, length = 0.0, 0.0
@@ -164,6 +162,7 @@ def sensible(v: Any, defect: Any, work: Any) -> Any:
     return moved < MAGNIFIED * defect or moved < SLIGHT * length
 
 
+@compiled
 def project(
     entries: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, work: Any, matrix: Any, defect: Any
 ) -> Any:
@@ -191,18 +190,19 @@ def project(
     return True
 
 
+@compiled
 def solve_motion(
     entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, work: Any, matrix: Any
 ) -> None:
     """a and λ of the equations of motion, refined from the guess that is there."""
     n = len(q)
-    FORCE(entries.force, b, t, q, v, work.Q)
-    GAMMA(entries.gamma, b, t, q, v, work.gamma)
+    call_kernels(entries.force, b, t, q, v, work.Q)
+    call_kernels(entries.gamma, b, t, q, v, work.gamma)
     before = 1e30
     for _ in range(REFINEMENTS):
-        MOMENTUM(entries.momentum, b, q, v, a, work.M_a, work.S)
-        RESIDUAL(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
-        VELOCITY(entries.velocity, b, t, q, a, work.rate, work.Phi_t)
+        call_kernels(entries.momentum, b, q, v, a, work.M_a, work.S)
+        call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+        call_kernels(entries.velocity, b, t, q, a, work.rate, work.Phi_t)
         for k in range(n):
             work.right[k] = work.M_a[k] + work.Phi_qT_lam[k] - work.Q[k] - work.S[k]
         for k in range(len(lam)):
@@ -223,20 +223,22 @@ def solve_motion(
         before = change
 
 
+@compiled
 def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: Any) -> None:
     """Kinetic and potential."""
-    MOMENTUM(entries.momentum, b, q, v, v, work.M_a, work.S)
+    call_kernels(entries.momentum, b, q, v, v, work.M_a, work.S)
     total = 0.0
     for k in range(len(v)):
         total += 0.5 * v[k] * work.M_a[k]
     energy[0], total = total, 0.0
     if len(work.potential):
-        POTENTIAL(entries.potential, b, t, q, work.potential)
+        call_kernels(entries.potential, b, t, q, work.potential)
         for k in range(len(work.potential)):
             total += work.potential[k]
     energy[1] = total
 
 
+@compiled
 def growth_of(work: Any, matrix: Any) -> Any:
     """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.
 
@@ -264,6 +266,7 @@ def growth_of(work: Any, matrix: Any) -> Any:
     return length
 
 
+@compiled
 def settle(
     entries: Any,
     b: Any,
@@ -288,6 +291,7 @@ def settle(
     return trust
 
 
+@compiled(entry=True)
 def sample(
     entries: Any, b: Any, places: Any, nodes: Any, apart: Any, out: Any, first: Any, row: Any, work: Any, matrix: Any
 ) -> Any:  # fmt: skip

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from copy import copy
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from ..._jit import pointer
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ...algebra import Array
 from ...system import System
 from ..factored import SingularSystem
@@ -20,8 +18,8 @@ from ..linear import SingularMatrix
 from . import sample_loop as loop
 from .entries import entry_of
 from .newton_matrix import motion_matrix
-from .nodes import Nodes, between
-from .placed import FACTORS, PRECISE, PlacedMatrix, compiled_solver
+from .nodes import Nodes
+from .placed import FACTORS, PRECISE, PlacedMatrix
 from .stepper import Trouble
 
 GROUPS = {
@@ -33,22 +31,6 @@ GROUPS = {
     "force": ("Q",),
     "gamma": ("gamma",),
 }
-
-
-@cache
-def _compiled() -> Any:
-    """`sample`, for all systems."""
-    run = pointer.run
-    calls = {"INERTIA": run(0, 2), "JACOBIAN": run(1, 2), "RESIDUAL": run(1, 4), "VELOCITY": run(1, 4)}
-    calls |= {"MOMENTUM": run(0, 5), "FORCE": run(1, 3), "GAMMA": run(1, 3), "POTENTIAL": run(1, 2)}
-    made = calls | compiled_solver() | {"between": compiled_part(between)}
-    order = (
-        "interpolate factor position_defect velocity_defect correct sensible project solve_motion energies"
-    )
-    for name in (*order.split(), "growth_of"):
-        made[name] = compiled_part(getattr(loop, name), **made)
-    made["settle"] = compiled_part(loop.settle, **made)
-    return compiled_function(loop.sample, **made)
 
 
 class Sampler:
@@ -98,7 +80,7 @@ class Sampler:
             m,
         )
         self._work = loop.Work(*(np.zeros(length) for length in rows))
-        self._sample = _compiled()
+        self._sample = link(loop.sample)
         self._arrays: Any = None
 
     def room(self, times: Array) -> loop.Samples:

@@ -7,46 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
-from . import alpha_loop, radau_loop
+from ..._jit.link import link
+from . import alpha_loop
 from . import stabilized_loop as loop
-from .alpha import KINDS, AlphaStepper, compiled_parts
-from .implicit import GROUPS, Implicit, calls, entries
-from .placed import compiled_solver
+from .alpha import KINDS, AlphaStepper
+from .implicit import GROUPS, Implicit, entries
+from .radau_loop import evaluate
 from .stabilized_matrix import START, stabilized_matrix, weigh
-
-PLAIN = (
-    "update",
-    "residual",
-    "predict",
-    "accept",
-    "evaluate",
-)  # of the index-3 equations, called by those here
 
 
 @cache
-def compiled_advance() -> Any:
-    """The time loop, compiled once for all systems."""
-    plain, made = compiled_parts(), calls() | compiled_solver()
-    made |= {f"plain_{name}": plain[name] for name in PLAIN}
-    shared = (
-        "size",
-        "weights_of",
-        "round_off",
-        "ignored_round_off",
-        "replace",
-        "stretch",
-        "keep",
-        "remember",
+def _advance() -> Any:
+    """The time integration loop of `alpha_loop` with the step of `stabilized_loop`."""
+    return link(
+        alpha_loop.advance,
+        update=loop.update,
+        residual=loop.residual,
+        evaluate=evaluate,
+        factor=loop.factor,
+        correct=loop.correct,
+        multiplier_change=loop.multiplier_change,
+        predict=loop.predict,
+        accept=loop.accept,
+        rescale=loop.rescale,
     )
-    made |= {name: plain[name] for name in shared}
-    made["weigh"] = compiled_part(weigh)
-    made["evaluate"] = compiled_part(radau_loop.evaluate, **made)
-    order = "update residual factor scaled correct renew newton multiplier_change settled polish predict accept rescale"
-    for name in order.split():
-        source = loop if hasattr(loop, name) else alpha_loop
-        made[name] = compiled_part(getattr(source, name), **made)
-    return compiled_function(alpha_loop.advance, **made)
 
 
 class StabilizedStepper(AlphaStepper):
@@ -59,7 +43,7 @@ class StabilizedStepper(AlphaStepper):
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix = stabilized_matrix(system)
         self.matrix.numbers.keep(self.independence.kept)
-        self._advance, self._weigh = compiled_advance(), weigh
+        self._advance, self._weigh = _advance(), weigh
         self._entries = loop.Entries(**entries(system, (*KINDS, "TURNING")))
         whole = 2 * (nq + m)
         rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, m, nq, whole)

@@ -14,20 +14,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RESIDUAL: Any = None  # calls of kernels by address, put in place when this is compiled
-VELOCITY: Any = None
-JACOBIAN: Any = None
-plain_update: Any = None  # of `alpha_loop`
-plain_residual: Any = None
-plain_predict: Any = None
-plain_accept: Any = None
-stretch: Any = None
-size: Any = None
-evaluate: Any = None  # of `radau_loop`
-weigh: Any = None  # of `stabilized_matrix`
-refactor: Any = None  # of `placed`
-backsolve: Any = None
-leave_out: Any = None
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+from .alpha_loop import accept as plain_accept
+from .alpha_loop import predict as plain_predict
+from .alpha_loop import residual as plain_residual
+from .alpha_loop import size, stretch
+from .alpha_loop import update as plain_update
+from .placed import backsolve, leave_out, refactor
+from .radau_loop import evaluate
+from .stabilized_matrix import weigh
 
 
 class State(NamedTuple):
@@ -103,6 +99,7 @@ class Entries(NamedTuple):
     remember: Any
 
 
+@compiled
 def update(scheme: Any, h: Any, state: Any) -> None:
     """q₁, v₁, ã₁ of a₁ and s₁."""
     plain_update(scheme, h, state)
@@ -110,26 +107,29 @@ def update(scheme: Any, h: Any, state: Any) -> None:
         state.q1[k] += state.shift1[k]
 
 
+@compiled
 def residual(
     entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
 ) -> None:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step, Φ_q v and Φ_t there, and Φ_q(q₀)ᵀη."""
     plain_residual(entries, b, t, state, memory, left_out, beta, ignored)
-    VELOCITY(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
-    RESIDUAL(entries.residual, b, t, state.q0, state.eta1, memory.Phi, memory.Phi_qT_eta)
+    call_kernels(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
+    call_kernels(entries.residual, b, t, state.q0, state.eta1, memory.Phi, memory.Phi_qT_eta)
 
 
+@compiled
 def factor(
     entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
 ) -> Any:
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
-    JACOBIAN(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
+    call_kernels(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
     evaluate(entries, b, t, q, v, a, lam, matrix)
     leave_out(matrix.Phi_q_start, matrix.row_of, matrix.left_out)
     weigh(matrix.placed.weights, beta, gamma)
     return refactor(matrix.values, matrix.placed)
 
 
+@compiled
 def scaled(state: Any, memory: Any, left_out: Any, beta: Any, gamma: Any) -> None:
     """The right side of a Newton step, its rows scaled as those of the matrix."""
     n, m, whole = len(state.q0), len(left_out), memory.whole
@@ -142,6 +142,7 @@ def scaled(state: Any, memory: Any, left_out: Any, beta: Any, gamma: Any) -> Non
         whole[2 * n + m + k] = rate if left_out[k] == 0.0 else state.eta1[k]
 
 
+@compiled
 def correct(
     scheme: Any,
     h: Any,
@@ -168,6 +169,7 @@ def correct(
     return max(in_q, in_v)
 
 
+@compiled
 def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
     """The largest change of a multiplier by the last correction."""
     change = 0.0
@@ -176,6 +178,7 @@ def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
     return change
 
 
+@compiled
 def predict(ratio: Any, state: Any) -> None:
     """First guess of the unknowns; η and s go with h³."""
     plain_predict(ratio, state)
@@ -185,6 +188,7 @@ def predict(ratio: Any, state: Any) -> None:
         state.shift1[k] = ratio**3 * state.shift0[k]
 
 
+@compiled
 def accept(state: Any) -> None:
     """The end of the step is the start of the next."""
     plain_accept(state)
@@ -194,6 +198,7 @@ def accept(state: Any) -> None:
         state.shift0[k] = state.shift1[k]
 
 
+@compiled
 def rescale(
     entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
 ) -> None:

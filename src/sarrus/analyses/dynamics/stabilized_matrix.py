@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..._jit.link import compiled
 from ...system import System
 from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 
@@ -42,6 +43,7 @@ def newton_parts(nq: int, m: int, P: str = "Phi_q") -> list[Part]:
     ]
 
 
+@compiled
 def weigh(weights: Any, beta: Any, gamma: Any) -> None:
     """The weights of the parts of a Newton matrix, in the order of `newton_parts`."""
     weights[1] = -1.0

@@ -6,24 +6,17 @@ Outputs may be any number of revolutions apart: what lies between them is known 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..._jit import pointer
-from ..._jit.driver import compiled_function
+from ..._jit.link import link
 from ...algebra import Array
 from ...system import System
 from . import winding_loop as loop
 from .entries import entry_of
 from .nodes import Nodes
-
-
-@cache
-def _compiled() -> Any:
-    run = pointer.run
-    return compiled_function(loop.count, RESIDUAL=run(1, 4), VELOCITY=run(1, 4))
 
 
 class Winding:
@@ -60,7 +53,7 @@ class Winding:
         order = np.argsort(times, kind="stable")
         both_q, both_v = (np.concatenate(x)[order] for x in ((nodes.q, q), (nodes.v, v)))
         turns, found = np.zeros((2, len(times), self._of.m))
-        _compiled()(
+        link(loop.count)(
             self._residual, self._velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
             turns, self._work,
         )  # fmt: skip

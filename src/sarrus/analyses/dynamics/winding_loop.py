@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RESIDUAL: Any = None  # calls of kernels by address, put in place when this is compiled
-VELOCITY: Any = None
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+
 REVOLUTION = 6.283185307179586
 
 
@@ -20,6 +21,7 @@ class Work(NamedTuple):
     before: Any
 
 
+@compiled(entry=True)
 def count(
     residual: Any,
     velocity: Any,
@@ -38,8 +40,8 @@ def count(
     """
     for n in range(len(t)):
         k = max(n - 1, 0)
-        VELOCITY(velocity, b, t[n], q[n], v[n], work.rate, work.Phi_t)
-        RESIDUAL(residual, b, t[n], q[n], work.lam, work.Phi, work.force)
+        call_kernels(velocity, b, t[n], q[n], v[n], work.rate, work.Phi_t)
+        call_kernels(residual, b, t[n], q[n], work.lam, work.Phi, work.force)
         for c in range(len(work.rate)):
             near = last[c]
             if n > 0:

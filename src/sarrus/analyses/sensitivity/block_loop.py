@@ -8,22 +8,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ..._jit.pointer import Entry
+from ..._jit.link import compiled
+from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
+from ..dynamics.alpha_loop import weights_of
+from ..dynamics.newton_matrix import weigh
 from .columns_loop import solve_panel
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from .panel_loop import REFINEMENTS, solve_columns_transposed, solve_flat, solve_plain_transposed
 from .step_matrix import Factors
 
-VELOCITY: Any = None  # drivers, put in place when this is compiled
-JACOBIAN: Any = None
-INERTIA: Any = None
-STIFFNESS: Any = None
-GAMMA_V: Any = None
-GRADIENT: Any = None
-CHANGE: Any = None
-weights_of: Any = None  # of `dynamics.alpha_loop`
-weigh: Any = None  # of `dynamics.newton_matrix`
 UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
 LARGER = 1e2  # times the squares of L may be those of factors with which a solution needed no refinement
 
@@ -121,6 +115,7 @@ class Block(NamedTuple):
     moved: Any
 
 
+@compiled
 def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     """The matrix of one lane and its factors."""
     factors, data = block.turned[lane, : block.cuts[1]], block.turned[lane, block.cuts[1] : block.cuts[2]]
@@ -130,11 +125,13 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     )  # fmt: skip
 
 
+@compiled
 def plainly(refined: Any, growth: Any) -> Any:
     """Whether a solution with factors of some growth need not be refined."""
     return refined[0] <= refined[2] and growth <= LARGER * refined[1]
 
 
+@compiled
 def solve_lane(
     own: Any, by_rows: Any, refined: Any, growth: Any, begun: Any, right: Any, solution: Any, room: Any
 ) -> Any:
@@ -160,6 +157,7 @@ def solve_lane(
     return change
 
 
+@compiled
 def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solve with the transposed factors of one lane; the last relative change of the solution.
 
@@ -173,6 +171,7 @@ def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solut
     return change
 
 
+@compiled
 def alike(record: Any, n: Any, k: Any) -> Any:
     """Whether elements remembered the same during two steps, and the same equations were left out."""
     for i in range(len(record.places)):
@@ -185,6 +184,7 @@ def alike(record: Any, n: Any, k: Any) -> Any:
     return True
 
 
+@compiled
 def collect(record: Any, n: Any, last: Any, way: Any, rescales: Any, block: Any) -> None:
     """Fill the lanes with steps that are alike, from n on; those that are left repeat one."""
     count, k = 0, n
@@ -200,12 +200,14 @@ def collect(record: Any, n: Any, last: Any, way: Any, rescales: Any, block: Any)
     block.used[0], block.used[1] = count, 0
 
 
+@compiled
 def put(x: Any, lane: Any, weight: Any, out: Any) -> None:
     """A lane of out = weight x."""
     for k in range(len(x)):
         out[k * LANES + lane] = weight * x[k]
 
 
+@compiled
 def gather(record: Any, after: Any, block: Any) -> None:
     """The states at the steps' ends (after = 1) or starts; adjoint variables begin with zero."""
     for lane in range(LANES):
@@ -218,12 +220,14 @@ def gather(record: Any, after: Any, block: Any) -> None:
     block.xi[:], block.nu[:] = 0.0, 0.0
 
 
+@compiled
 def remember(b: Any, record: Any, block: Any) -> None:
     """What elements remembered during the steps of a block."""
     for k in range(len(record.places)):
         b[record.places[k]] = record.memory[block.index[0], k]
 
 
+@compiled
 def leave_out(record: Any, block: Any) -> None:
     """Equations that are left out have no gradient."""
     if len(record.left_out) > 0:
@@ -234,6 +238,7 @@ def leave_out(record: Any, block: Any) -> None:
             block.Phi_q[k] *= 1.0 - out[block.row_of[k // LANES]]
 
 
+@compiled
 def solved_rows(record: Any, n: Any, x: Any) -> None:
     """Zero in the rows of equations that are left out in step n."""
     if len(record.left_out) > 0:
@@ -244,14 +249,16 @@ def solved_rows(record: Any, n: Any, x: Any) -> None:
                 below[k, :] = 0.0
 
 
+@compiled
 def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
     """The numbers of the operators of constraints and inertia; all others are zero."""
     clear_lanes(block.values)
-    JACOBIAN(entries.jacobian, b, block.t, block.q, block.lam, block.Phi_q, block.Phi_qT_lam_q)
-    INERTIA(entries.inertia, b, block.q, block.v, block.a, block.M, block.M_a_q, block.S_q, block.S_v)
+    call_kernels(entries.jacobian, b, block.t, block.q, block.lam, block.Phi_q, block.Phi_qT_lam_q)
+    call_kernels(entries.inertia, b, block.q, block.v, block.a, block.M, block.M_a_q, block.S_q, block.S_v)
     leave_out(record, block)
 
 
+@compiled
 def factor_block(matrix: Any, block: Any) -> None:
     """Assemble and factor J."""
     first, last = block.cuts[1], block.cuts[2]
@@ -265,6 +272,7 @@ def factor_block(matrix: Any, block: Any) -> None:
     turn_lanes(block.sheet, last, block.turned, 0)
 
 
+@compiled
 def make_product(block: Any) -> None:
     """Assemble P."""
     product, first, last = block.product, block.cuts[2], block.cuts[3]
@@ -273,6 +281,7 @@ def make_product(block: Any) -> None:
     turn_lanes(block.sheet, last - first, block.turned, first)
 
 
+@compiled
 def change(b: Any, block: Any) -> None:
     """Forwards, what changes of the numbers do, element by element."""
     moved = block.moved
@@ -282,21 +291,23 @@ def change(b: Any, block: Any) -> None:
         out = moved.results[moved.first[n] * LANES : moved.first[n + 1] * LANES]
         every = moved.entry
         own = Entry(every.addresses[element : element + 1], every.starts[element : element + 2], every.tables)
-        CHANGE(own, b, block.t, block.q, block.v, block.a, block.eta, block.lam, dots, out, out)
+        call_kernels(own, b, block.t, block.q, block.v, block.a, block.eta, block.lam, dots, out, out)
 
 
+@compiled
 def finish(b: Any, record: Any, block: Any) -> None:
     """Backwards, what the adjoint variables give for the gradient by the numbers; the block is used up."""
     if block.used[0] > 0:
         remember(b, record, block)
         for c in range(len(block.xi)):
-            GRADIENT(
+            call_kernels(
                 block.entry, b, block.t, block.q, block.v, block.a, block.eta, block.xi[c], block.lam, block.nu[c],
                 block.by_b[c],
             )  # fmt: skip
     block.used[:] = 0
 
 
+@compiled
 def linearize_steps(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, block: Any
 ) -> None:
@@ -305,7 +316,7 @@ def linearize_steps(
     gather(record, 1, block)
     remember(b, record, block)
     evaluate(entries, b, record, block)
-    STIFFNESS(entries.stiffness, b, block.t, block.q, block.v, block.Q_q, block.Q_v)
+    call_kernels(entries.stiffness, b, block.t, block.q, block.v, block.Q_q, block.Q_v)
     for lane in range(LANES):
         beta, gamma = weights_of(scheme, record.h[block.index[lane]])
         weigh(block.weights[:, lane], beta, gamma)
@@ -314,6 +325,7 @@ def linearize_steps(
     change(b, block)
 
 
+@compiled
 def linearize_rescales(
     entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, by_rows: Any, block: Any, work: Any
 ) -> Any:  # fmt: skip
@@ -329,7 +341,7 @@ def linearize_rescales(
     factor_block(matrix, block)
     clear_lanes(block.Phi_q_xi)
     clear_lanes(block.Phi_t)
-    VELOCITY(entries.velocity, b, block.t, block.q, block.v, block.Phi_q_xi, block.Phi_t)
+    call_kernels(entries.velocity, b, block.t, block.q, block.v, block.Phi_q_xi, block.Phi_t)
     for lane in range(block.used[0]):
         if not take_defect(record, matrix, by_rows, block, lane, work):
             block.used[0] = lane
@@ -337,12 +349,13 @@ def linearize_rescales(
     if block.used[0] == 0:
         return False
     evaluate(entries, b, record, block)
-    GAMMA_V(entries.gamma_v, b, block.t, block.q, block.eta, block.gamma_v)
+    call_kernels(entries.gamma_v, b, block.t, block.q, block.eta, block.gamma_v)
     make_product(block)
     change(b, block)
     return True
 
 
+@compiled
 def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, work: Any) -> Any:
     """s and σ of one lane in place of a and λ; false if pivots must be renewed."""
     nq, m = record.q.shape[1], record.lam.shape[1]

@@ -53,7 +53,7 @@ class Blocks:
         nq, m = system.nq, system.m
         self._numbers = Numbers(system, OPERATORS)
         self.matrix = StepMatrix(self._numbers, nq + m, alpha_parts(nq))
-        groups = (system.group(*GROUPS[name][0]) for name in Entries._fields)
+        groups = (system.group(*GROUPS[name]) for name in Entries._fields)
         self.entries = Entries._make(group.entry_in_lanes for group in groups)
         self._values = room(len(self._numbers.values))
         self._dots = np.zeros((0, len(system.b))) if b_dot is None else np.ascontiguousarray(b_dot.T)

@@ -27,11 +27,6 @@ CHANGES = (*STATES, "lam", NUMBERS_DOT)
 NO_ROWS = np.zeros(0, np.int64)
 
 
-def calls() -> dict[str, Any]:
-    """What calls the drivers."""
-    return {"GRADIENT": pointer.run(0, 1 + len(ADJOINT) + 1), "CHANGE": pointer.run(0, 1 + len(CHANGES) + 2)}
-
-
 @once_alike
 def gradient_entry(system: System, kind: str) -> Any:
     """Operands t, `ADJOINT`; ∂ℓ/∂b is added to the output."""

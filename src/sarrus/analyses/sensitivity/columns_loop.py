@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..._jit.lanes import fill, load, minus_product, plus_product, product, store
+from ..._jit.link import compiled
 from ..._jit.vector import LANES
 from .panel_loop import REFINED, REFINEMENTS, solve_flat
 
@@ -42,6 +43,7 @@ class ByRows(NamedTuple):
     whole: Rows
 
 
+@compiled
 def minus_rows(rows: Any, numbers: Any, x: Any, out: Any) -> None:
     """Out -= A x, of a panel."""
     n: Any = np.uint64(len(rows.more))
@@ -85,6 +87,7 @@ def minus_rows(rows: Any, numbers: Any, x: Any, out: Any) -> None:
         k = k + more + ONE
 
 
+@compiled
 def lower_panel(matrix: Any, x: Any) -> None:
     """Solve L x = x in place, of a panel: three neighbouring columns of L with the same rows subtract at once."""
     n: Any = np.uint64(len(matrix.diagonal))
@@ -121,6 +124,7 @@ def lower_panel(matrix: Any, x: Any) -> None:
             k = k + ONE
 
 
+@compiled
 def upper_panel(matrix: Any, upper: Any, x: Any) -> None:
     """Solve U x = x in place, of a panel, from the last row up: two with the same columns at once."""
     diagonal, factors = matrix.diagonal, matrix.factors
@@ -154,6 +158,7 @@ def upper_panel(matrix: Any, upper: Any, x: Any) -> None:
         store(x, at + ONE, product(b0, pivot))
 
 
+@compiled
 def solve_rest(matrix: Any, by_rows: Any, rest: Any, x: Any) -> None:
     """x = (L U)⁻¹ rest, of a panel; x in the order of the pivots."""
     for k in range(np.uint64(len(matrix.row_place))):
@@ -164,6 +169,7 @@ def solve_rest(matrix: Any, by_rows: Any, rest: Any, x: Any) -> None:
     upper_panel(matrix, by_rows.upper, x)
 
 
+@compiled
 def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, rest: Any, most: Any) -> Any:
     """Solution = matrix⁻¹ right of a panel, refined so often at most; its first and its last relative change by that.
 
@@ -188,6 +194,7 @@ def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, re
     return first, change
 
 
+@compiled
 def add_panel(order: Any, x: Any, solution: Any) -> Any:
     """Add x, in another order, to a panel of solutions; the change's size over theirs, not a number if one is none."""
     one, zero = fill(1.0), fill(0.0)
@@ -212,6 +219,7 @@ def add_panel(order: Any, x: Any, solution: Any) -> Any:
     return np.sqrt(changed / whole)
 
 
+@compiled
 def solve_columns(matrix: Any, by_rows: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solution = matrix⁻¹ right (n, k), refined; the largest last relative change of it, which has been made.
 

@@ -10,12 +10,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ..._jit.link import link
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...results import StepsTaken
 from ...system.lane_room import aligned
+from . import hessian_loop
 from .chain import Chain, Nodes
-from .lagrangian import Change, change_at, compiled, lagrangian, room
+from .lagrangian import Change, change_at, lagrangian, room
 from .sweep import Sweep
 from .sweep_loop import Given, Kept, Sources
 
@@ -107,8 +109,8 @@ class AlphaCurvedSteps:
         changed = np.ascontiguousarray(solved.rescale[:, :, 0])
         work, head, record = room(self._system), (steps.b.copy(), b_dot.copy()), self._sweep.record
         entries = [lagrangian(self._system, kind) for kind in ("step", "rate")]
-        compiled()["of_steps"](steps.scheme, entries[0], *head, record, dots, own, work, sources)
-        compiled()["of_rescales"](entries[1], *head, record, dots, own, changed, work, sources)
+        link(hessian_loop.of_steps)(steps.scheme, entries[0], *head, record, dots, own, work, sources)
+        link(hessian_loop.of_rescales)(entries[1], *head, record, dots, own, changed, work, sources)
         start = self._start(b_dot, moved, adjoint.start)
         return Turned(sources, start), work.by_b.reshape(-1, LANES).sum(axis=1) + start.b
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
 from ..._jit.vector import LANES
 from .block_loop import collect, put, remember
 from .lanes_loop import clear_lanes
-
-RUN: Any = None  # calls the drivers of `lagrangian`, put in place when this is compiled
 
 
 class Room(NamedTuple):
@@ -41,6 +41,7 @@ class Room(NamedTuple):
     by_b: Any
 
 
+@compiled
 def clear(room: Any) -> None:
     """Adjoint variables and results begin with zero."""
     clear_lanes(room.xi)
@@ -52,12 +53,14 @@ def clear(room: Any) -> None:
     clear_lanes(room.by_lam)
 
 
+@compiled
 def take(x: Any, lane: Any, weight: Any, out: Any) -> None:
     """Out += weight x of a lane."""
     for k in range(len(x) // LANES):
         out[k] += weight * x[k * LANES + lane]
 
 
+@compiled
 def take_rows(record: Any, n: Any, x: Any, lane: Any, out: Any) -> None:
     """Out = x of a lane in the rows of the equations that are solved; the others have none."""
     for k in range(len(x) // LANES):
@@ -65,6 +68,7 @@ def take_rows(record: Any, n: Any, x: Any, lane: Any, out: Any) -> None:
         out[k] = x[k * LANES + lane] if solved else 0.0
 
 
+@compiled(entry=True)
 def of_steps(
     scheme: Any, entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, room: Any, sources: Any
 ) -> None:
@@ -87,7 +91,7 @@ def of_steps(
             put(dots.lam[n + 1], lane, 1.0, room.lam_dot)
             put(adjoint.step[n, :nq], lane, used, room.xi)
             put(adjoint.step[n, nq:], lane, used / (scheme.beta * record.h[n] ** 2 * kappa), room.nu)
-        RUN(
+        call_kernels(
             entry, b, room.t, room.q, room.v, room.a, room.none, room.q_dot, room.v_dot, room.a_dot, room.none,
             room.xi, room.lam, room.nu, room.lam_dot, b_dot,
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
@@ -104,6 +108,7 @@ def of_steps(
         first += room.used[0]
 
 
+@compiled(entry=True)
 def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, changed: Any, room: Any,
                 sources: Any) -> None:  # fmt: skip
     """The same of every new size of the steps."""
@@ -130,7 +135,7 @@ def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint:
             for k in range(nq):
                 room.eta[k * LANES + lane] = record.v[n, k] - s[k]
                 room.eta_dot[k * LANES + lane] = dots.v[n, k] - s_dot[k]
-        RUN(
+        call_kernels(
             entry, b, room.t, room.q, room.none, room.a, room.eta, room.q_dot, room.none, room.a_dot, room.eta_dot,
             room.xi, room.lam, room.nu, room.lam_dot, b_dot,
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,

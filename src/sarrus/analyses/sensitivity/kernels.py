@@ -1,39 +1,33 @@
-"""Which operators do sweeps evaluate together, and what do their compiled drivers take?"""
+"""Groups of operators that sweeps evaluate together, and operators by the numbers of elements."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..._jit.pointer import run
 from ...algebra import Array
 from ...system import System
 from ..dynamics.placed import entries_of
 
-GROUPS: dict[str, tuple[tuple[str, ...], int, int]] = {  # operators; scalars and arrays of their driver
-    "velocity": (("Phi_q_xi", "Phi_t"), 1, 4),
-    "jacobian": (("Phi_q", "Phi_qT_lam_q"), 1, 4),
-    "inertia": (("M", "M_a_q", "S_q", "S_v"), 0, 7),
-    "stiffness": (("Q_q", "Q_v"), 1, 4),
-    "gamma_v": (("gamma_v",), 1, 3),
-    "gamma_q_v": (("gamma_q", "gamma_v"), 1, 4),
-    "Phi_q_xi_q": (("Phi_q_xi_q",), 1, 3),
-    "Phi_b": (("Phi_b",), 1, 2),
-    "Phi_qT_lam_b": (("Phi_qT_lam_b",), 1, 3),
-    "Phi_q_xi_b": (("Phi_q_xi_b",), 1, 3),
-    "Phi_t_b": (("Phi_t_b",), 1, 2),
-    "M_a_b": (("M_a_b",), 0, 3),
-    "S_b": (("S_b",), 0, 3),
-    "Q_b": (("Q_b",), 1, 3),
-    "gamma_b": (("gamma_b",), 1, 3),
+GROUPS: dict[str, tuple[str, ...]] = {
+    "velocity": ("Phi_q_xi", "Phi_t"),
+    "jacobian": ("Phi_q", "Phi_qT_lam_q"),
+    "inertia": ("M", "M_a_q", "S_q", "S_v"),
+    "stiffness": ("Q_q", "Q_v"),
+    "gamma_v": ("gamma_v",),
+    "gamma_q_v": ("gamma_q", "gamma_v"),
+    "Phi_q_xi_q": ("Phi_q_xi_q",),
+    "Phi_b": ("Phi_b",),
+    "Phi_qT_lam_b": ("Phi_qT_lam_b",),
+    "Phi_q_xi_b": ("Phi_q_xi_b",),
+    "Phi_t_b": ("Phi_t_b",),
+    "M_a_b": ("M_a_b",),
+    "S_b": ("S_b",),
+    "Q_b": ("Q_b",),
+    "gamma_b": ("gamma_b",),
 }
-
-
-def calls(names: Iterable[str]) -> dict[str, Any]:
-    """What calls the drivers of groups by their address, by the names under which loops know them."""
-    return {name.upper(): run(*GROUPS[name][1:]) for name in names}
 
 
 class ByB(NamedTuple):

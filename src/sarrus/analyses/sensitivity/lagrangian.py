@@ -7,15 +7,13 @@ formulas, and compiled for all elements, for several states at once.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit import pointer
 from ..._jit.differentiate import directional
-from ..._jit.driver import compiled_function
 from ..._jit.emit import NUMBERS_DOT, Recording
+from ..._jit.pointer import call_kernels
 from ..._jit.reverse import gradient
 from ..._jit.vector import LANES
 from ...algebra import Array
@@ -23,18 +21,12 @@ from ...elements.recorder import Variant
 from ...system import System
 from ...system.lane_drivers import block, entry
 from ...system.once import once_alike
-from . import block_loop, hessian_loop, lanes_loop
 from .hessian_loop import Room
 from .shares import STATES, Share, concerned
 
 DOTS = tuple(f"{name}_dot" for name in STATES)
 OPERANDS = (*STATES, *DOTS, "xi", "lam", "nu", "lam_dot", NUMBERS_DOT)
 RESULTS = (*STATES, "lam", "b")
-FUNCTIONS = {
-    lanes_loop: ("clear_lanes",),
-    block_loop: ("alike", "collect", "remember", "put"),
-    hessian_loop: ("clear", "take", "take_rows"),
-}
 
 
 class Change(NamedTuple):
@@ -98,17 +90,5 @@ def change_at(
     none = np.zeros(system.nq)
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
     found = room(system)[-len(RESULTS) :]
-    compiled()["RUN"](lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
+    call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
     return Change._make(out[::LANES].copy() for out in found)
-
-
-@cache
-def compiled() -> dict[str, Any]:
-    """The loops over all steps."""
-    known: dict[str, Any] = {"RUN": pointer.run(0, 1 + len(OPERANDS) + len(RESULTS))}
-    for source, names in FUNCTIONS.items():
-        for name in names:
-            known[name] = compiled_function(getattr(source, name), **known)
-    for name in ("of_steps", "of_rescales"):
-        known[name] = compiled_function(getattr(hessian_loop, name), **known)
-    return known

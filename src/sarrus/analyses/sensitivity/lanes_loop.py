@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
+from ..._jit.link import compiled
 from ..._jit.vector import LANES
 
 ONE: Any = np.uint64(1)
@@ -19,6 +20,7 @@ THREE: Any = np.uint64(3)
 WIDE: Any = np.uint64(LANES)
 
 
+@compiled
 def clear_lanes(x: Any) -> None:
     """x = 0, in lanes."""
     zero = fill(0.0)
@@ -26,6 +28,7 @@ def clear_lanes(x: Any) -> None:
         store(x, k, zero)
 
 
+@compiled
 def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
     """Sum the weighted numbers of all parts into the numbers of a matrix, as `dynamics.placed.assemble` does."""
     clear_lanes(data)
@@ -36,6 +39,7 @@ def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any
             store(data, place, plus_product(load(data, place), weight, load(values, first + k)))
 
 
+@compiled
 def factor_lanes(
     pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any,
     growth: Any,
@@ -108,6 +112,7 @@ def factor_lanes(
     store(growth, 0, grown)
 
 
+@compiled
 def turn_lanes(sheet: Any, count: Any, turned: Any, to: Any) -> None:
     """Entries of an array in lanes, multiples of their number: one lane's after another (lanes, entries), from `to`."""
     stride: Any = np.uint64(turned.shape[1])

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
-ASSEMBLE: Any = None  # of `dynamics.placed`, put in place when this is compiled
+from ..._jit.link import compiled
+from ..dynamics.placed import assemble
+
 REFINED, REFINEMENTS = (
     1e-8,
     4,
@@ -22,6 +24,7 @@ TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 
 
+@compiled(entry=True)
 def panel_ends(pointers: Any, rows: Any, diagonal: Any) -> Any:
     """For each column the one behind the last of its panel."""
     n = len(diagonal)
@@ -38,6 +41,7 @@ def panel_ends(pointers: Any, rows: Any, diagonal: Any) -> Any:
     return behind
 
 
+@compiled
 def refactor_panels(
     pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any
 ) -> Any:  # fmt: skip
@@ -89,15 +93,17 @@ def refactor_panels(
     return True
 
 
+@compiled
 def refactor(values: Any, matrix: Any) -> Any:
     """Assemble and factor a matrix; false if it cannot be."""
-    ASSEMBLE(matrix.parts, matrix.places, matrix.weights, values, matrix.data)
+    assemble(matrix.parts, matrix.places, matrix.weights, values, matrix.data)
     return refactor_panels(
         matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, matrix.data,
         matrix.factors, matrix.work,
     )  # fmt: skip
 
 
+@compiled
 def lower_upper_flat(matrix: Any, x: Any) -> None:
     """Solve L U x = x in place (n,)."""
     n: Any = np.uint64(len(x))
@@ -114,6 +120,7 @@ def lower_upper_flat(matrix: Any, x: Any) -> None:
             x[rows[entry]] -= factors[entry] * value
 
 
+@compiled
 def upper_lower_flat(matrix: Any, x: Any) -> None:
     """Solve (L U)ᵀ x = x in place (n,)."""
     n: Any = np.uint64(len(x))
@@ -131,6 +138,7 @@ def upper_lower_flat(matrix: Any, x: Any) -> None:
         x[j] = total
 
 
+@compiled
 def upper_lower(matrix: Any, x: Any) -> None:
     """Solve (L U)ᵀ x = x in place, all columns at once (n, k)."""
     n: Any = np.uint64(x.shape[0])
@@ -155,6 +163,7 @@ def upper_lower(matrix: Any, x: Any) -> None:
                 x[j, c] -= value * x[row, c]
 
 
+@compiled
 def copy(x: Any, out: Any) -> None:
     """Out = x (n, k), where out may have more rows."""
     size = x.shape[0] * x.shape[1]
@@ -163,6 +172,7 @@ def copy(x: Any, out: Any) -> None:
         target[k] = source[k]
 
 
+@compiled
 def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole: Any, most: Any) -> Any:
     """Solution = matrix⁻¹ right (n,), refined so often at most; its first and its last relative change, made by that.
 
@@ -189,6 +199,7 @@ def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole:
     return first, change
 
 
+@compiled
 def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> None:
     """Solution = matrix⁻ᵀ right (n, k), not refined."""
     n, width, x = np.uint64(right.shape[0]), right.shape[1], room[0]
@@ -201,6 +212,7 @@ def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) ->
             solution[k, c] = x[matrix.row_place[k], c]
 
 
+@compiled
 def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
     """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
@@ -225,6 +237,7 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) 
     return first, change
 
 
+@compiled
 def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n, k)."""
     n: Any = np.uint64(x.shape[0])
@@ -239,6 +252,7 @@ def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
                 rest[j, c] -= value * x[row, c]
 
 
+@compiled
 def times_flat(matrix: Any, x: Any, rest: Any) -> None:
     """rest -= matrix x, all as they are arranged (n,)."""
     for j in range(np.uint64(len(x))):
@@ -247,6 +261,7 @@ def times_flat(matrix: Any, x: Any, rest: Any) -> None:
             rest[matrix.indices[entry]] -= matrix.data[entry] * value
 
 
+@compiled
 def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n,)."""
     for j in range(np.uint64(len(x))):
@@ -256,12 +271,14 @@ def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
         rest[j] = total
 
 
+@compiled
 def add(change: Any, x: Any) -> Any:
     """x += change (n, k); see `add_flat`."""
     size = x.shape[0] * x.shape[1]
     return add_flat(change.reshape(size), x.reshape(size))
 
 
+@compiled
 def add_flat(changes: Any, values: Any) -> Any:
     """Add; the largest change over the largest entry, not a number if one of the changes is none."""
     most, largest, total = 0.0, 1e-300, 0.0

@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache, cached_property
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ..._jit.vector import LANES
 from ...algebra import Array
-from . import block_loop, hessian_loop, lanes_loop
 from . import radau_hessian_loop as loop
 from .chain import Nodes
 from .curved_steps import Back
-from .lagrangian import compiled, lagrangian, room
+from .lagrangian import lagrangian, room
 from .radau_chain import RadauChain, given_by
 from .radau_sweep import RadauSweep
 from .radau_sweep_loop import Bars, Beside, Given, Turned
-
-PARTS = {
-    lanes_loop: ("clear_lanes",),
-    block_loop: ("remember", "put"),
-    hessian_loop: ("clear", "take", "take_rows"),
-    loop: ("run",),
-}
-
-
-@cache
-def _compiled() -> dict[str, Any]:
-    known = {"RUN": compiled()["RUN"]}
-    for source, names in PARTS.items():
-        for name in names:
-            known[name] = compiled_part(getattr(source, name), **known)
-    return {name: compiled_function(getattr(loop, name), **known) for name in ("of_stages", "of_nodes")}
 
 
 class RadauCurvedSteps:
@@ -76,9 +58,9 @@ class RadauCurvedSteps:
         step, rate, motion = (lagrangian(system, kind) for kind in ("step", "rate", "motion"))
         work, head = room(system), (steps.b.copy(), b_dot.copy())
         own, by_stages = solved[:, :, 0], adjoint.step[:, :, 0]
-        _compiled()["of_stages"](
+        link(loop.of_stages)(
             steps.scheme, step, rate, *head, record, dots.v, own, by_stages, work, found.step, found.v
         )
-        _compiled()["of_nodes"](motion, *head, record, dots, adjoint.node[:, :, 0], work, found)
+        link(loop.of_nodes)(motion, *head, record, dots, adjoint.node[:, :, 0], work, found)
         by_b = work.by_b.reshape(-1, LANES).sum(axis=1)
         return Turned._make(x[:, :, None] for x in found), by_b

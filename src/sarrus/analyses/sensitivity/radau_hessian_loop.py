@@ -12,23 +12,25 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
 from ..._jit.vector import LANES
 from .block_loop import put, remember
 from .hessian_loop import clear, take, take_rows
 
-RUN: Any = None  # calls the drivers of `lagrangian`, put in place when this is compiled
 
-
+@compiled
 def run(
     entry: Any, b: Any, b_dot: Any, room: Any, v: Any, a: Any, eta: Any, v_dot: Any, a_dot: Any, eta_dot: Any
 ) -> None:
     """The change of the gradient of ℓ, with these rates and accelerations."""
-    RUN(
+    call_kernels(
         entry, b, room.t, room.q, v, a, eta, room.q_dot, v_dot, a_dot, eta_dot, room.xi, room.lam, room.nu,
         room.lam_dot, b_dot, room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
     )  # fmt: skip
 
 
+@compiled(entry=True)
 def of_stages(
     scheme: Any, step: Any, rate: Any, b: Any, b_dot: Any, record: Any, v_dot: Any, moved: Any, adjoint: Any, room: Any,
     turned: Any, turned_v: Any,
@@ -87,6 +89,7 @@ def of_stages(
             take_rows(record, n, room.by_lam, i, turned[n, at + 2 * nq + m :])
 
 
+@compiled(entry=True)
 def of_nodes(
     motion: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, room: Any, turned: Any
 ) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ...algebra import Array
 from ...results import RadauSteps
 from ...system import System
@@ -18,17 +18,16 @@ from ..dynamics.placed import (
     UNIT,
     Numbers,
     Part,
-    compiled_solver,
     entries_of,
     leave_out,
 )
 from ..linear import SingularMatrix
 from . import radau_sweep_loop as loop
 from .columns_loop import COLUMNS, ByRows
-from .kernels import GROUPS, calls, operators_by_b
+from .kernels import GROUPS, operators_by_b
 from .row_order import by_rows, no_rows
 from .stages_matrix import StagesMatrix
-from .step_matrix import StepMatrix, solvers
+from .step_matrix import StepMatrix
 from .sweep import TRUSTED
 
 BY_NUMBERS = ("Phi_b", "Phi_qT_lam_b", "Phi_q_xi_b", "Phi_t_b", "M_a_b", "S_b", "Q_b", "gamma_b")
@@ -36,26 +35,9 @@ OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
 }  # what else an operator's numbers are called
-FUNCTIONS = ("times_numbers",
-             "remember", "step_weights", "factor_step", "scale", "silence", "subtract", "apply", "move", "stage_by_b",
-             "forward_step", "backward_step", "factor_node", "quiet",
-             "node_by_b", "forward_node", "backward_node", "forward",
-             "backward")  # fmt: skip
-ENTRIES = ("forward", "backward")  # what Python calls
 NO_STAGES = np.zeros((0, 0, 0))
 NOTHING_BESIDE = loop.Beside(NO_STAGES, NO_STAGES)
 NOT_TURNED = loop.Turned._make(NO_STAGES for _ in loop.Turned._fields)
-
-
-@cache
-def _compiled() -> dict[str, Any]:
-    """The loops: the same code for every system; drivers are called by their address."""
-    known = calls(loop.Entries._fields)
-    known |= {"leave_out": compiled_solver()["leave_out"], **solvers()}
-    for name in FUNCTIONS:
-        compile_one = compiled_function if name in ENTRIES else compiled_part
-        known[name] = compile_one(getattr(loop, name), **known)
-    return known
 
 
 class RadauSweep:
@@ -72,7 +54,7 @@ class RadauSweep:
     def __init__(self, system: System, steps: RadauSteps, columns: int, b_dot: Array | None = None) -> None:
         self.system, self.steps = system, steps
         self.b, self._columns = steps.b.copy(), columns
-        self._groups = {name: system.group(*GROUPS[name][0]) for name in loop.Entries._fields}
+        self._groups = {name: system.group(*GROUPS[name]) for name in loop.Entries._fields}
         self._entries = loop.Entries._make(group.entry() for group in self._groups.values())
         self.record = _record(steps)
         nq, m = system.nq, system.m
@@ -104,7 +86,7 @@ class RadauSweep:
         unknowns of all steps (n, 6 (nq + m), k).
         """
         room = NO_STAGES if stages is None else stages
-        self._go("forward", 0, loop.NODE, bars, given, sources or NOTHING_BESIDE, room)
+        self._go(loop.forward, 0, loop.NODE, bars, given, sources or NOTHING_BESIDE, room)
 
     def backward(
         self,
@@ -118,14 +100,14 @@ class RadauSweep:
         `kept` takes what is solved for; `turned` is what the change of an adjoint takes besides.
         """
         last = len(self.steps)
-        self._go("backward", last, loop.NODE, bars, given, kept or NOTHING_BESIDE, turned or NOT_TURNED)
+        self._go(loop.backward, last, loop.NODE, bars, given, kept or NOTHING_BESIDE, turned or NOT_TURNED)
 
     def kept(self) -> loop.Beside:
         """Room for what is solved for in every step and at every node."""
         count, size, k = len(self.steps), self.system.nq + self.system.m, self._columns
         return loop.Beside(np.zeros((count, 6 * size, k)), np.zeros((count + 1, size, k)))
 
-    def _go(self, name: str, n: int, stage: int, *arrays: Any) -> None:
+    def _go(self, sweep: Callable[..., Any], n: int, stage: int, *arrays: Any) -> None:
         """One sweep, begun with the pivots of a step in its midst: the first ones may be very short."""
         failed, place = 0, (len(self.steps) + 1) // 2
         while 0 <= n <= len(self.steps):
@@ -133,17 +115,17 @@ class RadauSweep:
                 raise SingularMatrix(f"the equations at t = {self.steps.t[n]:.6g} s are singular")
             self._tables.trusted[0] = TRUSTED[min(failed, 1)]
             self._step.in_blocks = failed < 2
-            self._choose_pivots(name, place, stage)
-            before, (n, stage) = (n, stage), (int(x) for x in self._run(name, n, stage, *arrays))
+            self._choose_pivots(sweep is loop.forward, place, stage)
+            before, (n, stage) = (n, stage), (int(x) for x in self._run(sweep, n, stage, *arrays))
             failed, place = (failed + 1 if (n, stage) == before else 0), n
 
-    def _run(self, name: str, n: int, stage: int, *arrays: Any) -> Any:
+    def _run(self, sweep: Callable[..., Any], n: int, stage: int, *arrays: Any) -> Any:
         scheme = self.steps.scheme
-        return _compiled()[name](scheme, self._entries, self.b, self.record, n, stage, self._tables, *arrays)
+        return link(sweep)(scheme, self._entries, self.b, self.record, n, stage, self._tables, *arrays)
 
-    def _choose_pivots(self, name: str, n: int, stage: int) -> None:
+    def _choose_pivots(self, forward: bool, n: int, stage: int) -> None:
         """Pivot orders for the matrices that are factored next."""
-        step = min(n if name == "forward" else max(n - 1, 0), len(self.steps) - 1)
+        step = min(n if forward else max(n - 1, 0), len(self.steps) - 1)
         tables, scheme = self._tables, self.steps.scheme
         loop.remember(self.record, step, tables, self.b)
         h, record = float(self.steps.h[step]), self.record

@@ -20,25 +20,12 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-JACOBIAN: Any = None  # drivers and solvers, put in place when this is compiled
-INERTIA: Any = None
-STIFFNESS: Any = None
-GAMMA_V: Any = None
-GAMMA_Q_V: Any = None
-PHI_Q_XI_Q: Any = None
-PHI_B: Any = None
-PHI_QT_LAM_B: Any = None
-PHI_Q_XI_B: Any = None
-PHI_T_B: Any = None
-M_A_B: Any = None
-S_B: Any = None
-Q_B: Any = None
-GAMMA_B: Any = None
-refactor: Any = None
-leave_out: Any = None
-copy: Any = None
-solve_columns: Any = None
-solve_columns_transposed: Any = None
+from ..._jit.link import compiled
+from ..._jit.pointer import call_kernels
+from ..dynamics.placed import leave_out
+from .columns_loop import solve_columns
+from .panel_loop import copy, refactor, solve_columns_transposed
+
 STEP, NODE = 0, 1  # what is done next
 
 
@@ -211,6 +198,7 @@ class Given(NamedTuple):
     lam: Any
 
 
+@compiled
 def times_numbers(blocks: Any, n: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
     """Out += weight A x, for operator n by b with the rows and columns of its numbers; exchanged, Aᵀ x."""
     for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
@@ -219,6 +207,7 @@ def times_numbers(blocks: Any, n: Any, rows: Any, columns: Any, weight: Any, x: 
             out[row, c] += value * x[column, c]
 
 
+@compiled
 def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
     """What elements remembered during step n, and which equations were left out."""
     for k in range(len(record.places)):
@@ -229,6 +218,7 @@ def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
             tables.node_left_out[k] = record.left_out[n + 1, k]
 
 
+@compiled
 def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
     """Evaluate and factor the matrix of all stages of step n; false if that cannot be."""
     h, places = record.h[n], tables.places
@@ -236,17 +226,18 @@ def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: 
         t, stage = record.t[n] + scheme.c[i] * h, tables.stages[i]
         q, v, a = record.stage_q[n, i], record.stage_v[n, i], record.stage_a[n, i]
         again = tables.Phi_q_again
-        JACOBIAN(entries.jacobian, b, t, q, record.stage_mu[n, i], again, stage.Phi_qT_mu_q)
-        JACOBIAN(entries.jacobian, b, t, q, record.stage_lam[n, i], stage.Phi_q, stage.Phi_qT_lam_q)
-        INERTIA(entries.inertia, b, q, v, a, stage.M, stage.M_a_q, stage.S_q, stage.S_v)
-        STIFFNESS(entries.stiffness, b, t, q, v, stage.Q_q, stage.Q_v)
-        GAMMA_V(entries.gamma_v, b, t, q, v, stage.gamma_v)
+        call_kernels(entries.jacobian, b, t, q, record.stage_mu[n, i], again, stage.Phi_qT_mu_q)
+        call_kernels(entries.jacobian, b, t, q, record.stage_lam[n, i], stage.Phi_q, stage.Phi_qT_lam_q)
+        call_kernels(entries.inertia, b, q, v, a, stage.M, stage.M_a_q, stage.S_q, stage.S_v)
+        call_kernels(entries.stiffness, b, t, q, v, stage.Q_q, stage.Q_v)
+        call_kernels(entries.gamma_v, b, t, q, v, stage.gamma_v)
         leave_out(stage.Phi_q, places.Phi_q[0], tables.left_out)
         leave_out(stage.gamma_v, places.gamma_v[0], tables.left_out)
     step_weights(scheme, h, tables.step.weights)
     return refactor(tables.step_values, tables.step)
 
 
+@compiled
 def apply(values: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
     """Out += weight A x; with rows and columns exchanged, Aᵀ x."""
     for k in range(len(values)):
@@ -255,6 +246,7 @@ def apply(values: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -
             out[row, c] += value * x[column, c]
 
 
+@compiled
 def step_weights(scheme: Any, h: Any, weights: Any) -> None:
     """Weights of the parts of the matrix, in the order of `radau_sweep.step_parts`."""
     at = 0
@@ -271,6 +263,7 @@ def step_weights(scheme: Any, h: Any, weights: Any) -> None:
         at += 15
 
 
+@compiled
 def scale(x: Any, nq: Any, m: Any, on_q: Any, on_v: Any, on_lam: Any, on_mu: Any) -> None:
     """Multiply the parts of the unknowns, or of the equations, of every stage."""
     for i in range(3):
@@ -284,6 +277,7 @@ def scale(x: Any, nq: Any, m: Any, on_q: Any, on_v: Any, on_lam: Any, on_mu: Any
                 x[at + 2 * nq + m + k, c] *= on_mu
 
 
+@compiled
 def silence(x: Any, nq: Any, m: Any, left_out: Any) -> None:
     """Nothing stands for the equations that others imply."""
     for i in range(3):
@@ -295,23 +289,24 @@ def silence(x: Any, nq: Any, m: Any, left_out: Any) -> None:
                     x[at + m + k, c] = 0.0
 
 
+@compiled
 def stage_by_b(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, i: Any, tables: Any, x: Any, out: Any, transposed: Any
 ) -> None:  # fmt: skip
     """Subtract F_b x (forward), or F_bᵀ x (backward), of stage i of step n."""
     t, q, v = record.t[n] + scheme.c[i] * record.h[n], record.stage_q[n, i], record.stage_v[n, i]
     nq, m, by_b, numbers = len(q), len(tables.left_out), tables.by_b, tables.numbers
-    PHI_B(entries.Phi_b, b, t, q, by_b.Phi_b)
-    PHI_Q_XI_B(entries.Phi_q_xi_b, b, t, q, v, by_b.Phi_q_xi_b)
-    PHI_T_B(entries.Phi_t_b, b, t, q, by_b.Phi_t_b)
-    M_A_B(entries.M_a_b, b, q, record.stage_a[n, i], by_b.M_a_b)
-    S_B(entries.S_b, b, q, v, by_b.S_b)
-    Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
+    call_kernels(entries.Phi_b, b, t, q, by_b.Phi_b)
+    call_kernels(entries.Phi_q_xi_b, b, t, q, v, by_b.Phi_q_xi_b)
+    call_kernels(entries.Phi_t_b, b, t, q, by_b.Phi_t_b)
+    call_kernels(entries.M_a_b, b, q, record.stage_a[n, i], by_b.M_a_b)
+    call_kernels(entries.S_b, b, q, v, by_b.S_b)
+    call_kernels(entries.Q_b, b, t, q, v, by_b.Q_b)
     first = 2 * i * (nq + m)
     second, third, fourth = first + nq, first + 2 * nq, first + 2 * nq + m
-    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, record.stage_mu[n, i], by_b.Phi_qT_lam_b)
+    call_kernels(entries.Phi_qT_lam_b, b, t, q, record.stage_mu[n, i], by_b.Phi_qT_lam_b)
     move(numbers, 1, -1.0, x, out, first, transposed)
-    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, record.stage_lam[n, i], by_b.Phi_qT_lam_b)
+    call_kernels(entries.Phi_qT_lam_b, b, t, q, record.stage_lam[n, i], by_b.Phi_qT_lam_b)
     move(numbers, 1, -1.0, x, out, second, transposed)
     move(numbers, 4, -1.0, x, out, second, transposed)
     move(numbers, 5, 1.0, x, out, second, transposed)
@@ -321,6 +316,7 @@ def stage_by_b(
     move(numbers, 3, -1.0, x, out, fourth, transposed)
 
 
+@compiled
 def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transposed: Any) -> None:
     """Add an operator by b, whose rows begin at a place of the equations, to these or, transposed, to the numbers."""
     if transposed:
@@ -329,6 +325,7 @@ def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transpose
         times_numbers(numbers, n, numbers.b_rows, numbers.b_columns, weight, x, out[at:])
 
 
+@compiled
 def forward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, stages: Any
 ) -> Any:
@@ -364,6 +361,7 @@ def forward_step(
     return True
 
 
+@compiled
 def backward_step(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, turned: Any
 ) -> Any:
@@ -403,6 +401,7 @@ def backward_step(
     return True
 
 
+@compiled
 def subtract(source: Any, right: Any) -> None:
     """Right -= source."""
     for k in range(right.shape[0]):
@@ -410,25 +409,27 @@ def subtract(source: Any, right: Any) -> None:
             right[k, c] -= source[k, c]
 
 
+@compiled
 def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
     """Evaluate the derivatives of the equations of motion at node n and factor [M, Φ_qᵀ; Φ_q, 0]."""
     t, q, v, a, lam = record.t[n], record.q[n], record.v[n], record.a[n], record.lam[n]
     at, by_b = tables.at_node, tables.by_b
-    JACOBIAN(entries.jacobian, b, t, q, lam, at.Phi_q, at.Phi_qT_lam_q)
-    INERTIA(entries.inertia, b, q, v, a, at.M, at.M_a_q, at.S_q, at.S_v)
-    STIFFNESS(entries.stiffness, b, t, q, v, at.Q_q, at.Q_v)
-    GAMMA_Q_V(entries.gamma_q_v, b, t, q, v, at.gamma_q, at.gamma_v)
-    PHI_Q_XI_Q(entries.Phi_q_xi_q, b, t, q, a, at.Phi_q_a_q)
+    call_kernels(entries.jacobian, b, t, q, lam, at.Phi_q, at.Phi_qT_lam_q)
+    call_kernels(entries.inertia, b, q, v, a, at.M, at.M_a_q, at.S_q, at.S_v)
+    call_kernels(entries.stiffness, b, t, q, v, at.Q_q, at.Q_v)
+    call_kernels(entries.gamma_q_v, b, t, q, v, at.gamma_q, at.gamma_v)
+    call_kernels(entries.Phi_q_xi_q, b, t, q, a, at.Phi_q_a_q)
     leave_out(at.Phi_q, tables.places.Phi_q[0], tables.node_left_out)
-    PHI_QT_LAM_B(entries.Phi_qT_lam_b, b, t, q, lam, by_b.Phi_qT_lam_b)
-    PHI_Q_XI_B(entries.Phi_q_xi_b, b, t, q, a, by_b.Phi_q_xi_b)
-    M_A_B(entries.M_a_b, b, q, a, by_b.M_a_b)
-    S_B(entries.S_b, b, q, v, by_b.S_b)
-    Q_B(entries.Q_b, b, t, q, v, by_b.Q_b)
-    GAMMA_B(entries.gamma_b, b, t, q, v, by_b.gamma_b)
+    call_kernels(entries.Phi_qT_lam_b, b, t, q, lam, by_b.Phi_qT_lam_b)
+    call_kernels(entries.Phi_q_xi_b, b, t, q, a, by_b.Phi_q_xi_b)
+    call_kernels(entries.M_a_b, b, q, a, by_b.M_a_b)
+    call_kernels(entries.S_b, b, q, v, by_b.S_b)
+    call_kernels(entries.Q_b, b, t, q, v, by_b.Q_b)
+    call_kernels(entries.gamma_b, b, t, q, v, by_b.gamma_b)
     return refactor(tables.node_values, tables.node)
 
 
+@compiled
 def quiet(x: Any, nq: Any, left_out: Any) -> None:
     """As `silence`, at a node."""
     for k in range(len(left_out)):
@@ -437,6 +438,7 @@ def quiet(x: Any, nq: Any, left_out: Any) -> None:
                 x[nq + k, c] = 0.0
 
 
+@compiled
 def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
     """Subtract the derivatives of the equations of motion by the numbers times x."""
     move(numbers, 1, -1.0, x, out, 0, transposed)
@@ -447,6 +449,7 @@ def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
     move(numbers, 7, 1.0, x, out, nq, transposed)
 
 
+@compiled
 def forward_node(
     entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
 ) -> Any:
@@ -480,6 +483,7 @@ def forward_node(
     return True
 
 
+@compiled
 def backward_node(
     entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any, turned: Any
 ) -> Any:
@@ -522,6 +526,7 @@ def backward_node(
     return True
 
 
+@compiled(entry=True)
 def forward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
     stages: Any,
@@ -543,6 +548,7 @@ def forward(
     return n, stage
 
 
+@compiled(entry=True)
 def backward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
     turned: Any,

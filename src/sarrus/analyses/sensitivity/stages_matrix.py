@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..._jit.link import link
 from ..dynamics import stabilized_matrix
-from ..dynamics.placed import LEFT_OUT, UNIT, Numbers, Part, Placed, PlacedMatrix, compiled_solver
+from ..dynamics.placed import LEFT_OUT, UNIT, Numbers, Part, Placed, PlacedMatrix, refactor
 from ..linear import SingularMatrix, SparseLU
 from . import radau_sweep_loop
 from .step_matrix import StepMatrix
@@ -62,7 +63,7 @@ class StagesMatrix(StepMatrix):
             found = self._expanded()
         except SingularMatrix:
             return None
-        return found if compiled_solver()["refactor"](self.numbers.values, found) > LEAST else None
+        return found if link(refactor)(self.numbers.values, found) > LEAST else None
 
     def _expanded(self) -> Placed:
         one, layout = self._one.choose_pivots(), self._layout

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
+from ..._jit.link import link
 from ...algebra import Array
-from ..dynamics.placed import PlacedMatrix, compiled_solver
-from . import columns_loop, panel_loop
-
-FUNCTIONS = {
-    panel_loop: ("refactor_panels", "refactor", "lower_upper_flat", "upper_lower_flat", "upper_lower", "times_flat",
-                 "times_flat_transposed", "times_arranged_transposed", "add_flat", "add", "copy", "solve_flat",
-                 "solve_plain_transposed", "solve_columns_transposed"),
-    columns_loop: ("minus_rows", "lower_panel", "upper_panel", "solve_rest", "add_panel", "solve_panel",
-                   "solve_columns"),
-}  # fmt: skip
+from ..dynamics.placed import PlacedMatrix
+from .panel_loop import panel_ends
 
 
 class Factors(NamedTuple):
@@ -70,7 +61,7 @@ class StepMatrix(PlacedMatrix):
         places[source] = np.arange(len(source))
         pattern = (places[layout.place], indptr, found.row_place[layout.indices[source]])
         lower_upper = unsigned((found.pointers, found.rows, found.diagonal))
-        ends, order = solvers()["panel_ends"](*lower_upper), unsigned((found.row_place, found.column_order))
+        ends, order = link(panel_ends)(*lower_upper), unsigned((found.row_place, found.column_order))
         first = [self.parts, self.weights, *unsigned(pattern), np.zeros(len(source)), *lower_upper]
         return Factors._make([*first, found.factors, ends, found.work, *order])
 
@@ -78,16 +69,3 @@ class StepMatrix(PlacedMatrix):
 def unsigned(arrays: Iterable[Array]) -> list[Array]:
     """Places as compiled code looks them up fastest."""
     return [np.ascontiguousarray(array).astype(np.uint64) for array in arrays]
-
-
-@cache
-def solvers() -> dict[str, Any]:
-    """The functions of `panel_loop` and `columns_loop`, compiled."""
-    known = {
-        "ASSEMBLE": compiled_solver()["ASSEMBLE"],
-        "panel_ends": compiled_function(panel_loop.panel_ends),
-    }
-    for source, names in FUNCTIONS.items():
-        for name in names:
-            known[name] = compiled_part(getattr(source, name), **known)
-    return known

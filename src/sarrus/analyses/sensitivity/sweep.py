@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..._jit.driver import compiled_function, compiled_part
-from ..._jit.pointer import run
+from ..._jit.link import link
 from ...algebra import Array
 from ...results import Steps
 from ...system import System
@@ -17,22 +16,12 @@ from ...system.lane_room import aligned, used
 from ..dynamics import alpha_loop
 from ..dynamics.newton_matrix import weigh
 from ..linear import SingularMatrix
-from . import block_loop, by_numbers, lanes_loop
+from . import block_loop
 from . import sweep_loop as loop
 from .blocks import Blocks
 from .kernels import GROUPS
-from .step_matrix import Factors, solvers
+from .step_matrix import Factors
 
-FUNCTIONS = {
-    lanes_loop: ("clear_lanes", "assemble_lanes", "factor_lanes", "turn_lanes"),
-    block_loop: ("factors_of", "plainly", "solve_lane", "solve_lane_transposed", "alike", "collect", "put", "gather",
-                 "remember", "leave_out", "solved_rows", "evaluate", "factor_block", "make_product", "change", "finish",
-                 "linearize_steps", "take_defect", "linearize_rescales"),
-    loop: ("add_rows", "apply", "apply_transposed", "subtract_moved", "subtract", "put_adjoint", "add_gradients",
-           "predict", "correct", "forward_step", "forward_panels", "backward_step", "put_panel", "forward_rescale",
-           "forward_rescales", "backward_rescale", "choose", "choose_gradients", "weigh_panel", "put_state", "put_node",
-           "lengthen", "begin"),
-}  # fmt: skip
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)
 NOWHERE = -1, 0, 0  # where pivots were chosen last
@@ -44,20 +33,6 @@ NOTHING_WEIGHED = loop.Weighed(
 )
 NOTHING_MOVED = loop.Sources._make(np.zeros((0, 0, 0)) for _ in loop.Sources._fields)
 NO_SOURCES = loop.Sources._make(np.zeros((0, 0)) for _ in loop.Sources._fields)
-
-
-@cache
-def _compiled() -> dict[str, Any]:
-    """The loops: the same code for every system; drivers are called by their address."""
-    known = {name.upper(): run(0, sum(GROUPS[name][1:])) for name in block_loop.Entries._fields}
-    known |= {"weigh": compiled_part(weigh), "weights_of": compiled_part(alpha_loop.weights_of)}
-    known |= by_numbers.calls() | solvers()
-    for source, names in FUNCTIONS.items():
-        for name in names:
-            known[name] = compiled_part(getattr(source, name), **known)
-    for name in ("forward", "backward"):
-        known[name] = compiled_function(getattr(loop, name), **known)
-    return known
 
 
 class Sweep:
@@ -124,7 +99,7 @@ class Sweep:
             self._begin()
         while n >= first:
             n, stage = self._run(
-                "backward", n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
+                loop.backward, n, first, stage, bars, given, kept or NOTHING_KEPT, sources or NO_SOURCES
             )
             if n >= first:
                 tried = self._choose_pivots(n, stage, tried)
@@ -167,7 +142,7 @@ class Sweep:
             self._begin()
         state = self._in_panels(bars)
         while n < last:
-            n, stage = self._run("forward", n, last, stage, state, *arrays)
+            n, stage = self._run(loop.forward, n, last, stage, state, *arrays)
             if n < last:
                 tried = self._choose_pivots(n, stage, tried)
         ends = np.cumsum([len(x) for x in _state(bars)])[:-1]
@@ -189,9 +164,9 @@ class Sweep:
         rows = found.reshape(panels, -1, width).swapaxes(0, 1).reshape(-1, panels * width)
         return rows[:, : self.columns]
 
-    def _run(self, name: str, n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
+    def _run(self, sweep: Callable[..., Any], n: int, to: int, stage: int, *arrays: Any) -> tuple[int, int]:
         blocks = self._blocks
-        found = _compiled()[name](
+        found = link(sweep)(
             self.steps.scheme, blocks.entries, self.b, self.record, n, to, stage, self._shown, blocks.by_rows,
             blocks.steps, blocks.rescales, self._work, *arrays,
         )  # fmt: skip
@@ -230,7 +205,7 @@ class Sweep:
         matrix.numbers.left_out[:] = steps.left_out[n + 1] if len(steps.left_out) else 0.0
         operands = {"t": float(steps.t[node])} | {k: getattr(steps, k)[node] for k in ("q", "v", "a", "lam")}
         for kind in ("jacobian", "inertia", "stiffness"):
-            matrix.numbers.evaluate(GROUPS[kind][0], self.b, operands)
+            matrix.numbers.evaluate(GROUPS[kind], self.b, operands)
         weigh(matrix.weights, *alpha_loop.weights_of(steps.scheme, h))
 
 

@@ -19,7 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..._jit.lanes import fill, load, plus_product, store
+from ..._jit.link import compiled
 from ..._jit.vector import LANES
+from ..dynamics.alpha_loop import weights_of
 from .block_loop import (
     factors_of,
     finish,
@@ -32,7 +34,6 @@ from .block_loop import (
 from .columns_loop import minus_rows
 from .panel_loop import add, copy
 
-weights_of: Any = None  # of `dynamics.alpha_loop`, put in place when this is compiled
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
@@ -122,6 +123,7 @@ class Weighed(NamedTuple):
     total: Any
 
 
+@compiled
 def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
     """Right = P x, with the numbers of P in a lane, and changes of q and v, one after another."""
     out = right.reshape(right.shape[0] * right.shape[1])
@@ -136,6 +138,7 @@ def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
         out[k] = -out[k]
 
 
+@compiled
 def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
     """[q; v] += Pᵀ y, with the product of a lane."""
     numbers, none = block.turned[lane, block.cuts[2] :], np.uint64(0)
@@ -143,6 +146,7 @@ def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
     add_rows(block.product, numbers, np.uint64(q.shape[0]), y, v)
 
 
+@compiled
 def add_rows(product: Any, numbers: Any, first: Any, y: Any, out: Any) -> None:
     """Out += Aᵀ y for columns of P from `first` on (n, k)."""
     indptr, indices, width = product.indptr, product.indices, y.shape[1]
@@ -154,6 +158,7 @@ def add_rows(product: Any, numbers: Any, first: Any, y: Any, out: Any) -> None:
             out[j, c] = total
 
 
+@compiled
 def predict(scheme: Any, h: Any, own: Any, work: Any) -> None:
     """The changes of q, v and x at the end of a step, if that of a₁ were zero."""
     size = len(work.x)
@@ -168,6 +173,7 @@ def predict(scheme: Any, h: Any, own: Any, work: Any) -> None:
         new_q[k] = q[k] + h * v[k] + h * h * ((0.5 - scheme.beta) * x[k] + scheme.beta * new_x[k])
 
 
+@compiled
 def correct(change: Any, beta: Any, gamma: Any, kappa: Any, own: Any, work: Any) -> None:
     """Put the change of the state at the end of the step in place of that at its start."""
     size = len(work.x)
@@ -184,6 +190,7 @@ def correct(change: Any, beta: Any, gamma: Any, kappa: Any, own: Any, work: Any)
         rest[k] = change[k]
 
 
+@compiled
 def forward_step(
     scheme: Any, record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, sources: Any
 ) -> Any:  # fmt: skip
@@ -207,6 +214,7 @@ def forward_step(
     return True
 
 
+@compiled
 def forward_panels(
     scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, sources: Any
 ) -> Any:  # fmt: skip
@@ -221,6 +229,7 @@ def forward_panels(
     return True
 
 
+@compiled
 def subtract_moved(moved: Any, lane: Any, p: Any, below: Any, weight: Any, right: Any) -> None:
     """Right -= what the changes of the numbers do in a lane, with a weight of places from `below` on."""
     for k in range(moved.ends[p], moved.ends[p + 1]):
@@ -228,6 +237,7 @@ def subtract_moved(moved: Any, lane: Any, p: Any, below: Any, weight: Any, right
         right[at] -= moved.results[k * LANES + lane] * (1.0 if at < below else weight)
 
 
+@compiled
 def subtract(sources: Any, n: Any, p: Any, right: Any) -> None:
     """Right -= sources of step n (n, nq + m, columns) for panel p, if there are any."""
     if len(sources) > 0:
@@ -237,6 +247,7 @@ def subtract(sources: Any, n: Any, p: Any, right: Any) -> None:
                 right[k, c] -= sources[n, k, first + c]
 
 
+@compiled
 def backward_step(
     scheme: Any, record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
 ) -> Any:
@@ -280,6 +291,7 @@ def backward_step(
     return True
 
 
+@compiled
 def put_adjoint(block: Any, lane: Any, mu: Any, sign: Any) -> None:
     """ξ and ν of a lane: those in μ, the latter times a sign."""
     nq, m = len(block.q) // LANES, len(block.lam) // LANES
@@ -290,6 +302,7 @@ def put_adjoint(block: Any, lane: Any, mu: Any, sign: Any) -> None:
             block.nu[c, k * LANES + lane] = sign * mu[nq + k, c]
 
 
+@compiled
 def forward_rescale(
     record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, kept: Any, sources: Any
 ) -> Any:  # fmt: skip
@@ -312,6 +325,7 @@ def forward_rescale(
     return True
 
 
+@compiled
 def forward_rescales(
     record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, kept: Any, sources: Any
 ) -> Any:  # fmt: skip
@@ -326,6 +340,7 @@ def forward_rescales(
     return True
 
 
+@compiled
 def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
     """The columns of panel p in their place (n, columns)."""
     first = p * width
@@ -340,6 +355,7 @@ def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
                 out[k, first + c] = panel[k * width + c]
 
 
+@compiled
 def backward_rescale(
     record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
 ) -> Any:
@@ -373,6 +389,7 @@ def backward_rescale(
     return True
 
 
+@compiled
 def add_gradients(given: Any, row: Any, bars: Any) -> None:
     """Add what responses take from one node."""
     add(given.q[row], bars.q)
@@ -381,12 +398,14 @@ def add_gradients(given: Any, row: Any, bars: Any) -> None:
     add(given.lam[row], bars.lam)
 
 
+@compiled
 def begin(scheme: Any, steps: Any, rescales: Any) -> None:
     """Blocks of nothing."""
     steps.used[:], rescales.used[:] = 0, 0
     steps.refined[2] = rescales.refined[2] = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
 
 
+@compiled(entry=True)
 def backward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any, by_rows: Any,
     steps: Any, rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
@@ -426,6 +445,7 @@ def backward(
     return n, stage
 
 
+@compiled
 def choose_gradients(weighed: Any, row: Any) -> None:
     """Of the gradients of responses by the state of one node those that are not zero."""
     by, count, nq = weighed.by, 0, weighed.by.q.shape[1]
@@ -437,6 +457,7 @@ def choose_gradients(weighed: Any, row: Any) -> None:
         weighed.ends[r + 1] = count
 
 
+@compiled
 def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
     """Of those by one kind of states, which begin at a row; how many there are then."""
     for k in range(gradient.shape[0]):
@@ -447,6 +468,7 @@ def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
     return count
 
 
+@compiled
 def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
     """Add the change of responses by that of the state of panel p."""
     total = weighed.total[p]
@@ -467,6 +489,7 @@ def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
             store(total, r * TWO + ONE, b)
 
 
+@compiled
 def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any) -> None:
     """What is asked for at a node: derivatives of its state, or what they do to responses."""
     if len(weighed.by.q) > 0:
@@ -478,6 +501,7 @@ def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any
             put_state(state[p], p, nq, width, given, row)
 
 
+@compiled
 def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> None:
     """The derivatives of a state in panel p in their place."""
     size = nq * width
@@ -487,6 +511,7 @@ def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> No
     put_panel(own[3 * size : len(own) - size], p, width, given.lam[row])
 
 
+@compiled
 def lengthen(ratio: Any, size: Any, state: Any) -> None:
     """x follows the step size."""
     for p in range(len(state)):
@@ -495,6 +520,7 @@ def lengthen(ratio: Any, size: Any, state: Any) -> None:
             x[k] = a[k] + ratio * (x[k] - a[k])
 
 
+@compiled(entry=True)
 def forward(
     scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, stage: Any, matrix: Any, by_rows: Any,
     steps: Any, rescales: Any, work: Any, state: Any, given: Any, weighed: Any, kept: Any, sources: Any,

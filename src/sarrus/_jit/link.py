@@ -1,0 +1,223 @@
+"""Linker of compiled functions: a marked function is compiled at first use, with all that its globals name.
+
+A loop is written as ordinary functions that call each other, each marked with `compiled`. They import what they call,
+so that readers, editors and type checkers can follow a call to its definition; as plain Python they run as they are.
+`link` resolves the globals of a function, and of those that it calls, and compiles copies of them. No module changes.
+
+A compiled function is named, and cached, by its code and by everything that its globals resolve to. A variant therefore
+shares with the original every function that does not depend on what is replaced, and no other.
+"""
+
+from __future__ import annotations
+
+import builtins
+import dis
+import hashlib
+import threading
+import types
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar, overload
+
+import numpy as np
+from numba import njit
+
+from .cache import KernelCache
+
+F = TypeVar("F", bound=Callable[..., Any])
+Function = Callable[..., Any]
+CONSTANTS = (bool, int, float, complex, str, type(None), np.generic)
+LINKING = threading.RLock()
+_entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
+_linked: dict[str, Any] = {}  # compiled functions by name
+_links: dict[tuple[Function, tuple[tuple[str, Function], ...]], Any] = {}  # what `link` has returned
+
+
+@overload
+def compiled(function: F) -> F: ...
+@overload
+def compiled(*, entry: bool) -> Callable[[F], F]: ...
+def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[[F], F]:
+    """Mark a function as one that is compiled; it stays a plain function.
+
+    Parameters
+    ----------
+    entry : whether Python calls it, too, or it makes arrays. The others are compiled in half the time: they count no
+        references, and have no second entry for Python, to which long lists of arrays are costly.
+    """
+
+    def mark(marked: F) -> F:
+        _entries[marked] = entry
+        return marked
+
+    return mark if function is None else mark(function)
+
+
+def link(function: F, **variants: Function) -> F:
+    """The compiled form of a marked function, to be called from Python.
+
+    Parameters
+    ----------
+    function : marked with `compiled`
+    variants : functions to call in place of others, by the names that the others have in the module of `function`. They
+        are replaced wherever they are called, except by the function that replaces them.
+
+    Raises
+    ------
+    TypeError
+        If a global is neither marked nor a constant, a module, or a record; or if no function has a variant's name.
+    """
+    key = function, tuple(sorted(variants.items())) if variants else ()
+    found = _links.get(key)
+    if found is None:
+        with LINKING:
+            found = _links.setdefault(key, _Linker(function, variants).linked(function, entry=True))
+    return found
+
+
+def fingerprint(function: Function, **variants: Function) -> str:
+    """The name of the compiled form of a marked function, which tells what it depends on."""
+    return _Linker(function, variants).name(function, entry=True)
+
+
+class _Linker:
+    """One function with one choice of variants."""
+
+    def __init__(self, root: Function, variants: Mapping[str, Function]) -> None:
+        self._replaced = dict(_replaced(root, variants))
+        self._names: dict[tuple[Function, bool], str] = {}
+        self._open: list[Function] = []  # whose globals are being resolved
+
+    def linked(self, function: Function, entry: bool) -> Any:
+        """The compiled function."""
+        name = self.name(function, entry)
+        if name not in _linked:
+            scope = {key: self._value(value) for key, value in self._globals(function).items()}
+            _linked[name] = _compiled(function, name, scope, _options(entry))
+        return _linked[name]
+
+    def name(self, function: Function, entry: bool) -> str:
+        """The function's name and a digest of its code and its globals."""
+        key = function, entry
+        if key not in self._names:
+            self._names[key] = self._digested(function, entry)
+        return self._names[key]
+
+    def _digested(self, function: Function, entry: bool) -> str:
+        _check_marked(function)
+        if function in self._open:
+            path = " → ".join(f.__name__ for f in [*self._open, function])
+            raise TypeError(f"{function.__module__}: compiled functions call each other in a circle: {path}.")
+        self._open.append(function)
+        content = (
+            function.__module__,
+            _code(function),
+            getattr(function, "__defaults__", None),
+            {key: self._token(function, key, value) for key, value in self._globals(function).items()},
+            _options(entry),
+        )
+        self._open.pop()
+        return f"{function.__name__}_{hashlib.sha256(repr(content).encode()).hexdigest()[:12]}"
+
+    def _globals(self, function: Function) -> dict[str, Any]:
+        """What the function's globals are, replaced as the variants ask."""
+        scope = function.__globals__
+        found = {}
+        for name in sorted(set(_global_names(function.__code__))):
+            if name in scope:
+                found[name] = self._chosen(scope[name], function)
+            elif not hasattr(builtins, name):
+                raise TypeError(
+                    f"{function.__module__}.{function.__name__}: {name} is not defined. Import it."
+                )
+        return found
+
+    def _chosen(self, value: Any, caller: Function) -> Any:
+        replacement = self._replaced.get(value) if isinstance(value, types.FunctionType) else None
+        return value if replacement is None or replacement is caller else replacement
+
+    def _value(self, value: Any) -> Any:
+        return self.linked(value, _entries[value]) if _is_marked(value) else value
+
+    def _token(self, function: Function, name: str, value: Any) -> object:
+        """What tells a global from others."""
+        if _is_marked(value):
+            return self.name(value, _entries[value])
+        known = _token(value)
+        if known is None:
+            raise TypeError(
+                f"{function.__module__}.{function.__name__}: {name} is neither a compiled function nor a constant. "
+                "Mark a function with `compiled`, or pass a value as an argument."
+            )
+        return known
+
+
+def _replaced(root: Function, variants: Mapping[str, Function]) -> Iterator[tuple[Function, Function]]:
+    for name, replacement in variants.items():
+        original = root.__globals__.get(name)
+        if original is None or not _is_marked(original):
+            raise TypeError(
+                f"{root.__module__} has no compiled function {name}. Name one that it defines or imports."
+            )
+        _check_marked(replacement)
+        yield original, replacement
+
+
+def _is_marked(value: Any) -> bool:
+    return isinstance(value, types.FunctionType) and value in _entries
+
+
+def _check_marked(function: Function) -> None:
+    if not _is_marked(function):
+        name = getattr(function, "__name__", repr(function))
+        raise TypeError(f"{name} cannot be linked. Mark it with `compiled`.")
+
+
+def _token(value: Any) -> object:
+    """Of a value that is no marked function; None if compiled code cannot depend on it."""
+    if isinstance(value, CONSTANTS):
+        return type(value).__name__, repr(value)
+    if isinstance(value, tuple) and type(value) is tuple:
+        found = [_token(part) for part in value]
+        return None if None in found else tuple(found)
+    if isinstance(value, types.ModuleType):
+        return value.__name__
+    name = getattr(value, "__module__", ""), getattr(value, "__qualname__", getattr(value, "__name__", ""))
+    if isinstance(value, type):
+        return *name, getattr(value, "_fields", ())
+    return (
+        name if name[0].startswith(f"{__package__}.") else None
+    )  # their sources name the folder of the cache
+
+
+def _global_names(code: types.CodeType) -> Iterator[str]:
+    yield from (step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL")
+    for part in code.co_consts:
+        if isinstance(part, types.CodeType):
+            yield from _global_names(part)
+
+
+def _code(function: Function) -> object:
+    """What a function does, without its documentation, annotations and place in the file."""
+    return _content(function.__code__, function.__doc__)
+
+
+def _content(code: types.CodeType, documentation: str | None = None) -> object:
+    constants = [_content(part) if isinstance(part, types.CodeType) else part for part in code.co_consts]
+    if documentation is not None and constants[:1] == [documentation]:
+        constants[0] = None
+    return code.co_code, constants, code.co_names, code.co_varnames, code.co_argcount, code.co_flags
+
+
+def _options(entry: bool) -> dict[str, bool]:
+    return {} if entry else {"_nrt": False, "no_cpython_wrapper": True}
+
+
+def _compiled(function: Function, name: str, scope: dict[str, Any], options: dict[str, bool]) -> Any:
+    """A copy of a function with other globals, compiled at its first call or found in the cache."""
+    scope = {**scope, "__name__": function.__module__, "__builtins__": builtins}
+    copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
+    copy.__qualname__ = name
+    compiler: Any = njit
+    result = compiler(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(copy)
+    result._cache = KernelCache(copy)
+    return result

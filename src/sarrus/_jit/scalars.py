@@ -1,0 +1,45 @@
+"""Named scalars of compiled loops: numbers that Python and compiled code read and write in the same memory."""
+
+from __future__ import annotations
+
+from typing import Any, Self, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+KINDS: dict[type, Any] = {float: np.float64, int: np.int64, bool: np.bool_}
+Values = NDArray[np.float64]
+
+
+class Scalars(np.record):  # type: ignore[misc]
+    """Scalars with names: a subclass annotates each with ``float``, ``int`` or ``bool``.
+
+    A compiled function takes one as an argument and reads and writes its fields, as in ``control.h = 0.5 * control.h``.
+    """
+
+    def __init_subclass__(cls) -> None:
+        for name in cls.__annotations__:
+            if hasattr(np.record, name):
+                raise TypeError(
+                    f"{cls.__name__}: {name} is a name of NumPy's records. Name the scalar otherwise."
+                )
+
+    @classmethod
+    def zeros(cls) -> Self:
+        """All zero."""
+        kinds = [(name, KINDS[kind]) for name, kind in get_type_hints(cls).items()]
+        made: Self = np.zeros(1, np.dtype((cls, np.dtype(kinds, align=True))))[0]
+        return made
+
+    def as_array(self) -> Values:
+        """All as floats, in the order of the fields."""
+        return np.array([getattr(self, name) for name in self.dtype.names or ()], dtype=float)
+
+    def assign(self, values: Values) -> None:
+        """Set all to what `as_array` has returned."""
+        for name, value in zip(self.dtype.names or (), values, strict=True):
+            setattr(self, name, value)
+
+    def clear(self) -> None:
+        """Set all to zero."""
+        self.assign(np.zeros(len(self.dtype.names or ())))

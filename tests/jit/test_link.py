@@ -1,0 +1,211 @@
+"""The linker: globals are resolved by imports, variants are compiled apart, and no module waits to be filled."""
+
+from __future__ import annotations
+
+import ast
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus
+from sarrus._jit.link import compiled, fingerprint, link
+from sarrus._jit.scalars import Scalars
+
+SOURCES = Path(sarrus.__file__).parent
+FACTOR = 2.0
+
+
+@compiled
+def scale(x: Any) -> Any:
+    """Called by two others."""
+    return FACTOR * x
+
+
+@compiled
+def shift(x: Any) -> Any:
+    """Calls nothing."""
+    return x + 1.0
+
+
+@compiled(entry=True)
+def both(x: Any) -> Any:
+    """Calls two others."""
+    return scale(x) + shift(x)
+
+
+@compiled
+def negative(x: Any) -> Any:
+    """In place of `scale`, which it calls."""
+    return -scale(x)
+
+
+@compiled(entry=True)
+def above(x: Any) -> Any:
+    """Calls the one that calls them."""
+    return both(x) + scale(x)
+
+
+def test_a_linked_function_does_what_the_plain_one_does() -> None:
+    assert link(above)(3.0) == above(3.0) == 16.0
+
+
+def test_a_variant_is_called_by_all_but_itself() -> None:
+    assert link(above, scale=negative)(3.0) == -8.0
+    assert link(above)(3.0) == 16.0
+    assert scale(3.0) == 6.0
+
+
+def test_variants_share_what_does_not_depend_on_them_and_nothing_else() -> None:
+    plain, other = link(both), link(both, scale=negative)
+    own, others = plain.py_func.__globals__, other.py_func.__globals__  # type: ignore[attr-defined]
+    assert own["shift"] is others["shift"]
+    assert own["scale"] is not others["scale"]
+    assert plain is not other
+    assert others["scale"].py_func.__globals__["scale"] is own["scale"]
+    assert fingerprint(both) != fingerprint(both, scale=negative)
+    assert link(both, scale=negative) is other
+
+
+def test_a_fingerprint_depends_on_constants_of_what_is_called(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = fingerprint(above), fingerprint(shift)
+    monkeypatch.setattr("test_link.FACTOR" if __name__ == "test_link" else f"{__name__}.FACTOR", 3.0)
+    assert fingerprint(above) != before[0]
+    assert fingerprint(shift) == before[1]
+
+
+def made(source: str, **scope: Any) -> Callable[..., Any]:
+    """A marked function of a source, with these globals."""
+    found = dict(scope)
+    exec(source, found)
+    function = next(
+        f for f in found.values() if isinstance(f, FunctionType) and f.__code__.co_filename == "<string>"
+    )
+    return compiled(function)
+
+
+def test_documentation_and_annotations_do_not_matter_but_code_and_kinds_of_constants_do() -> None:
+    names = [
+        fingerprint(made(source, C=1.0, __name__="m"))
+        for source in (
+            'def f(x):\n    "Short."\n    return C * x',
+            'def f(x: float) -> float:\n\n    "Another text."\n    return C * x',
+            "def f(x):\n    return C * x * 1.0",
+        )
+    ]
+    assert names[0] == names[1] != names[2]
+    source = "def f(x):\n    return C * x"
+    kinds = (1, 1.0, True, np.uint64(1), (1,))
+    assert len({fingerprint(made(source, C=kind, __name__="m")) for kind in kinds}) == len(kinds)
+
+
+@pytest.mark.parametrize(
+    ("source", "scope", "message"),
+    [
+        (
+            "def f(x):\n    return g(x)",
+            {"g": lambda x: x},
+            "g is neither a compiled function nor a constant. Mark",
+        ),
+        ("def f(x):\n    return g + x", {"g": np.ones(1)}, "g is neither a compiled function nor a constant"),
+        ("def f(x):\n    return g(x)", {}, "g is not defined. Import it"),
+        ("def f(x):\n    return f(x - 1)", {}, "in a circle: f → f"),
+    ],
+)
+def test_what_cannot_be_linked_is_refused(source: str, scope: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        link(made(source, **scope, __name__="m"))
+
+
+def test_wrong_variants_are_refused() -> None:
+    with pytest.raises(TypeError, match="no compiled function scle"):
+        link(both, scle=negative)
+    with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
+        link(both, scale=made)
+    with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
+        link(made)
+
+
+def test_threads_link_one_function() -> None:
+    fresh, found, ready = made("def f(x):\n    return x + 4.5", __name__="m"), [], threading.Barrier(4)
+
+    def work() -> None:
+        ready.wait()
+        found.append((link(fresh), link(fresh)(1.0)))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len({id(function) for function, _ in found}) == 1
+    assert [value for _, value in found] == [5.5] * 4
+
+
+class Control(Scalars):
+    """Scalars of a loop."""
+
+    t: float
+    steps: int
+    ready: bool
+
+
+@compiled(entry=True)
+def advance(control: Control, h: float) -> None:
+    """One step."""
+    control.t += h
+    control.steps += 1
+    control.ready = control.t > 0.4
+
+
+def test_scalars_have_one_memory_in_python_and_compiled_code() -> None:
+    control, plain = Control.zeros(), Control.zeros()
+    for _ in range(2):
+        link(advance)(control, 0.25)
+        advance(plain, 0.25)
+    assert (control.t, control.steps, control.ready) == (plain.t, plain.steps, plain.ready) == (0.5, 2, True)
+    plain.clear()
+    assert plain.as_array().tolist() == [0.0, 0.0, 0.0]
+    plain.assign(control.as_array())
+    assert plain == control
+    with pytest.raises(TypeError, match="size is a name of NumPy's records"):
+        type("Wrong", (Scalars,), {"__annotations__": {"size": float}})
+
+
+def filled_later(tree: ast.Module) -> Iterator[str]:
+    """Globals of a module that are None, and functions of modules that are looked up by names in variables."""
+    modules = {
+        alias.asname or alias.name
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom) and node.level
+        for alias in node.names
+    }
+    for node in tree.body:
+        match node:
+            case ast.Assign(value=ast.Constant(value=None)) | ast.AnnAssign(value=ast.Constant(value=None)):
+                yield ast.unparse(node)
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(func=ast.Name(id="getattr" | "setattr"), args=[ast.Name(id=subject), name, *_]):
+                if subject in modules and subject.islower() and not isinstance(name, ast.Constant):
+                    yield ast.unparse(node)
+
+
+def test_no_module_waits_to_be_filled() -> None:
+    """A call in a compiled loop names its function; no other file puts it in place, or keeps a list of names."""
+    assert list(
+        filled_later(ast.parse("from . import loop\nA: int = None\n[getattr(loop, n) for n in 'ab']"))
+    )
+    files = [
+        *SOURCES.glob("analyses/**/*.py"),
+        *SOURCES.glob("_jit/**/*.py"),
+        *SOURCES.glob("system/**/*.py"),
+    ]
+    found = {
+        str(file.relative_to(SOURCES)): list(filled_later(ast.parse(file.read_text()))) for file in files
+    }
+    assert {name: lines for name, lines in found.items() if lines} == {}

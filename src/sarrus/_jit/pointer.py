@@ -31,6 +31,7 @@ class Entry(NamedTuple):
     tables: Any
 
 
+INNER = {"error_model": "numpy", "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 NONE = Entry(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
 
 
@@ -56,7 +57,7 @@ def call_kernels(table: Entry, numbers: Any, *operands: Any) -> None:
     _from_python(table, numbers, operands)
 
 
-@overload(call_kernels, jit_options={"error_model": "numpy"})
+@overload(call_kernels, jit_options=INNER)
 def _compiled_call(table: Any, numbers: Any, *operands: Any) -> Any:
     def loop(table: Any, numbers: Any, *operands: Any) -> None:
         for n in range(len(table.addresses)):

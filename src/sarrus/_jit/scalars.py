@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self, get_type_hints
+from typing import TYPE_CHECKING, Any, Self, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,22 @@ from numpy.typing import NDArray
 KINDS: dict[type, Any] = {float: np.float64, int: np.int64, bool: np.bool_}
 Values = NDArray[np.float64]
 
+if TYPE_CHECKING:  # NumPy's annotations do not allow a subclass of its records, which NumPy does
 
-class Scalars(np.record):  # type: ignore[misc]
+    class Record:
+        """What is used of `numpy.record`."""
+
+        dtype: np.dtype[np.void]
+
+        def copy(self) -> Self:
+            """The same values in another memory."""
+            ...
+
+else:
+    Record = np.record
+
+
+class Scalars(Record):
     """Scalars with names: a subclass annotates each with ``float``, ``int`` or ``bool``.
 
     A compiled function takes one as an argument and reads and writes its fields, as in ``control.h = 0.5 * control.h``.

@@ -155,7 +155,7 @@ class AlphaStepper(Implicit):
         self.independence = independence_at(system, start)
         self._make()
         nq, m = system.nq, system.m
-        self._control = loop.Control(np.zeros(11), np.zeros(5, dtype=np.int64))
+        self._control: loop.Control = loop.Control.zeros()
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
         self.keeping = Keeping(system, _record(system, self._chunk), Steps, settings)
         self._tolerance = settings.tolerances.for_loop()
@@ -188,10 +188,10 @@ class AlphaStepper(Implicit):
             for place in (getattr(self._state, f"{name}0"), getattr(self._state, f"{name}1")):
                 place[:] = value
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
-        numbers, given = self._control.numbers, self.keeping.given()
-        numbers[:] = 0.0
-        numbers[0], numbers[7] = t, 1.0
-        numbers[1] = numbers[4] = given[0] if len(given) else self._first_step(motion)
+        control, given = self._control, self.keeping.given()
+        control.clear()
+        control.t, control.defect = t, 1.0
+        control.h = control.x_h = given[0] if len(given) else self._first_step(motion)
         self._renew_pivots()
         self.keeping.begin(self.matrix.numbers.left_out, t=t, q=q, v=v, a=a, x=a, lam=lam)
 
@@ -199,7 +199,7 @@ class AlphaStepper(Implicit):
         """Steps towards a time, see `Stepper`."""
         if self.independence.kept is not None:
             self._renew_equations()
-        state, control, before = self._state, self._control, self._control.counts.copy()
+        state, control, before = self._state, self._control, self._control.copy()
         memory = self.b[self.system.memory_places]
         first = [
             np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, state.a0, state.lam0, memory)
@@ -211,7 +211,7 @@ class AlphaStepper(Implicit):
             self.scheme, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
             self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self._tolerance,
         )  # fmt: skip
-        self.t = float(control.numbers[0])
+        self.t = float(control.t)
         self._count(before)
         self.tally.history.append(self.keeping.history(taken))
         self._look(status, taken)
@@ -230,23 +230,13 @@ class AlphaStepper(Implicit):
     def _why_small(self) -> str:
         r = self._state.q0.reshape(-1, 7)[:, :3]
         far = float(abs(r).max(initial=0.0))
-        if far > FAR * extent(self.system, self._state.q0) and self._control.numbers[4] < self._finest():
+        if far > FAR * extent(self.system, self._state.q0) and self._control.x_h < self._finest():
             return (
                 f"bodies are {far:.3g} m from the origin, where positions have fewer digits than the tolerances "
                 "ask for. Place the model near the origin, give a larger atol, or use Radau()"
             )
-        failure, cause = REASONS[float(self._control.numbers[8])]
+        failure, cause = REASONS[int(self._control.failure)]
         return failure + cause if has_laws(self.system) else failure
-
-    def _count(self, before: Array) -> None:
-        steps, rejected, residuals, matrices, _ = (int(x) for x in self._control.counts - before)
-        tally = self.tally
-        tally.nsteps, tally.nrejected = tally.nsteps + steps, tally.nrejected + rejected
-        tally.nfev, tally.njev, tally.nlu = (
-            tally.nfev + residuals,
-            tally.njev + matrices,
-            tally.nlu + matrices,
-        )
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
@@ -259,12 +249,12 @@ class AlphaStepper(Implicit):
 
     def _renew_pivots(self) -> None:
         """A pivot order for the matrix at the present state."""
-        state, h = self._state, self._control.numbers[1]
+        state, h = self._state, self._control.h
         try:
             self._factor(self.t, (state.q0, state.v0, state.a0, state.lam0), loop.weights_of(self.scheme, h))
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
-        self._control.numbers[2] = 0.0
+        self._control.beta = 0.0
         self._show_matrix()
 
     def _factor(self, t: float, state: tuple[Array, ...], weights: tuple[float, float]) -> None:

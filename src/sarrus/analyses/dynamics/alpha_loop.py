@@ -20,9 +20,10 @@ from ..._jit.link import compiled
 from ..._jit.pointer import call_kernels
 from .newton_matrix import weigh
 from .placed import backsolve, leave_out, refactor
+from .step_control import StepControl
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
-NEWTON, ERROR = 1.0, 2.0  # why a step was last rejected
+NEWTON, ERROR = 1, 2  # why a step was last rejected
 NEWTON_LIMIT = 12  # iterations
 # Share of the tolerance that may be left in an iterate, of q and of v: what is left in v adds up
 NEWTON_SHARE = 0.03
@@ -133,16 +134,26 @@ class Tolerance(NamedTuple):
     speed: Any
 
 
-class Control(NamedTuple):
-    """Scalars that change, and counters.
+class Control(StepControl):
+    """See `StepControl`.
 
-    numbers : t, h, β' of the factors (0: renew), last error, h of ã₀, whether the factors are old, last h (0: this is
-        a start), what is left of the velocities' defect since the last step, why a step was last rejected
-    counts : steps, rejected, residuals, matrices, rejected since the last step
+    Attributes
+    ----------
+    x_h : the length of step that ã₀ belongs to [s]
+    defect : what part of the defect of the velocity constraints is left since the last step
+    beta : β' of the factors; 0 where they are to be renewed
+    old_factors : whether the factors are those of an earlier step
+    corrections, solved_steps : corrections with these factors, and steps solved with them
+    failure : why a step was last rejected, `NEWTON` or `ERROR`
     """
 
-    numbers: Any
-    counts: Any
+    x_h: float
+    defect: float
+    beta: float
+    old_factors: bool
+    corrections: int
+    solved_steps: int
+    failure: int
 
 
 class Record(NamedTuple):
@@ -266,11 +277,11 @@ def weights_of(scheme: Any, h: Any) -> Any:
 @compiled
 def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, beta: Any, gamma: Any) -> Any:
     """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
-    control.counts[3] += 1
+    control.matrices += 1
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
     if not factor(entries, b, t, q, v, a, lam, matrix, beta, gamma) > TRUSTED:
         return False
-    control.numbers[2], control.numbers[9], control.numbers[10] = beta, 0.0, 0.0
+    control.beta, control.corrections, control.solved_steps = beta, 0, 0
     return True
 
 
@@ -327,7 +338,7 @@ def polish(
         if before * (rate if rate > 0.0 else 1.0) <= enough and settled(state, memory, beta):
             return taken
         residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
-        control.counts[2] += 1
+        control.residuals += 1
         old = before
         if not renewed and before > NOISE and before * rate**FURTHER > enough:
             if not renew(entries, b, t, state, matrix, control, beta, gamma):
@@ -346,10 +357,10 @@ def replace(iterations: Any, control: Any) -> None:
 
     The average counts the factors, too; it falls at first and rises from where they are better replaced.
     """
-    numbers = control.numbers
-    numbers[9], numbers[10] = numbers[9] + iterations, numbers[10] + 1.0
-    if numbers[10] > 1.0 and iterations * numbers[10] > FACTORS + numbers[9]:
-        numbers[2], numbers[5] = 0.0, 0.0
+    control.corrections += iterations
+    control.solved_steps += 1
+    if control.solved_steps > 1 and iterations * control.solved_steps > FACTORS + control.corrections:
+        control.beta, control.old_factors = 0.0, False
 
 
 @compiled
@@ -363,8 +374,8 @@ def newton(
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
         residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
-        control.counts[2] += 1
-        if control.numbers[2] != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
+        control.residuals += 1
+        if control.beta != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
             return -1, 0.0, 0.0
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
@@ -375,7 +386,7 @@ def newton(
             return iteration + 1, min(rate, SLOW), change
         if rate > RENEW and renewals < RENEWALS:  # the guess was too far off for its matrix
             renewals += 1
-            control.numbers[2], rate, before = 0.0, 0.0, 0.0
+            control.beta, rate, before = 0.0, 0.0, 0.0
             continue
         if rate > 0.9:
             return 0, rate, change
@@ -424,8 +435,8 @@ def rescale(
     """
     n = len(state.q0)
     stretch(ratio, state)
-    control.numbers[2] = 0.0
-    if control.numbers[6] == 0.0:
+    control.beta = 0.0
+    if control.last_h == 0.0:
         return
     if not factor(entries, b, t, state.q0, state.v0, state.a0, state.lam0, matrix, 0.0, 0.0) > TRUSTED:
         return
@@ -437,14 +448,14 @@ def rescale(
     backsolve(matrix.placed, memory.right, memory.solution)
     for k in range(n):
         state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
-    control.numbers[7] *= ratio * ratio
+    control.defect *= ratio * ratio
 
 
 @compiled
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
     """Write an accepted step into the record."""
-    record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.numbers[7]
-    record.told[row, 2] = control.counts[4]
+    record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
+    record.told[row, 2] = control.rejected_since
     for k in range(len(state.q0)):
         record.q[row, k], record.v[row, k] = state.q1[k], state.v1[k]
         record.a[row, k], record.x[row, k] = state.a1[k], state.x1[k]
@@ -484,33 +495,32 @@ def advance(
     -------
     a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
     """
-    numbers, counts = control.numbers, control.counts
     n, free = len(state.q0), len(record.given) == 0
     taken = 0
-    while numbers[0] < until and taken < limit and (free or taken < len(record.given)):
-        t0 = numbers[0]
-        h = min(numbers[1], h_max) if free else record.given[taken]
+    while control.t < until and taken < limit and (free or taken < len(record.given)):
+        t0 = control.t
+        h = min(control.h, h_max) if free else record.given[taken]
         if t0 + 1.0001 * h >= until and free:
             h = until - t0
         elif t0 + 1.9 * h > until and free:  # two equal steps to the end
             h = 0.5 * (until - t0)
-        if numbers[1] <= 1e-14 * max(abs(t0), until - t0, 1e-3) and free:
+        if control.h <= 1e-14 * max(abs(t0), until - t0, 1e-3) and free:
             return TOO_SMALL, taken
-        if h != numbers[4]:
-            rescale(entries, b, t0, h / numbers[4], state, memory, matrix, control)
-            numbers[4] = h
-        predict(h / numbers[6] if numbers[6] > 0.0 else 0.0, state)
+        if h != control.x_h:
+            rescale(entries, b, t0, h / control.x_h, state, memory, matrix, control)
+            control.x_h = h
+        predict(h / control.last_h if control.last_h > 0.0 else 0.0, state)
         iterations, rate, change = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
             return REPIVOT, taken
         if iterations == 0:
-            counts[1] += 1
-            counts[4] += 1
-            numbers[8] = NEWTON
-            if numbers[5] > 0.0:  # with an old matrix: once more with a new one
-                numbers[2], numbers[5] = 0.0, 0.0
+            control.rejected += 1
+            control.rejected_since += 1
+            control.failure = NEWTON
+            if control.old_factors:  # with an old matrix: once more with a new one
+                control.beta, control.old_factors = 0.0, False
             elif free:
-                numbers[1], numbers[2] = 0.25 * h, 0.0
+                control.h, control.beta = 0.25 * h, 0.0
             else:
                 return TOO_SMALL, taken
             continue
@@ -522,10 +532,10 @@ def advance(
             error = max(error, speed * speed**0.5)  # it falls with h²: as if it fell with h³
         wanted = SAFETY * max(error, 1e-8) ** (-1.0 / 3.0)
         if error > 1.0 and free:
-            counts[1] += 1
-            counts[4] += 1
-            numbers[8] = ERROR
-            numbers[1] = h * max(SHRINK, wanted)
+            control.rejected += 1
+            control.rejected_since += 1
+            control.failure = ERROR
+            control.h = h * max(SHRINK, wanted)
             continue
         polished = 0
         if exact:
@@ -535,22 +545,22 @@ def advance(
             if polished < 0:
                 return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
-        numbers[0] = until if ended else t0 + h
-        keep(record, taken, numbers[0], h, state, control)
+        control.t = until if ended else t0 + h
+        keep(record, taken, control.t, h, state, control)
         record.told[taken, 0], record.told[taken, 1] = error, iterations
         accept(state)
-        numbers[6], numbers[7] = h, 1.0
-        remember(entries, b, places, numbers[0], state.q0, record.memory[taken])
-        numbers[3], numbers[5] = error, 1.0
-        counts[0] += 1
-        counts[4] = 0
+        control.last_h, control.defect = h, 1.0
+        remember(entries, b, places, control.t, state.q0, record.memory[taken])
+        control.old_factors = True
+        control.steps += 1
+        control.rejected_since = 0
         taken += 1
         if wanted < 0.8:
-            numbers[1] = h * max(wanted, SHRINK)
+            control.h = h * max(wanted, SHRINK)
         elif wanted > KEEP:
-            numbers[1] = max(numbers[1], h * min(wanted, GROW))
+            control.h = max(control.h, h * min(wanted, GROW))
         if exact:
             replace(iterations + polished, control)
         if rate > SLOW:
-            numbers[2], numbers[5] = 0.0, 0.0
-    return (FINISHED if numbers[0] >= until else RUNNING), taken
+            control.beta, control.old_factors = 0.0, False
+    return (FINISHED if control.t >= until else RUNNING), taken

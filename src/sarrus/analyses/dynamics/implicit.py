@@ -13,6 +13,7 @@ from ..independence import Independence
 from ..motion import Motion
 from . import alpha_loop as loop
 from .entries import entry_of
+from .step_control import StepControl
 from .stepper import Tally, Trouble
 from .trouble import singular, trouble_of
 
@@ -52,7 +53,8 @@ class Implicit:
     independence: Independence
     tally: Tally
     apart = False
-    _control: Any
+    factorizations = 1  # for each evaluation of the matrices
+    _control: StepControl
     _state: Any
     _arrays: Any
     _span: float
@@ -61,6 +63,18 @@ class Implicit:
     def _why_small(self) -> str:
         """Why steps became too small."""
         raise NotImplementedError
+
+    def _count(self, before: StepControl) -> None:
+        """What a call of the loop has done, by the scalars before it."""
+        now = self._control
+        matrices = int(now.matrices - before.matrices)
+        self.tally.add(
+            int(now.steps - before.steps),
+            int(now.rejected - before.rejected),
+            int(now.residuals - before.residuals),
+            matrices,
+            self.factorizations * matrices,
+        )
 
     def _forget_pivots(self) -> None:
         """The order of the pivots does not fit any more."""
@@ -73,7 +87,7 @@ class Implicit:
         if status == loop.REPIVOT:
             self._forget_pivots()
             if self._vain > 1:  # new pivots did not help: a shorter step may
-                self._control.numbers[1] *= 0.25
+                self._control.h *= 0.25
             if self._vain > PATIENCE:
                 raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
@@ -94,7 +108,7 @@ class Implicit:
     def _saved(self) -> dict[str, Array]:
         """What is needed to go on, but for the matrices."""
         found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
-        found |= {"numbers": self._control.numbers, "counts": self._control.counts, "b": self.b}
+        found |= {"control": self._control.as_array(), "b": self.b}
         found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}
         return found | {"null": self.independence.state()}
 
@@ -103,6 +117,6 @@ class Implicit:
         self.independence.resume(state["null"])
         for name, array in zip(self._state._fields, self._state, strict=True):
             array[:] = state[f"state_{name}"]
-        self._control.numbers[:], self._control.counts[:] = state["numbers"], state["counts"]
+        self._control.assign(state["control"])
         self.b[:], self.tally, self._arrays = state["b"], Tally.of(state["tally"]), None
         self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])

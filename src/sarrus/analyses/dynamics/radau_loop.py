@@ -21,6 +21,7 @@ from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, remember
 from .alpha_loop import evaluate as evaluate_index_3
 from .placed import backsolve, leave_out, refactor
 from .stabilized_matrix import weigh
+from .step_control import StepControl
 
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
@@ -118,16 +119,23 @@ class Indices(NamedTuple):
     remember: Any
 
 
-class Control(NamedTuple):
-    """Scalars that change, and counters.
+class Control(StepControl):
+    """See `StepControl`.
 
-    numbers : t, h, h of the factors (0: renew), last error, last h, whether the matrices are old, h of the last stages,
-        whether the pivots are new
-    counts : steps, rejected, residuals, matrices, rejected since the last step
+    Attributes
+    ----------
+    last_error : the estimated error of the last step, relative to the tolerance
+    stages_h : the length of step that the stages belong to [s]; 0 where there are none
+    factored_h : the length of step that the factors belong to [s]; 0 where they are to be renewed
+    old_matrices : whether the matrices are those of an earlier step
+    new_pivots : whether the order of the pivots was chosen since the last step
     """
 
-    numbers: Any
-    counts: Any
+    last_error: float
+    stages_h: float
+    factored_h: float
+    old_matrices: bool
+    new_pivots: bool
 
 
 class Record(NamedTuple):
@@ -291,7 +299,7 @@ def newton(
     before, rate = 0.0, 0.0
     for iteration in range(NEWTON_LIMIT):
         residual(scheme, index, b, t, h, state, memory, matrices.left_out)
-        control.counts[2] += 3
+        control.residuals += 3
         change = improve(scheme, h, state, memory, matrices, tol)
         if not change < 1e30:
             return 0, 2.0
@@ -431,7 +439,7 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
 @compiled
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
     """Write an accepted step into the record."""
-    record.t[row], record.h[row], record.told[row, 2] = t, h, control.counts[4]
+    record.t[row], record.h[row], record.told[row, 2] = t, h, control.rejected_since
     copied(state.q[2], record.q[row])
     copied(state.v[2], record.v[row])
     copied(end, record.a[row])
@@ -473,87 +481,87 @@ def advance(
     enough: Any,
 ) -> Any:
     """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
-    numbers, counts = control.numbers, control.counts
     taken, rejected, free = 0, False, len(record.given) == 0
-    while numbers[0] < until and taken < limit and (free or taken < len(record.given)):
-        t0, h = numbers[0], min(numbers[1], h_max) if free else record.given[taken]
+    while control.t < until and taken < limit and (free or taken < len(record.given)):
+        t0, h = control.t, min(control.h, h_max) if free else record.given[taken]
         if free and t0 + 1.0001 * h >= until:
             h = until - t0
         elif free and t0 + 1.9 * h > until:  # two equal steps to the end
             h = 0.5 * (until - t0)
-        if numbers[1] <= 1e-14 * max(abs(t0), until - t0, 1e-3):
+        if control.h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
             return TOO_SMALL, taken
-        if numbers[6] > 0.0:
-            predict(scheme, h / numbers[6], state)
+        if control.stages_h > 0.0:
+            predict(scheme, h / control.stages_h, state)
         else:
             first_guess(scheme, h, state)
-        if numbers[2] != h:
+        if control.factored_h != h:
             stages(scheme, h, state)  # the middle one, as predicted, stands for all
             evaluate(
                 index, b, t0 + scheme.c[1] * h, state.q[1], state.v[1], state.a[1], state.lam[1], matrices
             )
-            counts[3] += 1
+            control.matrices += 1
             if not factor(scheme, h, matrices) > TRUSTED:
-                if numbers[7] == 0.0:
-                    numbers[1] = h
+                if not control.new_pivots:
+                    control.h = h
                     return REPIVOT, taken
                 if free:
-                    numbers[1] = 0.5 * h
+                    control.h = 0.5 * h
                     continue
-            numbers[2], numbers[5] = h, 0.0
+            control.factored_h, control.old_matrices = h, False
         iterations, rate = newton(scheme, index, b, t0, h, state, memory, matrices, control, tol, enough)
         if iterations == 0:
-            counts[1] += 1
-            counts[4] += 1
-            if numbers[5] == 0.0:
-                numbers[1] = 0.5 * h
+            control.rejected += 1
+            control.rejected_since += 1
+            if not control.old_matrices:
+                control.h = 0.5 * h
                 if not free:
                     return TOO_SMALL, taken
-            numbers[2] = 0.0
+            control.factored_h = 0.0
             rejected = True
             continue
-        first = rejected or numbers[4] == 0.0
+        first = rejected or control.last_h == 0.0
         error = estimate(scheme, index, b, h, first, state, memory, matrices, tol)
         error = max(error, 1e-10)
         safety = SAFETY * (1 + 2 * NEWTON_LIMIT) / (iterations + 2 * NEWTON_LIMIT)
         wanted = min(max(safety * error**-0.25, SHRINK), GROW) if error < 1e30 else SHRINK
         if free and not error < 1.0:
-            counts[1] += 1
-            counts[4] += 1
-            numbers[1] = h * (0.1 if numbers[4] == 0.0 else wanted)
+            control.rejected += 1
+            control.rejected_since += 1
+            control.h = h * (0.1 if control.last_h == 0.0 else wanted)
             rejected = True
             continue
-        needed, end = TRUSTED if numbers[7] > 0.0 else PRECISE, memory.end
+        needed, end = TRUSTED if control.new_pivots else PRECISE, memory.end
         if (
             not motion(index, b, t0 + h, state.q[2], state.v[2], end, record.lam[taken], memory, matrices)
             > needed
         ):
-            if numbers[7] == 0.0:
-                numbers[1], numbers[2] = h, 0.0
+            if not control.new_pivots:
+                control.h, control.factored_h = h, 0.0
                 return REPIVOT, taken
             if free:
-                numbers[1] = 0.5 * h
+                control.h = 0.5 * h
                 continue
         if not kept:
             smooth(h, state, end, tol)
-        if numbers[4] > 0.0:  # Gustafsson's prediction
-            trend = SAFETY * (h / numbers[4]) * (numbers[3] / (error * error)) ** 0.25
+        if control.last_h > 0.0:  # Gustafsson's prediction
+            trend = SAFETY * (h / control.last_h) * (control.last_error / (error * error)) ** 0.25
             wanted = min(max(min(wanted, trend), SHRINK), GROW)
         if rejected:
             wanted = min(wanted, 1.0)
         rejected = False
         ended = h == until - t0 if free else taken + 1 == len(record.given)
-        numbers[0] = until if ended else t0 + h
-        keep(record, taken, numbers[0], h, state, end, control)
+        control.t = until if ended else t0 + h
+        keep(record, taken, control.t, h, state, end, control)
         record.told[taken, 0], record.told[taken, 1] = error, iterations
-        remember(index, b, places, numbers[0], state.q[2], record.memory[taken])
+        remember(index, b, places, control.t, state.q[2], record.memory[taken])
         accept(state)
-        numbers[3], numbers[4], numbers[5], numbers[6], numbers[7] = max(error, 1e-2), h, 1.0, h, 0.0
-        counts[0] += 1
-        counts[4] = 0
+        control.last_error, control.last_h, control.stages_h = max(error, 1e-2), h, h
+        control.old_matrices, control.new_pivots = True, False
+        control.steps += 1
+        control.rejected_since = 0
         taken += 1
         if wanted < 1.0 or wanted > KEEP:
-            numbers[1] = h * wanted
+            control.h = h * wanted
         if rate > SLOW or iterations > 5:
-            numbers[2] = 0.0
-    return (FINISHED if numbers[0] >= until else RUNNING), taken
+            control.factored_h = 0.0
+    return (FINISHED if control.t >= until else RUNNING), taken

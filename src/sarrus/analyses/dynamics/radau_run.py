@@ -35,6 +35,8 @@ ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
 class RadauStepper(Implicit):
     """Radau IIA at work, see `Stepper`."""
 
+    factorizations = 3
+
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings = system, scheme, settings
         self.tolerance, self.enough = inner_tolerances(settings.tolerances)
@@ -57,7 +59,7 @@ class RadauStepper(Implicit):
         self.keeping = Keeping(
             system, _record(system, self._chunk, settings.store_steps), RadauSteps, settings
         )
-        self._control = loop.Control(np.zeros(8), np.zeros(6, dtype=np.int64))
+        self._control: loop.Control = loop.Control.zeros()
         self._memory = _memory(nq, m)
         self._arrays: loop.Matrices | None = None
 
@@ -71,12 +73,12 @@ class RadauStepper(Implicit):
             raise self._explained(q, v) from None
         for place in self._state:
             place[:] = 0.0
-        state, numbers = self._state, self._control.numbers
+        state, control = self._state, self._control
         state.q0[:], state.v0[:], state.a0[:], state.lam_before[:] = q, v, a, lam
         self._last = a.copy(), lam.copy()
-        numbers[:] = 0.0
+        control.clear()
         given = self.keeping.given()
-        numbers[0], numbers[1] = t, given[0] if len(given) else self._first_step(motion)
+        control.t, control.h = t, given[0] if len(given) else self._first_step(motion)
         self.keeping.begin(self.numbers.left_out, t=t, q=q, v=v, a=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
@@ -84,7 +86,7 @@ class RadauStepper(Implicit):
         self._renew_equations()
         if self._arrays is None:
             self._renew_pivots()
-        state, control, before = self._state, self._control, self._control.counts.copy()
+        state, control, before = self._state, self._control, self._control.copy()
         memory = self.b[self.system.memory_places]
         first = [np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, *self._last, memory)]
         limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
@@ -93,9 +95,8 @@ class RadauStepper(Implicit):
             self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self.tolerance,
             self.enough,
         )  # fmt: skip
-        self.t = float(control.numbers[0])
-        steps, rejected, residuals, matrices = (int(x) for x in (control.counts - before)[:4])
-        self.tally.add(steps, rejected, residuals, matrices, 3 * matrices)
+        self.t = float(control.t)
+        self._count(before)
         self.tally.history.append(self.keeping.history(taken))
         self._look(status, taken)
         taken_nodes = self.keeping.collect(taken, memory)
@@ -161,16 +162,16 @@ class RadauStepper(Implicit):
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
-        state, t = self._state, float(self._control.numbers[0])
+        state, t = self._state, float(self._control.t)
         if self.independence.renew(t, state.q0):
             self.numbers.keep(self.independence.kept)
             a, lam = self._motion().acceleration(t, state.q0, state.v0)
             self._last, state.lam_before[:] = (a, lam), lam
-            self._control.numbers[6], self._arrays = 0.0, None
+            self._control.stages_h, self._arrays = 0.0, None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices at the present state."""
-        state, (t, h) = self._state, (float(x) for x in self._control.numbers[:2])
+        state, t, h = self._state, float(self._control.t), float(self._control.h)
         operands = {"t": t, "q": state.q0, "v": state.v0, "a": state.a0, "lam": state.lam_before[2]}
         for kind in ("JACOBIAN", "INERTIA", "STIFFNESS", "TURNING"):
             self.numbers.evaluate(GROUPS[kind], self.b, operands)
@@ -182,7 +183,7 @@ class RadauStepper(Implicit):
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
         self._show()
-        self._control.numbers[2], self._control.numbers[7] = 0.0, 1.0
+        self._control.factored_h, self._control.new_pivots = 0.0, True
 
     def _first_step(self, motion: Accelerations) -> float:
         """A step whose estimated error, of order h⁴, is below the tolerance; a change of slope gives the scale."""

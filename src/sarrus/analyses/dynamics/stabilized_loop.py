@@ -204,4 +204,4 @@ def rescale(
 ) -> None:
     """A new step size; velocities satisfy their constraints, so that none of their defect is removed."""
     stretch(ratio, state)
-    control.numbers[2] = 0.0
+    control.beta = 0.0

@@ -12,7 +12,13 @@ from sarrus._jit.link import link
 from sarrus._jit.pointer import call_kernels
 from sarrus._jit.vector import LANES
 from sarrus.analyses.sensitivity import by_numbers
-from sarrus.analyses.sensitivity.block_loop import UNKNOWN, Entries, solve_lane, solve_lane_transposed
+from sarrus.analyses.sensitivity.block_loop import (
+    UNKNOWN,
+    Entries,
+    Refinement,
+    solve_lane,
+    solve_lane_transposed,
+)
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
@@ -103,25 +109,28 @@ def test_a_solution_is_refined_where_factors_have_grown() -> None:
     (matrices, factors, growth), right = factored(n), np.random.default_rng(6).normal(size=(n, 1))
     squares = [(np.tril(without_pivoting(A), -1) ** 2).sum() for A in matrices]
     assert np.allclose(growth, 1 + np.array(squares), rtol=1e-9)
-    solve, refined, found = link(solve_lane_transposed), np.zeros(3), np.zeros((n, 1))
-    refined[:] = 0.0, growth[0], 1e-12
+    solve, refined, found = (
+        link(solve_lane_transposed),
+        Refinement.of(0.0, growth[0], 1e-12),
+        np.zeros((n, 1)),
+    )
     for lane, A in enumerate(matrices):
         solve(factors[lane], refined, growth[lane], right, found, np.zeros((3, n, 1)))
         assert np.allclose(A.T @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
-        assert (refined[0] > 0.0) == (lane == LANES - 1)  # the last relative change
+        assert (refined.change > 0.0) == (lane == LANES - 1)  # the last relative change
 
 
 def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> None:
     """What is told is the largest change of any panel that was refined; the first one needs none."""
     (matrices, factors, growth), told = factored(5), []
-    solve, refined = link(solve_lane), np.array([UNKNOWN, 0.0, 1e-12])
+    solve, refined = link(solve_lane), Refinement.of(UNKNOWN, 0.0, 1e-12)
     right, found, work = (aligned(*shape, COLUMNS) for shape in ((5,), (5,), (3, 5)))
     for lane, A in enumerate(matrices):
         for own in (np.zeros(right.shape), np.random.default_rng(7).normal(size=right.shape)):
             right[:] = own
             solve(factors[lane], by_rows(factors[lane]), refined, growth[lane], lane > 0, right, found, work)
             assert np.allclose(A @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
-            told.append(refined[0])
+            told.append(refined.change)
     assert told[0] == 0.0 < told[1] < 1e-12 < told[-1] < UNKNOWN
     assert set(told[1:-1]) == {told[1]}
 

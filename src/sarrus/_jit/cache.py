@@ -34,6 +34,7 @@ from .folders import PACKAGE, made_private
 
 SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system/group.py")
 NO_KERNELS = ("_jit/cache.py", "_jit/folders.py")  # they store kernels, and do not change them
+NAMED = ("_jit/link.py", "_jit/scalars.py")  # what they make is named by all that it depends on
 STALE_AFTER = 14 * 86400.0
 DIGEST = hashlib.sha256().digest_size
 
@@ -46,7 +47,7 @@ def fingerprint(package: Path = PACKAGE) -> str:
     digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
     for source in sorted(file for pattern in SOURCES for file in package.glob(pattern)):
         name = source.relative_to(package).as_posix()
-        if name not in NO_KERNELS:
+        if name not in (*NO_KERNELS, *NAMED):
             digest.update(name.encode() + source.read_bytes())
     return digest.hexdigest()[:20]
 

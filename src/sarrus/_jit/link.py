@@ -26,6 +26,7 @@ from .cache import KernelCache
 F = TypeVar("F", bound=Callable[..., Any])
 Function = Callable[..., Any]
 CONSTANTS = (bool, int, float, complex, str, type(None), np.generic)
+COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 LINKING = threading.RLock()
 _entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
 _linked: dict[str, Any] = {}  # compiled functions by name
@@ -208,16 +209,17 @@ def _content(code: types.CodeType, documentation: str | None = None) -> object:
     return code.co_code, constants, code.co_names, code.co_varnames, code.co_argcount, code.co_flags
 
 
-def _options(entry: bool) -> dict[str, bool]:
-    return {} if entry else {"_nrt": False, "no_cpython_wrapper": True}
+def _options(entry: bool) -> dict[str, Any]:
+    """How a function is compiled."""
+    return COMMON if entry else COMMON | {"_nrt": False, "no_cpython_wrapper": True}
 
 
-def _compiled(function: Function, name: str, scope: dict[str, Any], options: dict[str, bool]) -> Any:
+def _compiled(function: Function, name: str, scope: dict[str, Any], options: dict[str, Any]) -> Any:
     """A copy of a function with other globals, compiled at its first call or found in the cache."""
     scope = {**scope, "__name__": function.__module__, "__builtins__": builtins}
     copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
     copy.__qualname__ = name
     compiler: Any = njit
-    result = compiler(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(copy)
+    result = compiler(**options)(copy)
     result._cache = KernelCache(copy)
     return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Self, get_type_hints
 
 import numpy as np
@@ -45,12 +46,19 @@ class Scalars(Record):
         made: Self = np.zeros(1, np.dtype((cls, np.dtype(kinds, align=True))))[0]
         return made
 
+    @classmethod
+    def of(cls, *values: float) -> Self:
+        """With these values, in the order of the fields."""
+        made = cls.zeros()
+        made.assign(values)
+        return made
+
     def as_array(self) -> Values:
         """All as floats, in the order of the fields."""
         return np.array([getattr(self, name) for name in self.dtype.names or ()], dtype=float)
 
-    def assign(self, values: Values) -> None:
-        """Set all to what `as_array` has returned."""
+    def assign(self, values: Iterable[float]) -> None:
+        """Set all, in the order of the fields."""
         for name, value in zip(self.dtype.names or (), values, strict=True):
             setattr(self, name, value)
 

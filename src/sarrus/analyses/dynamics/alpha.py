@@ -125,7 +125,7 @@ class GeneralizedAlpha(_Alpha):
 def _record(system: System, room: int) -> loop.Record:
     """Room for the steps of one call of the loop."""
     nq, m, places = system.nq, system.m, len(system.memory_places)
-    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (room, places), (room, 3), (0,)]
+    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (room, places), *[(room,)] * 3, (0,)]
     return loop.Record._make(np.zeros(shape) for shape in shapes)
 
 

@@ -160,7 +160,7 @@ class Record(NamedTuple):
     """Steps that are kept, row by row, as many as there is room for; and lengths of steps that are prescribed.
 
     h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
-    told : error (1 is the tolerance), Newton iterations, and how many steps were rejected before it
+    error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     t, q, v, a, x, lam : its end
     memory : what elements remember there
     given : lengths to take, without error control (none: chosen as the tolerances ask)
@@ -175,7 +175,9 @@ class Record(NamedTuple):
     x: Any
     lam: Any
     memory: Any
-    told: Any
+    error: Any
+    iterations: Any
+    rejected: Any
     given: Any
 
 
@@ -455,7 +457,7 @@ def rescale(
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
-    record.told[row, 2] = control.rejected_since
+    record.rejected[row] = control.rejected_since
     for k in range(len(state.q0)):
         record.q[row, k], record.v[row, k] = state.q1[k], state.v1[k]
         record.a[row, k], record.x[row, k] = state.a1[k], state.x1[k]
@@ -547,7 +549,7 @@ def advance(
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         control.t = until if ended else t0 + h
         keep(record, taken, control.t, h, state, control)
-        record.told[taken, 0], record.told[taken, 1] = error, iterations
+        record.error[taken], record.iterations[taken] = error, iterations
         accept(state)
         control.last_h, control.defect = h, 1.0
         remember(entries, b, places, control.t, state.q0, record.memory[taken])

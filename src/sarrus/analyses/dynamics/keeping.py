@@ -88,7 +88,8 @@ class Keeping:
     def history(self, taken: int) -> Array:
         """The steps of the last call: end, length, error, iterations, rejected before it."""
         record = self._now
-        history: Array = np.column_stack([record.t[:taken], record.h[:taken], record.told[:taken]])
+        columns = (record.t, record.h, record.error, record.iterations, record.rejected)
+        history: Array = np.column_stack([column[:taken] for column in columns])
         assert history.shape[1] == HISTORY
         return history
 

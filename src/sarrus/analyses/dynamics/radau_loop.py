@@ -144,7 +144,7 @@ class Record(NamedTuple):
     t, h : end and length of each
     q, v, a, lam : the state at its end, with the accelerations of the equations of motion
     memory : what elements remember there
-    told : error (1 is the tolerance), Newton iterations, and how many steps were rejected before it
+    error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     stage_q, stage_v, stage_lam, stage_mu : the stages, if there is room for them
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
@@ -156,7 +156,9 @@ class Record(NamedTuple):
     a: Any
     lam: Any
     memory: Any
-    told: Any
+    error: Any
+    iterations: Any
+    rejected: Any
     stage_q: Any
     stage_v: Any
     stage_lam: Any
@@ -439,7 +441,7 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
 @compiled
 def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
     """Write an accepted step into the record."""
-    record.t[row], record.h[row], record.told[row, 2] = t, h, control.rejected_since
+    record.t[row], record.h[row], record.rejected[row] = t, h, control.rejected_since
     copied(state.q[2], record.q[row])
     copied(state.v[2], record.v[row])
     copied(end, record.a[row])
@@ -552,7 +554,7 @@ def advance(
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         control.t = until if ended else t0 + h
         keep(record, taken, control.t, h, state, end, control)
-        record.told[taken, 0], record.told[taken, 1] = error, iterations
+        record.error[taken], record.iterations[taken] = error, iterations
         remember(index, b, places, control.t, state.q[2], record.memory[taken])
         accept(state)
         control.last_error, control.last_h, control.stages_h = max(error, 1e-2), h, h

@@ -217,7 +217,8 @@ def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
 def _record(system: System, room: int, stages: bool) -> loop.Record:
     """Room for the steps of one call of the loop, with their stages where they are wanted."""
     nq, m, places, kept = system.nq, system.m, len(system.memory_places), room if stages else 0
-    shapes: list[tuple[int, ...]] = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places, 3)]
+    shapes: list[tuple[int, ...]] = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places)]
+    shapes += [(room,)] * 3
     shapes += [(kept, 3, width) for width in (nq, nq, m, m)] + [(0,)]
     return loop.Record._make(np.zeros(shape) for shape in shapes)
 

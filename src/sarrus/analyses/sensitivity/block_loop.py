@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
+from ..._jit.scalars import Scalars
 from ..._jit.vector import LANES
 from ..dynamics.alpha_loop import weights_of
 from ..dynamics.newton_matrix import weigh
@@ -61,25 +62,54 @@ class Product(NamedTuple):
     rows: Any
 
 
+class Lanes(Scalars):
+    """How many lanes of a block are in use, and which of them is next."""
+
+    used: int
+    next: int
+
+
+class Refinement(Scalars):
+    """The last refinement of a block's solutions.
+
+    Attributes
+    ----------
+    change : the relative change of the solution
+    growth : the growth of the factors with which it was solved
+    limit : the change up to which the next solutions are not refined
+    """
+
+    change: float
+    growth: float
+    limit: float
+
+
+class Cuts(Scalars):
+    """Where the numbers of J and those of P begin behind the factors, and where they end."""
+
+    data: int
+    product: int
+    end: int
+
+
 class Block(NamedTuple):
     """Some steps or changes of their size.
 
-    index, used : (lanes,) the steps; how many lanes are in use, and which of them is next
+    index, lanes : (lanes,) the steps; see `Lanes`
     t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
     values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
     weights, product : of the parts of J; P, by which changes of q and v enter the right sides
     sheet, turned, cuts : factors and numbers of J one after another, then those of P, in lanes; all of them lane by
-        lane; where each begins there, and the end
+        lane; where they begin there
     work : (nq + m), in lanes
     growth : of the factors, in lanes
-    refined : what the last refinement changed, the growth of its factors, and the change up to which the next solutions
-        are not refined
+    refined : see `Refinement`
     entry, xi, nu, by_b : see `by_numbers`; backwards, operands and result, one row for each column, in lanes
     moved : forwards, what changes of b do, see `by_numbers`
     """
 
     index: Any
-    used: Any
+    lanes: Any
     t: Any
     q: Any
     v: Any
@@ -118,7 +148,10 @@ class Block(NamedTuple):
 @compiled
 def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     """The matrix of one lane and its factors."""
-    factors, data = block.turned[lane, : block.cuts[1]], block.turned[lane, block.cuts[1] : block.cuts[2]]
+    factors, data = (
+        block.turned[lane, : block.cuts.data],
+        block.turned[lane, block.cuts.data : block.cuts.product],
+    )
     return Factors(
         matrix.parts, matrix.weights, matrix.places, matrix.indptr, matrix.indices, data, matrix.pointers, matrix.rows,
         matrix.diagonal, factors, matrix.ends, matrix.work, matrix.row_place, matrix.column_order,
@@ -128,7 +161,7 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
 @compiled
 def plainly(refined: Any, growth: Any) -> Any:
     """Whether a solution with factors of some growth need not be refined."""
-    return refined[0] <= refined[2] and growth <= LARGER * refined[1]
+    return refined.change <= refined.limit and growth <= LARGER * refined.growth
 
 
 @compiled
@@ -150,10 +183,10 @@ def solve_lane(
     else:
         first, change = solve_panel(own, by_rows, given, found, x, rest, most)
     if plain:
-        return refined[0]
-    refined[0] = first if alone or refined[0] == UNKNOWN else max(first, refined[0])
+        return refined.change
+    refined.change = first if alone or refined.change == UNKNOWN else max(first, refined.change)
     if alone or not begun:
-        refined[1] = growth
+        refined.growth = growth
     return change
 
 
@@ -165,9 +198,9 @@ def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solut
     """
     if plainly(refined, growth):
         solve_plain_transposed(own, right, solution, room)
-        return refined[0]
+        return refined.change
     first, change = solve_columns_transposed(own, right, solution, room)
-    refined[0], refined[1] = first, growth
+    refined.change, refined.growth = first, growth
     return change
 
 
@@ -197,7 +230,7 @@ def collect(record: Any, n: Any, last: Any, way: Any, rescales: Any, block: Any)
         k += way
     for lane in range(count, LANES):
         block.index[lane] = n
-    block.used[0], block.used[1] = count, 0
+    block.lanes.used, block.lanes.next = count, 0
 
 
 @compiled
@@ -261,21 +294,21 @@ def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
 @compiled
 def factor_block(matrix: Any, block: Any) -> None:
     """Assemble and factor J."""
-    first, last = block.cuts[1], block.cuts[2]
+    first, last = block.cuts.data, block.cuts.product
     factors, data = block.sheet[: first * LANES], block.sheet[first * LANES : last * LANES]
     assemble_lanes(matrix.parts, matrix.places, block.weights, block.values, data)
     factor_lanes(
         matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, data, factors,
         block.work, block.growth,
     )  # fmt: skip
-    block.refined[0] = UNKNOWN
+    block.refined.change = UNKNOWN
     turn_lanes(block.sheet, last, block.turned, 0)
 
 
 @compiled
 def make_product(block: Any) -> None:
     """Assemble P."""
-    product, first, last = block.product, block.cuts[2], block.cuts[3]
+    product, first, last = block.product, block.cuts.product, block.cuts.end
     data = block.sheet[: (last - first) * LANES]
     assemble_lanes(product.parts, product.places, product.weights, block.values, data)
     turn_lanes(block.sheet, last - first, block.turned, first)
@@ -297,14 +330,14 @@ def change(b: Any, block: Any) -> None:
 @compiled
 def finish(b: Any, record: Any, block: Any) -> None:
     """Backwards, what the adjoint variables give for the gradient by the numbers; the block is used up."""
-    if block.used[0] > 0:
+    if block.lanes.used > 0:
         remember(b, record, block)
         for c in range(len(block.xi)):
             call_kernels(
                 block.entry, b, block.t, block.q, block.v, block.a, block.eta, block.xi[c], block.lam, block.nu[c],
                 block.by_b[c],
             )  # fmt: skip
-    block.used[:] = 0
+    block.lanes.used = block.lanes.next = 0
 
 
 @compiled
@@ -342,11 +375,11 @@ def linearize_rescales(
     clear_lanes(block.Phi_q_xi)
     clear_lanes(block.Phi_t)
     call_kernels(entries.velocity, b, block.t, block.q, block.v, block.Phi_q_xi, block.Phi_t)
-    for lane in range(block.used[0]):
+    for lane in range(block.lanes.used):
         if not take_defect(record, matrix, by_rows, block, lane, work):
-            block.used[0] = lane
+            block.lanes.used = lane
             break
-    if block.used[0] == 0:
+    if block.lanes.used == 0:
         return False
     evaluate(entries, b, record, block)
     call_kernels(entries.gamma_v, b, block.t, block.q, block.eta, block.gamma_v)
@@ -367,7 +400,7 @@ def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, w
     own = factors_of(matrix, block, lane)
     if (
         not solve_lane(own, by_rows, block.refined, block.growth[lane], True, right, found, work.single[2:])
-        <= work.trusted[0]
+        <= work.progress.trusted
     ):
         return False
     for k in range(nq):

@@ -14,7 +14,7 @@ from ...system.lane_room import room, rooms, used
 from ...system.once import once_alike
 from ..dynamics.newton_matrix import NUMBERS, alpha_parts, weigh
 from ..dynamics.placed import Numbers, Part, layout_of
-from .block_loop import Block, Entries, Product
+from .block_loop import Block, Cuts, Entries, Lanes, Product, Refinement
 from .by_numbers import UNMOVED, gradient_entry, moved
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
@@ -78,10 +78,10 @@ class Blocks:
         sizes = {"t": 1, "lam": m, "Phi_q_xi": m, "Phi_t": m, "work": nq + m, "growth": 1}
         sizes |= dict.fromkeys(("q", "v", "a", "eta"), nq)
         given: dict[str, Any] = views | rooms(sizes) | {
-            "index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64), "values": values,
+            "index": np.zeros(LANES, np.int64), "lanes": Lanes.zeros(), "values": values,
             "row_of": numbers.row_of, "weights": weights, "product": product,
             "sheet": room(0), "turned": np.zeros((LANES, 0)),
-            "cuts": np.zeros(3, np.int64), "refined": np.ones(3),
+            "cuts": Cuts.zeros(), "refined": Refinement.of(1.0, 1.0, 1.0),
             "entry": NONE if forward else gradient_entry(system, kind),
             "xi": room(nq, backward), "nu": room(m, backward), "by_b": room(system.nb, backward),
             "moved": moved(system, kind, self._dots, self.width) if forward else UNMOVED,
@@ -93,12 +93,12 @@ class Blocks:
         matrix = known or self.matrix.in_panels()
         parts = [len(matrix.factors), len(matrix.data)]
         both = [
-            np.cumsum([0, *map(_whole, (*parts, len(x.product.indices)))])
+            Cuts.of(*np.cumsum([_whole(n) for n in (*parts, len(x.product.indices))]))
             for x in (self.steps, self.rescales)
         ]
-        sheet = used(LANES * int(max(max(cuts[2], cuts[3] - cuts[2]) for cuts in both)))
+        sheet = used(LANES * int(max(max(cuts.product, cuts.end - cuts.product) for cuts in both)))
         self.steps, self.rescales = (
-            block._replace(sheet=sheet, turned=used(LANES, int(cuts[-1])), cuts=cuts)
+            block._replace(sheet=sheet, turned=used(LANES, int(cuts.end)), cuts=cuts)
             for block, cuts in zip((self.steps, self.rescales), both, strict=True)
         )
         if self._panels:

@@ -14,11 +14,11 @@ from .lanes_loop import clear_lanes
 class Room(NamedTuple):
     """Operands and results of one call, in lanes: see `lagrangian`. `none` stays zero.
 
-    index, used : the steps of the lanes, see `block_loop.Block`
+    index, lanes : the steps of the lanes, see `block_loop.Block`
     """
 
     index: Any
-    used: Any
+    lanes: Any
     t: Any
     q: Any
     v: Any
@@ -79,7 +79,7 @@ def of_steps(
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):
-            n, used = room.index[lane], 1.0 if lane < room.used[0] else 0.0
+            n, used = room.index[lane], 1.0 if lane < room.lanes.used else 0.0
             room.t[lane] = record.t[n + 1]
             put(record.q[n + 1], lane, 1.0, room.q)
             put(record.v[n + 1], lane, 1.0, room.v)
@@ -96,7 +96,7 @@ def of_steps(
             room.xi, room.lam, room.nu, room.lam_dot, b_dot,
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
-        for lane in range(room.used[0]):
+        for lane in range(room.lanes.used):
             n = room.index[lane]
             h = record.h[n]
             take(room.by_a, lane, 1.0, sources.step[n])
@@ -105,7 +105,7 @@ def of_steps(
             take(room.by_q, lane, 1.0, sources.step_q[n])
             take(room.by_v, lane, 1.0, sources.step_v[n])
             take_rows(record, n, room.by_lam, lane, sources.step[n, nq:])
-        first += room.used[0]
+        first += room.lanes.used
 
 
 @compiled(entry=True)
@@ -121,7 +121,7 @@ def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint:
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):
-            n, used = room.index[lane], 1.0 if lane < room.used[0] else 0.0
+            n, used = room.index[lane], 1.0 if lane < room.lanes.used else 0.0
             s, s_dot = adjoint.s[n, :nq], changed[n, :nq]
             room.t[lane] = record.t[n]
             put(record.q[n], lane, 1.0, room.q)
@@ -140,11 +140,11 @@ def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint:
             room.xi, room.lam, room.nu, room.lam_dot, b_dot,
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
-        for lane in range(room.used[0]):
+        for lane in range(room.lanes.used):
             n = room.index[lane]
             take(room.by_a, lane, 1.0, sources.rescale[n])
             take(room.by_eta, lane, -1.0, sources.rescale[n])
             take(room.by_q, lane, 1.0, sources.rescale_q[n])
             take(room.by_eta, lane, 1.0, sources.rescale_v[n])
             take_rows(record, n, room.by_lam, lane, sources.rescale[n, nq:])
-        first = room.index[room.used[0] - 1] + 1
+        first = room.index[room.lanes.used - 1] + 1

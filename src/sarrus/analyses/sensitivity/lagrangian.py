@@ -21,6 +21,7 @@ from ...elements.recorder import Variant
 from ...system import System
 from ...system.lane_drivers import block, entry
 from ...system.once import once_alike
+from .block_loop import Lanes
 from .hessian_loop import Room
 from .shares import STATES, Share, concerned
 
@@ -71,7 +72,7 @@ def room(system: System) -> Room:
     nq, m = system.nq, system.m
     lengths = {"t": 1, "lam": m, "nu": m, "lam_dot": m, "by_lam": m, "by_b": len(system.b)}
     arrays = {name: np.zeros(LANES * lengths.get(name, nq)) for name in Room._fields}
-    return Room(**arrays | {"index": np.zeros(LANES, np.int64), "used": np.zeros(2, np.int64)})
+    return Room(**arrays | {"index": np.zeros(LANES, np.int64), "lanes": Lanes.zeros()})
 
 
 def change_at(

@@ -113,7 +113,7 @@ class RadauSweep:
         while 0 <= n <= len(self.steps):
             if failed > 2:
                 raise SingularMatrix(f"the equations at t = {self.steps.t[n]:.6g} s are singular")
-            self._tables.trusted[0] = TRUSTED[min(failed, 1)]
+            self._tables.trust.change = TRUSTED[min(failed, 1)]
             self._step.in_blocks = failed < 2
             self._choose_pivots(sweep is loop.forward, place, stage)
             before, (n, stage) = (n, stage), (int(x) for x in self._run(sweep, n, stage, *arrays))
@@ -165,7 +165,7 @@ class RadauSweep:
         for n in (6 * (nq + m), nq + m):
             solving = (3, n, k) if b_dot is None else (4, n * width)
             room += [aligned(n, k), aligned(n, k), aligned(*solving)]
-        views = [step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), np.zeros(1)]
+        views = (step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), loop.Trust.zeros())
         at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
         return loop.Tables(
             None,

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 from ..._jit.link import compiled
 from ..._jit.pointer import call_kernels
+from ..._jit.scalars import Scalars
 from ..dynamics.placed import leave_out
 from .columns_loop import solve_columns
 from .panel_loop import copy, refactor, solve_columns_transposed
@@ -121,11 +122,17 @@ class Entries(NamedTuple):
     gamma_b: Any
 
 
+class Trust(Scalars):
+    """The last relative change of a refined solution, up to which the order of the pivots is kept."""
+
+    change: float
+
+
 class Tables(NamedTuple):
     """All that does not change from step to step: matrices, operators' numbers, and room to work.
 
     step, node : the matrices (`step_matrix.Factors`), and the values from which they are assembled
-    trusted : last relative change of a refined solution, up to which pivots are kept (1,)
+    trust : see `Trust`
     places : rows and columns (2, entries) of the numbers of each operator
     left_out, node_left_out : 1 for equations that others imply, parts of both values
     step_by_rows, node_by_rows : the matrices by rows, for panels of columns forward
@@ -143,7 +150,7 @@ class Tables(NamedTuple):
     left_out: Any
     node_left_out: Any
     Phi_q_again: Any
-    trusted: Any
+    trust: Any
     right: Any
     solution: Any
     arranged: Any
@@ -348,7 +355,7 @@ def forward_step(
     silence(right, nq, m, tables.left_out)
     scale(right, nq, m, h, h * h, 1.0, h)
     change = solve_columns(tables.step, tables.step_by_rows, right, tables.solution, tables.arranged)
-    if not change <= tables.trusted[0]:
+    if not change <= tables.trust.change:
         return False
     last = 4 * (nq + m)
     for k in range(nq):
@@ -379,7 +386,7 @@ def backward_step(
         copy(turned.step[n], w)
         scale(w, nq, m, 1.0, 1.0 / h, 1.0 / (h * h), 1.0 / h)
         subtract(w, right)
-    if not solve_columns_transposed(tables.step, right, w, tables.arranged)[1] <= tables.trusted[0]:
+    if not solve_columns_transposed(tables.step, right, w, tables.arranged)[1] <= tables.trust.change:
         return False
     bars.q[:] = 0.0
     bars.v[:] = 0.0
@@ -474,7 +481,7 @@ def forward_node(
     quiet(right, nq, tables.node_left_out)
     solution = tables.node_solution
     change = solve_columns(tables.node, tables.node_by_rows, right, solution, tables.node_arranged)
-    if not change <= tables.trusted[0]:
+    if not change <= tables.trust.change:
         return False
     copy(bars.q, given.q[n])
     copy(bars.v, given.v[n])
@@ -500,7 +507,10 @@ def backward_node(
     if taken:
         if not factor_node(entries, b, record, n, tables):
             return False
-        if not solve_columns_transposed(tables.node, right, y, tables.node_arranged)[1] <= tables.trusted[0]:
+        if (
+            not solve_columns_transposed(tables.node, right, y, tables.node_arranged)[1]
+            <= tables.trust.change
+        ):
             return False
         quiet(y, nq, tables.node_left_out)
         at, p, z = tables.at_node, tables.places, y[nq:]

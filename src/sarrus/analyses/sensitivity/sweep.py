@@ -63,7 +63,7 @@ class Sweep:
     def _make_work(self) -> loop.Work:
         nq, size, k = self.system.nq, self.system.nq + self.system.m, self._blocks.width
         wide = [aligned(size, k), aligned(size, k), aligned(3, size, k), aligned(2 * nq * k), aligned(nq * k)]
-        return loop.Work._make([*wide, np.zeros((5, size, 1)), np.zeros(1), np.zeros(1, np.int64)])
+        return loop.Work._make([*wide, np.zeros((5, size, 1)), loop.Progress.zeros()])
 
     def bars(self, b: Array | None = None) -> loop.Bars:
         """Room for derivatives of a state and of the numbers, all zero (or by the numbers, as given)."""
@@ -181,7 +181,7 @@ class Sweep:
             self._choose_pivots_at(n, n, 0.0)
         else:
             self._choose_pivots_at(n, n + 1, float(self.steps.h[n]))
-        self._work.trusted[0] = TRUSTED[times]
+        self._work.progress.trusted = TRUSTED[times]
         return n, stage, times
 
     def _begin(self) -> None:
@@ -190,13 +190,13 @@ class Sweep:
         if known is None:
             self._evaluate_at(n, n, 0.0)
         self._shown = ORDERS[self.steps] = self._blocks.arrange(known)
-        self._work.trusted[0] = TRUSTED[0]
+        self._work.progress.trusted = TRUSTED[0]
 
     def _choose_pivots_at(self, n: int, node: int, h: float) -> None:
         """A pivot order for a matrix of step n at a node."""
         self._evaluate_at(n, node, h)
         self._shown = self._blocks.arrange()
-        self._work.trusted[0] = TRUSTED[0]
+        self._work.progress.trusted = TRUSTED[0]
 
     def _evaluate_at(self, n: int, node: int, h: float) -> None:
         """The numbers and weights of a matrix."""

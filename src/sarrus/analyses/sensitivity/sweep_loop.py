@@ -20,6 +20,7 @@ import numpy as np
 
 from ..._jit.lanes import fill, load, plus_product, store
 from ..._jit.link import compiled
+from ..._jit.scalars import Scalars
 from ..._jit.vector import LANES
 from ..dynamics.alpha_loop import weights_of
 from .block_loop import (
@@ -42,14 +43,26 @@ TWO: Any = np.uint64(2)
 PLAIN, DAMPS = 1e-12, 0.02
 
 
+class Progress(Scalars):
+    """How far a sweep is.
+
+    Attributes
+    ----------
+    trusted : the last relative change of a solution, up to which the order of the pivots is kept
+    panels : forwards, how many panels have made the step, or the change of its size, that is next
+    """
+
+    trusted: float
+    panels: int
+
+
 class Work(NamedTuple):
     """Vectors of the unknowns (nq + m, width); of the unknowns with a single column.
 
     width : of all columns backwards, of a panel forwards
     room : of three vectors of the unknowns, to solve with
     moved, x : forwards, what q and v (2 nq * width), and x, would be without the change of a₁
-    trusted : the last relative change of a solution, up to which the order of the pivots is kept
-    done : forwards, how many panels have made the step, or the change of its size, that is next
+    progress : see `Progress`
     """
 
     right: Any
@@ -58,8 +71,7 @@ class Work(NamedTuple):
     moved: Any
     x: Any
     single: Any
-    trusted: Any
-    done: Any
+    progress: Any
 
 
 class Bars(NamedTuple):
@@ -141,7 +153,7 @@ def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
 @compiled
 def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
     """[q; v] += Pᵀ y, with the product of a lane."""
-    numbers, none = block.turned[lane, block.cuts[2] :], np.uint64(0)
+    numbers, none = block.turned[lane, block.cuts.product :], np.uint64(0)
     add_rows(block.product, numbers, none, y, q)
     add_rows(block.product, numbers, np.uint64(q.shape[0]), y, v)
 
@@ -195,11 +207,11 @@ def forward_step(
     scheme: Any, record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, sources: Any
 ) -> Any:  # fmt: skip
     """The change of the state of a panel p over step n; false if pivots must be renewed."""
-    lane, h, kappa = block.used[1], record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    lane, h, kappa = block.lanes.next, record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
     right, size = work.right, len(work.x)
     predict(scheme, h, own, work)
-    apply(block.product, block.turned[lane, block.cuts[2] :], work.moved, right)
+    apply(block.product, block.turned[lane, block.cuts.product :], work.moved, right)
     flat = right.reshape(right.shape[0] * right.shape[1])
     for k in range(size, len(flat)):
         flat[k] *= -1.0 / beta
@@ -208,7 +220,7 @@ def forward_step(
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
     told = block.refined, block.growth[lane], lane > 0
-    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.progress.trusted:
         return False
     correct(work.solution.reshape(len(flat)), beta, gamma, kappa, own, work)
     return True
@@ -219,13 +231,13 @@ def forward_panels(
     scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, sources: Any
 ) -> Any:  # fmt: skip
     """Step n of all panels that have not made it; false if pivots must be renewed."""
-    while work.done[0] < len(state):
-        p = work.done[0]
+    while work.progress.panels < len(state):
+        p = work.progress.panels
         if not forward_step(scheme, record, n, p, matrix, by_rows, block, work, state[p], sources):
             return False
-        work.done[0] += 1
-    work.done[0] = 0
-    block.used[1] += 1
+        work.progress.panels += 1
+    work.progress.panels = 0
+    block.lanes.next += 1
     return True
 
 
@@ -252,7 +264,7 @@ def backward_step(
     scheme: Any, record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
 ) -> Any:
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
-    lane, h, kappa = block.used[1], record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    lane, h, kappa = block.lanes.next, record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
     nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
     right, mu, size = work.right, work.solution, nq * width
@@ -265,7 +277,7 @@ def backward_step(
         for k in range(nq + m):
             right[k, 0] -= sources.step[n, k]
     own, told = factors_of(matrix, block, lane), (block.refined, block.growth[lane])
-    if not solve_lane_transposed(own, *told, right, mu, work.room) <= work.trusted[0]:
+    if not solve_lane_transposed(own, *told, right, mu, work.room) <= work.progress.trusted:
         return False
     bars.lam[:] = 0.0
     if len(sources.step) > 0:
@@ -287,7 +299,7 @@ def backward_step(
         v[k] = by_v + h * by_q
         x[k] = h * h * (0.5 - scheme.beta) * by_q + h * (1.0 - scheme.gamma) * by_v - share_m * by_x
         a[k] = share_f * by_x
-    block.used[1] += 1
+    block.lanes.next += 1
     return True
 
 
@@ -307,14 +319,14 @@ def forward_rescale(
     record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, kept: Any, sources: Any
 ) -> Any:  # fmt: skip
     """The change of the velocities of a panel p by the new step size of step n; false if pivots must be renewed."""
-    lane, right, size = block.used[1], work.right, len(work.x)
-    apply(block.product, block.turned[lane, block.cuts[2] :], own[: 2 * size], right)
+    lane, right, size = block.lanes.next, work.right, len(work.x)
+    apply(block.product, block.turned[lane, block.cuts.product :], own[: 2 * size], right)
     subtract_moved(block.moved, lane, p, size, 1.0, right.reshape(right.shape[0] * right.shape[1]))
     subtract(sources.rescale, n, p, right)
     solved_rows(record, n, right)
     own_factors = factors_of(matrix, block, lane)
     told = block.refined, block.growth[lane], lane > 0
-    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.trusted[0]:
+    if not solve_lane(own_factors, by_rows, *told, right, work.solution, work.room) <= work.progress.trusted:
         return False
     change = work.solution.reshape(right.shape[0] * right.shape[1])
     if len(kept.rescale) > 0:
@@ -330,13 +342,13 @@ def forward_rescales(
     record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, kept: Any, sources: Any
 ) -> Any:  # fmt: skip
     """The change of the size of step n for all panels that have not made it; false if pivots must be renewed."""
-    while work.done[0] < len(state):
-        p = work.done[0]
+    while work.progress.panels < len(state):
+        p = work.progress.panels
         if not forward_rescale(record, n, p, matrix, by_rows, block, work, state[p], kept, sources):
             return False
-        work.done[0] += 1
-    work.done[0] = 0
-    block.used[1] += 1
+        work.progress.panels += 1
+    work.progress.panels = 0
+    block.lanes.next += 1
     return True
 
 
@@ -360,7 +372,7 @@ def backward_rescale(
     record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
 ) -> Any:
     """From the gradients by the state after the new step size of step n to those before; false for new pivots."""
-    lane, right, z = block.used[1], work.right, work.solution
+    lane, right, z = block.lanes.next, work.right, work.solution
     nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
     for k in range(nq):
         for c in range(width):
@@ -370,7 +382,7 @@ def backward_rescale(
         for k in range(nq + m):
             right[k, 0] -= sources.rescale[n, k]
     own, told = factors_of(matrix, block, lane), (block.refined, block.growth[lane])
-    if not solve_lane_transposed(own, *told, right, z, work.room) <= work.trusted[0]:
+    if not solve_lane_transposed(own, *told, right, z, work.room) <= work.progress.trusted:
         return False
     if len(sources.rescale) > 0:
         for k in range(nq):
@@ -385,7 +397,7 @@ def backward_rescale(
             kept.s[n, nq + k] = block.lam[k * LANES + lane]
     put_adjoint(block, lane, z, 1.0)
     apply_transposed(block, lane, z, bars.q, bars.v)
-    block.used[1] += 1
+    block.lanes.next += 1
     return True
 
 
@@ -401,8 +413,9 @@ def add_gradients(given: Any, row: Any, bars: Any) -> None:
 @compiled
 def begin(scheme: Any, steps: Any, rescales: Any) -> None:
     """Blocks of nothing."""
-    steps.used[:], rescales.used[:] = 0, 0
-    steps.refined[2] = rescales.refined[2] = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
+    limit = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
+    steps.lanes.used = steps.lanes.next = rescales.lanes.used = rescales.lanes.next = 0
+    steps.refined.limit = rescales.refined.limit = limit
 
 
 @compiled(entry=True)
@@ -420,14 +433,14 @@ def backward(
             add_gradients(given, n - first, bars)
             stage = STEP
         if stage == STEP:
-            if steps.used[1] == steps.used[0]:
+            if steps.lanes.next == steps.lanes.used:
                 finish(b, record, steps)
                 linearize_steps(scheme, entries, b, record, n, first, -1, matrix, steps)
             if not backward_step(scheme, record, n, matrix, steps, work, bars, kept, sources):
                 break
             stage = RESCALE
         if record.removed[n] != 0.0:
-            if rescales.used[1] == rescales.used[0]:
+            if rescales.lanes.next == rescales.lanes.used:
                 finish(b, record, rescales)
                 if not linearize_rescales(entries, b, record, n, first, -1, matrix, by_rows, rescales, work):
                     break
@@ -535,7 +548,7 @@ def forward(
     while n < last:
         if stage == RESCALE:
             if record.removed[n] != 0.0:
-                if rescales.used[1] == rescales.used[0] and not linearize_rescales(
+                if rescales.lanes.next == rescales.lanes.used and not linearize_rescales(
                     entries, b, record, n, last - 1, 1, matrix, by_rows, rescales, work
                 ):
                     break
@@ -544,7 +557,7 @@ def forward(
             if n > 0 and record.h[n] != record.h[n - 1]:
                 lengthen(record.h[n] / record.h[n - 1], nq * width, state)
             stage = STEP
-        if steps.used[1] == steps.used[0]:
+        if steps.lanes.next == steps.lanes.used:
             linearize_steps(scheme, entries, b, record, n, last - 1, 1, matrix, steps)
         if not forward_panels(scheme, record, n, matrix, by_rows, steps, work, state, sources):
             break

@@ -7,11 +7,12 @@ The matrix is held dense while this goes on, a column in one line. Compiled func
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit.link import compiled
+from ..algebra import Array
 
 LOOKED_AT = 4  # columns at each step
 LARGE = 0.01  # of the largest in its column: an entry that may be a pivot
@@ -20,18 +21,18 @@ LARGE = 0.01  # of the largest in its column: an entry that may be a pivot
 class Work(NamedTuple):
     """The matrix on its way, [column, row]: numbers, and where there are entries, zero or not; how many of them."""
 
-    a: Any
-    full: Any
-    in_row: Any
-    in_column: Any
-    left: Any  # columns: those that are done, then the others
-    looked: Any  # places in `left`
-    rows: Any
-    columns: Any
+    a: Array
+    full: Array
+    in_row: Array
+    in_column: Array
+    left: Array  # columns: those that are done, then the others
+    looked: Array  # places in `left`
+    rows: Array
+    columns: Array
 
 
 @compiled
-def fill(indptr: Any, indices: Any, data: Any, work: Any) -> None:
+def fill(indptr: Array, indices: Array, data: Array, work: Work) -> None:
     """Spread the matrix."""
     for j in range(len(indptr) - 1):
         for place in range(indptr[j], indptr[j + 1]):
@@ -42,7 +43,7 @@ def fill(indptr: Any, indices: Any, data: Any, work: Any) -> None:
 
 
 @compiled
-def fewest(k: Any, work: Any) -> Any:
+def fewest(k: int, work: Work) -> int:
     """Put the columns with the fewest entries into `looked`, the k-th step; returns how many."""
     found, left, looked, count = 0, work.left, work.looked, work.in_column
     for slot in range(k, len(left)):
@@ -57,7 +58,7 @@ def fewest(k: Any, work: Any) -> Any:
 
 
 @compiled
-def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
+def pivot_of(found: int, work: Work, row_place: Array) -> tuple[int, int]:
     """Row of the pivot, -1 if there is none, and its column's place in `left`."""
     n, best, size, row, taken = len(row_place), np.inf, 0.0, -1, -1
     for c in range(found):
@@ -75,7 +76,7 @@ def pivot_of(found: Any, work: Any, row_place: Any) -> Any:
 
 
 @compiled
-def eliminate(k: Any, row: Any, column: Any, work: Any, row_place: Any) -> None:
+def eliminate(k: int, row: int, column: int, work: Work, row_place: Array) -> None:
     """The k-th step, with the pivot in this row and column."""
     a, full, below, beside = work.a, work.full, 0, 0
     for i in range(len(row_place)):
@@ -99,7 +100,7 @@ def eliminate(k: Any, row: Any, column: Any, work: Any, row_place: Any) -> None:
 
 
 @compiled(entry=True)
-def order(indptr: Any, indices: Any, data: Any, row_place: Any, column_order: Any) -> Any:
+def order(indptr: Array, indices: Array, data: Array, row_place: Array, column_order: Array) -> bool:
     """Write the place of each row and the column at each place; false if the matrix is singular."""
     n = len(row_place)
     counts, places = np.zeros((2, n), np.int64), np.zeros((2, n), np.int64)

@@ -11,15 +11,14 @@ which need no look whether they count from the end.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from .._jit.link import compiled
+from ..algebra import Array
 
 
 @compiled(entry=True)
-def compressed(n: Any, rows: Any, columns: Any) -> Any:
+def compressed(n: int, rows: Array, columns: Array) -> tuple[Array, Array, Array]:
     """The pattern by columns, rows rising, of numbers that may share places: indptr, indices, and the place of each."""
     count = len(rows)
     start, by_row, order = np.zeros(n + 1, np.int32), np.empty(count, np.int32), np.empty(count, np.int32)
@@ -57,7 +56,9 @@ def compressed(n: Any, rows: Any, columns: Any) -> Any:
 
 
 @compiled(entry=True)
-def transposed(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
+def transposed(
+    n: int, indptr: Array, indices: Array, row_place: Array, column_order: Array
+) -> tuple[Array, Array]:
     """The pattern of a matrix in pivot order, by rows: pointers, columns."""
     pointers, columns = np.zeros(n + 1, np.int32), np.empty(len(indices), np.int32)
     for r in indices:
@@ -74,7 +75,7 @@ def transposed(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: 
 
 
 @compiled(entry=True)
-def postorder(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
+def postorder(n: int, indptr: Array, indices: Array, row_place: Array, column_order: Array) -> Array:
     """An order of the pivots with the same factors in which what depends on each other is near: where each goes (n,).
 
     It goes through the elimination tree of A + Aᵀ (Liu 1990), each branch to its end before the next.
@@ -116,7 +117,9 @@ def postorder(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: A
 
 
 @compiled(entry=True)
-def symbolic(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any) -> Any:
+def symbolic(
+    n: int, indptr: Array, indices: Array, row_place: Array, column_order: Array
+) -> tuple[Array, Array, Array]:
     """Pattern of the factors: for every column its rows, rising (both factors in one).
 
     Returns
@@ -163,7 +166,7 @@ def symbolic(n: Any, indptr: Any, indices: Any, row_place: Any, column_order: An
 
 
 @compiled
-def rise(x: Any, count: Any) -> None:
+def rise(x: Array, count: int) -> None:
     """Sort the first numbers of x (Shell 1959)."""
     gap = 1
     while 3 * gap < count:
@@ -180,8 +183,8 @@ def rise(x: Any, count: Any) -> None:
 
 @compiled(entry=True)
 def slots(
-    n: Any, indptr: Any, indices: Any, row_place: Any, column_order: Any, pointers: Any, rows: Any
-) -> Any:
+    n: int, indptr: Array, indices: Array, row_place: Array, column_order: Array, pointers: Array, rows: Array
+) -> Array:
     """The place of every number of the matrix among those of the factors."""
     found, where = np.empty(len(indices), np.uint32), np.empty(n, np.uint32)
     for j in range(n):
@@ -193,7 +196,7 @@ def slots(
 
 
 @compiled(entry=True)
-def refactor(pointers: Any, rows: Any, diagonal: Any, factors: Any, work: Any) -> Any:
+def refactor(pointers: Array, rows: Array, diagonal: Array, factors: Array, work: Array) -> float:
     """Factor the matrix that stands in `factors`: U on and above the diagonal, L (unit diagonal) below, in its place.
 
     Returns
@@ -227,7 +230,7 @@ def refactor(pointers: Any, rows: Any, diagonal: Any, factors: Any, work: Any) -
 
 
 @compiled(entry=True)
-def solve(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None:
+def solve(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Array) -> None:
     """Solve L U x = x in place."""
     n = len(diagonal)
     for j in range(n):
@@ -241,7 +244,7 @@ def solve(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None
 
 
 @compiled(entry=True)
-def solve_transposed(pointers: Any, rows: Any, diagonal: Any, factors: Any, x: Any) -> None:
+def solve_transposed(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Array) -> None:
     """Solve (L U)ᵀ x = x in place."""
     n = len(diagonal)
     for j in range(n):

@@ -17,9 +17,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
+from ...algebra import Array
 from .newton_matrix import weigh
-from .placed import backsolve, leave_out, refactor
+from .placed import Placed, PlacedMatrix, backsolve, leave_out, refactor
 from .step_control import StepControl
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
@@ -57,54 +58,54 @@ class Scheme(NamedTuple):
 class State(NamedTuple):
     """Arrays at the start (0) and the end (1) of a step, and what a and λ changed in the last one."""
 
-    q0: Any
-    v0: Any
-    a0: Any
-    x0: Any
-    lam0: Any
-    q1: Any
-    v1: Any
-    a1: Any
-    x1: Any
-    lam1: Any
-    a_change: Any
-    lam_change: Any
+    q0: Array
+    v0: Array
+    a0: Array
+    x0: Array
+    lam0: Array
+    q1: Array
+    v1: Array
+    a1: Array
+    x1: Array
+    lam1: Array
+    a_change: Array
+    lam_change: Array
 
 
 class Memory(NamedTuple):
     """Operators' outputs and work arrays; `noise` is the round-off of every equation of Φ."""
 
-    Phi: Any
-    Phi_qT_lam: Any
-    M_a: Any
-    S: Any
-    Q: Any
-    rate: Any
-    Phi_t: Any
-    right: Any
-    solution: Any
-    previous: Any
-    noise: Any
+    Phi: Array
+    Phi_qT_lam: Array
+    M_a: Array
+    S: Array
+    Q: Array
+    rate: Array
+    Phi_t: Array
+    right: Array
+    solution: Array
+    previous: Array
+    noise: Array
 
 
 class Matrix(NamedTuple):
     """The numbers of all operators; the Newton matrix and its factors."""
 
-    values: Any
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    row_of: Any
-    left_out: Any
-    placed: Any
+    values: Array
+    Phi_q: Array
+    Phi_qT_lam_q: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    row_of: Array
+    left_out: Array
+    placed: Placed
 
 
-def matrix_of(matrix: Any) -> Matrix:
+def matrix_of(matrix: PlacedMatrix) -> Matrix:
     """A `PlacedMatrix` with `newton_matrix.NUMBERS` among its numbers, as the loop takes it."""
     numbers = matrix.numbers
     rest = (numbers.row_of, numbers.left_out, matrix.placed)
@@ -114,24 +115,24 @@ def matrix_of(matrix: Any) -> Matrix:
 class Entries(NamedTuple):
     """The kernels of the groups of operators, see `_jit.pointer`."""
 
-    residual: Any
-    momentum: Any
-    force: Any
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    velocity: Any
-    remember: Any
+    residual: Entry
+    momentum: Entry
+    force: Entry
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    velocity: Entry
+    remember: Entry
 
 
 class Tolerance(NamedTuple):
     """Relative and absolute, of each coordinate and of each velocity; `speed`: 1 if velocities are controlled too."""
 
-    rtol_q: Any
-    atol_q: Any
-    rtol_v: Any
-    atol_v: Any
-    speed: Any
+    rtol_q: Array
+    atol_q: Array
+    rtol_v: Array
+    atol_v: Array
+    speed: float
 
 
 class Control(StepControl):
@@ -166,23 +167,23 @@ class Record(NamedTuple):
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
 
-    t: Any
-    h: Any
-    removed: Any
-    q: Any
-    v: Any
-    a: Any
-    x: Any
-    lam: Any
-    memory: Any
-    error: Any
-    iterations: Any
-    rejected: Any
-    given: Any
+    t: Array
+    h: Array
+    removed: Array
+    q: Array
+    v: Array
+    a: Array
+    x: Array
+    lam: Array
+    memory: Array
+    error: Array
+    iterations: Array
+    rejected: Array
+    given: Array
 
 
 @compiled
-def update(scheme: Any, h: Any, state: Any) -> Any:
+def update(scheme: Scheme, h: float, state: State) -> None:
     """q₁, v₁, ã₁ of a₁."""
     m, f = scheme.alpha_m, scheme.alpha_f
     for k in range(len(state.q0)):
@@ -195,8 +196,15 @@ def update(scheme: Any, h: Any, state: Any) -> Any:
 
 @compiled
 def residual(
-    entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
-) -> Any:
+    entries: Entries,
+    b: Array,
+    t: float,
+    state: State,
+    memory: Memory,
+    left_out: Array,
+    beta: float,
+    ignored: float,
+) -> None:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step.
 
     Of Φ as many times its round-off as `ignored` says is left out: in very short steps β' would make accelerations
@@ -215,7 +223,9 @@ def residual(
 
 
 @compiled
-def evaluate(entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any) -> None:
+def evaluate(
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, matrix: Matrix
+) -> None:
     """The numbers of all operators at one state."""
     call_kernels(entries.jacobian, b, t, q, lam, matrix.Phi_q, matrix.Phi_qT_lam_q)
     call_kernels(entries.inertia, b, q, v, a, matrix.M, matrix.M_a_q, matrix.S_q, matrix.S_v)
@@ -225,8 +235,17 @@ def evaluate(entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, mat
 
 @compiled
 def factor(
-    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
-) -> Any:
+    entries: Entries,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    lam: Array,
+    matrix: Matrix,
+    beta: float,
+    gamma: float,
+) -> float:
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted.
 
     With β' = γ' = 0 it is [M, Φ_qᵀ; Φ_q, 0].
@@ -237,26 +256,26 @@ def factor(
 
 
 @compiled
-def size(change: Any, factor: Any, q0: Any, q1: Any, rtol: Any, atol: Any) -> Any:
+def size(change: Array, factor: float, q0: Array, q1: Array, rtol: Array, atol: Array) -> float:
     """Root mean square of factor x change, each entry over its tolerance."""
     total = 0.0
     for k in range(len(q0)):
         entry = factor * change[k] / (atol[k] + rtol[k] * max(abs(q0[k]), abs(q1[k])))
         total += entry * entry
-    return (total / len(q0)) ** 0.5
+    return float((total / len(q0)) ** 0.5)
 
 
 @compiled
 def correct(
-    scheme: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrix: Any,
-    beta: Any,
-    gamma: Any,
-    tol: Any,
-) -> Any:
+    scheme: Scheme,
+    h: float,
+    state: State,
+    memory: Memory,
+    matrix: Matrix,
+    beta: float,
+    gamma: float,
+    tol: Tolerance,
+) -> float:
     """One correction of a₁ and λ₁ by the residual and the factors at hand; returns its size."""
     n = len(state.q0)
     backsolve(matrix.placed, memory.right, memory.solution)
@@ -270,14 +289,23 @@ def correct(
 
 
 @compiled
-def weights_of(scheme: Any, h: Any) -> Any:
+def weights_of(scheme: Scheme, h: Any) -> tuple[Any, Any]:
     """β' and γ' of a step."""
     kappa = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     return scheme.beta * h * h * kappa, scheme.gamma * h * kappa
 
 
 @compiled
-def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, beta: Any, gamma: Any) -> Any:
+def renew(
+    entries: Entries,
+    b: Array,
+    t: float,
+    state: State,
+    matrix: Matrix,
+    control: Control,
+    beta: float,
+    gamma: float,
+) -> bool:
     """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
     control.matrices += 1
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
@@ -288,7 +316,7 @@ def renew(entries: Any, b: Any, t: Any, state: Any, matrix: Any, control: Any, b
 
 
 @compiled
-def round_off(h: Any, state: Any, tol: Any) -> Any:
+def round_off(h: float, state: State, tol: Tolerance) -> float:
     """How large in v, over the tolerances, the round-off of Φ becomes by h: see `AlphaStepper._finest`."""
     largest, total = 0.0, 0.0
     for k in range(len(state.q0)):
@@ -296,17 +324,17 @@ def round_off(h: Any, state: Any, tol: Any) -> Any:
     for k in range(len(state.v0)):
         relative = 1.0 / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
         total += relative * relative
-    return 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5
+    return float(2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5)
 
 
 @compiled
-def ignored_round_off(h: Any, state: Any, tol: Any) -> Any:
+def ignored_round_off(h: float, state: State, tol: Tolerance) -> float:
     """1 where the round-off of Φ is more in v than Newton's method may leave there, as in very short steps, else 0."""
     return 1.0 if round_off(h, state, tol) > NEWTON_SHARE else 0.0
 
 
 @compiled
-def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
+def multiplier_change(state: State, memory: Memory, beta: float) -> float:
     """The largest change of a multiplier by the last correction; `size` sees accelerations alone."""
     change = 0.0
     for k in range(len(state.lam1)):
@@ -315,7 +343,7 @@ def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
 
 
 @compiled
-def settled(state: Any, memory: Any, beta: Any) -> Any:
+def settled(state: State, memory: Memory, beta: float) -> bool:
     """Whether the last correction changed the multipliers by less than `SETTLED` of the largest."""
     largest = 0.0
     for k in range(len(state.lam1)):
@@ -325,9 +353,9 @@ def settled(state: Any, memory: Any, beta: Any) -> Any:
 
 @compiled
 def polish(
-    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any,
-    rate: Any, before: Any,
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    control: Control, tol: Tolerance, rate: float, before: float,
+) -> int:  # fmt: skip
     """Newton's method to the end, for steps whose derivatives are wanted; returns how many corrections it took.
 
     Less than 0 if pivots must be renewed. What the last correction leaves is told by how much they contract: none is
@@ -354,7 +382,7 @@ def polish(
 
 
 @compiled
-def replace(iterations: Any, control: Any) -> None:
+def replace(iterations: int, control: Control) -> None:
     """New factors for the next step, where the last one took more corrections than steps with these did on average.
 
     The average counts the factors, too; it falls at first and rises from where they are better replaced.
@@ -367,8 +395,9 @@ def replace(iterations: Any, control: Any) -> None:
 
 @compiled
 def newton(
-    scheme: Any, entries: Any, b: Any, t: Any, h: Any, state: Any, memory: Any, matrix: Any, control: Any, tol: Any
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    control: Control, tol: Tolerance,
+) -> tuple[int, float, float]:  # fmt: skip
     """Solve one step. Returns (iterations, contraction, change): 0 iterations if it fails, -1 for pivots to renew."""
     beta, gamma = weights_of(scheme, h)
     rate, before, renewals = 0.0, 0.0, 0
@@ -399,7 +428,7 @@ def newton(
 
 
 @compiled
-def predict(ratio: Any, state: Any) -> Any:
+def predict(ratio: float, state: State) -> None:
     """First guess of a₁ and λ₁: their last change, once more."""
     for k in range(len(state.a0)):
         state.a1[k] = state.a0[k] + ratio * state.a_change[k]
@@ -408,7 +437,7 @@ def predict(ratio: Any, state: Any) -> Any:
 
 
 @compiled
-def accept(state: Any) -> Any:
+def accept(state: State) -> None:
     """The end of the step is the start of the next."""
     for k in range(len(state.a0)):
         state.a_change[k] = state.a1[k] - state.a0[k]
@@ -420,7 +449,7 @@ def accept(state: Any) -> Any:
 
 
 @compiled
-def stretch(ratio: Any, state: Any) -> None:
+def stretch(ratio: float, state: State) -> None:
     """ã₀ - a₀ goes with h."""
     for k in range(len(state.x0)):
         state.x0[k] = state.a0[k] + ratio * (state.x0[k] - state.a0[k])
@@ -428,7 +457,14 @@ def stretch(ratio: Any, state: Any) -> None:
 
 @compiled
 def rescale(
-    entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
+    entries: Entries,
+    b: Array,
+    t: float,
+    ratio: float,
+    state: State,
+    memory: Memory,
+    matrix: Matrix,
+    control: Control,
 ) -> None:
     """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h².
 
@@ -454,7 +490,7 @@ def rescale(
 
 
 @compiled
-def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> None:
+def keep(record: Record, row: int, t: float, h: float, state: State, control: Control) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
     record.rejected[row] = control.rejected_since
@@ -466,7 +502,7 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, control: Any) -> Non
 
 
 @compiled
-def remember(entries: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> None:
+def remember(entries: Entries, b: Array, places: Array, t: float, q: Array, memory: Array) -> None:
     """Let the elements remember an accepted state."""
     if len(places):
         call_kernels(entries.remember, b, t, q, memory)
@@ -476,21 +512,21 @@ def remember(entries: Any, b: Any, places: Any, t: Any, q: Any, memory: Any) -> 
 
 @compiled(entry=True)
 def advance(
-    scheme: Any,
-    entries: Any,
-    b: Any,
-    places: Any,
-    until: Any,
-    limit: Any,
-    h_max: Any,
-    state: Any,
-    memory: Any,
-    matrix: Any,
-    control: Any,
-    record: Any,
-    exact: Any,
-    tol: Any,
-) -> Any:
+    scheme: Scheme,
+    entries: Entries,
+    b: Array,
+    places: Array,
+    until: float,
+    limit: int,
+    h_max: float,
+    state: State,
+    memory: Memory,
+    matrix: Matrix,
+    control: Control,
+    record: Record,
+    exact: bool,
+    tol: Tolerance,
+) -> tuple[int, int]:
     """Take steps until a time, at most `limit` of them.
 
     Returns

@@ -5,9 +5,8 @@ K = (M a)_q + (Φ_qᵀλ)_q - Q_q - S_q, C = -Q_v - S_v; with β' = γ' = 0 it i
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..._jit.link import compiled
+from ...algebra import Array
 from ...system import System
 from .placed import LEFT_OUT, Numbers, Part, PlacedMatrix
 
@@ -26,7 +25,7 @@ def constraint_parts(nq: int) -> list[Part]:
 
 
 @compiled
-def weigh(weights: Any, beta: Any, gamma: Any) -> None:
+def weigh(weights: Array, beta: float, gamma: float) -> None:
     """The weights of the parts of the Newton matrix for a scheme's β' and γ', in the order of `alpha_parts`."""
     weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
     weights[3], weights[5] = -gamma, -gamma

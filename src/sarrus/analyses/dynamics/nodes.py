@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,7 +45,8 @@ class Nodes(NamedTuple):
 
 @compiled
 def between(
-    q0: Any, v0: Any, a0: Any, q1: Any, v1: Any, a1: Any, s: Any, h: Any, apart: Any, q: Any, v: Any, a: Any
+    q0: Array, v0: Array, a0: Array, q1: Array, v1: Array, a1: Array, s: float, h: float, apart: bool,
+    q: Array, v: Array, a: Array,
 ) -> None:  # fmt: skip
     """q, v and a at the part s of a step of length h, of the states at its ends.
 

@@ -43,16 +43,16 @@ class Part(NamedTuple):
 class Placed(NamedTuple):
     """What compiled code needs to assemble and factor: see `assemble` and `linear.SparseLU`."""
 
-    parts: Any
-    places: Any
-    weights: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    factors: Any
-    work: Any
-    row_place: Any
-    column_order: Any
+    parts: Array
+    places: Array
+    weights: Array
+    pointers: Array
+    rows: Array
+    diagonal: Array
+    factors: Array
+    work: Array
+    row_place: Array
+    column_order: Array
 
 
 class Numbers:
@@ -177,6 +177,7 @@ class PlacedMatrix:
     def solve(self, right: Array) -> Array:
         """x of A x = right, with the factors at hand."""
         solution = np.zeros(self.n)
+        assert self.placed is not None
         link(backsolve)(self.placed, right, solution)
         return solution
 
@@ -252,7 +253,7 @@ def entries_of(system: System, name: str) -> tuple[Array, Array]:
 
 
 @compiled(entry=True)
-def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
+def assemble(parts: Array, places: Array, weights: Array, values: Array, data: Array) -> None:
     """Sum the weighted numbers of all parts into the numbers of the matrix.
 
     A stretch of each part in turn: bodies come in one order in all parts, so that large matrices are passed only once.
@@ -270,14 +271,14 @@ def assemble(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> N
 
 
 @compiled(entry=True)
-def refactor(values: Any, placed: Any) -> Any:
+def refactor(values: Array, placed: Placed) -> float:
     """Assemble and factor a matrix; returns how far its pivots can be trusted."""
     assemble(placed.parts, placed.places, placed.weights, values, placed.factors)
     return factor_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
 
 
 @compiled(entry=True)
-def backsolve(placed: Any, right: Any, solution: Any) -> None:
+def backsolve(placed: Placed, right: Array, solution: Array) -> None:
     """solution = matrix⁻¹ right."""
     work = placed.work
     for k in range(len(right)):
@@ -288,7 +289,7 @@ def backsolve(placed: Any, right: Any, solution: Any) -> None:
 
 
 @compiled(entry=True)
-def leave_out(Phi_q: Any, row_of: Any, left_out: Any) -> None:
+def leave_out(Phi_q: Array, row_of: Array, left_out: Array) -> None:
     """Equations that are left out have no gradient."""
     for k in range(len(Phi_q)):
         Phi_q[k] *= 1.0 - left_out[row_of[k]]

@@ -13,13 +13,14 @@ scaled so that their condition does not depend on h.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
-from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, remember
+from ..._jit.pointer import Entry, call_kernels
+from ...algebra import Array
+from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, Tolerance, remember
 from .alpha_loop import evaluate as evaluate_index_3
-from .placed import backsolve, leave_out, refactor
+from .placed import Placed, backsolve, leave_out, refactor
 from .stabilized_matrix import weigh
 from .step_control import StepControl
 
@@ -35,88 +36,88 @@ KEEP = 1.2  # the step and the factors are kept for less than this
 class Scheme(NamedTuple):
     """Nodes c, A⁻¹, the transformation T and its inverse, eigenvalues γ and α + iβ, weights of the error estimate."""
 
-    c: Any
-    inverse: Any
-    T: Any
-    T_inverse: Any
-    gamma: Any
-    pair: Any
-    error: Any
+    c: Array
+    inverse: Array
+    T: Array
+    T_inverse: Array
+    gamma: float
+    pair: complex
+    error: Array
 
 
 class State(NamedTuple):
     """Arrays at the start of a step (0), at its three stages, their increments, and those of the step before."""
 
-    q0: Any
-    v0: Any
-    a0: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    mu: Any
-    zq: Any
-    zv: Any
-    zq_before: Any
-    zv_before: Any
-    lam_before: Any
+    q0: Array
+    v0: Array
+    a0: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    mu: Array
+    zq: Array
+    zv: Array
+    zq_before: Array
+    zv_before: Array
+    lam_before: Array
 
 
 class Memory(NamedTuple):
     """Operators' outputs and work arrays."""
 
-    Phi: Any
-    Phi_qT_lam: Any
-    Phi_qT_mu: Any
-    M_a: Any
-    S: Any
-    Q: Any
-    rate: Any
-    Phi_t: Any
-    gamma: Any
-    residual: Any
-    real: Any
-    real_solution: Any
-    pair: Any
-    pair_solution: Any
-    right: Any
-    solution: Any
-    end: Any
+    Phi: Array
+    Phi_qT_lam: Array
+    Phi_qT_mu: Array
+    M_a: Array
+    S: Array
+    Q: Array
+    rate: Array
+    Phi_t: Array
+    gamma: Array
+    residual: Array
+    real: Array
+    real_solution: Array
+    pair: Array
+    pair_solution: Array
+    right: Array
+    solution: Array
+    end: Array
 
 
 class Matrices(NamedTuple):
     """The numbers of all operators, and the three matrices: of both Newton systems, and of the accelerations."""
 
-    values: Any
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    gamma_v: Any
-    row_of: Any
-    left_out: Any
-    real: Any
-    pair: Any
-    motion: Any
+    values: Array
+    Phi_q: Array
+    Phi_qT_lam_q: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    gamma_v: Array
+    row_of: Array
+    left_out: Array
+    real: Placed
+    pair: Placed
+    motion: Placed
 
 
 class Indices(NamedTuple):
     """Index tables of the operator groups."""
 
-    residual: Any
-    momentum: Any
-    force: Any
-    velocity: Any
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    turning: Any
-    bending: Any
-    remember: Any
+    residual: Entry
+    momentum: Entry
+    force: Entry
+    velocity: Entry
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    turning: Entry
+    bending: Entry
+    remember: Entry
 
 
 class Control(StepControl):
@@ -149,25 +150,25 @@ class Record(NamedTuple):
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
 
-    t: Any
-    h: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    memory: Any
-    error: Any
-    iterations: Any
-    rejected: Any
-    stage_q: Any
-    stage_v: Any
-    stage_lam: Any
-    stage_mu: Any
-    given: Any
+    t: Array
+    h: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    memory: Array
+    error: Array
+    iterations: Array
+    rejected: Array
+    stage_q: Array
+    stage_v: Array
+    stage_lam: Array
+    stage_mu: Array
+    given: Array
 
 
 @compiled
-def stages(scheme: Any, h: Any, state: Any) -> None:
+def stages(scheme: Scheme, h: float, state: State) -> None:
     """q, v and a at the stages, of their increments."""
     for i in range(3):
         for k in range(len(state.q0)):
@@ -181,7 +182,14 @@ def stages(scheme: Any, h: Any, state: Any) -> None:
 
 @compiled
 def residual(
-    scheme: Any, index: Any, b: Any, t0: Any, h: Any, state: Any, memory: Any, left_out: Any
+    scheme: Scheme,
+    index: Indices,
+    b: Array,
+    t0: float,
+    h: float,
+    state: State,
+    memory: Memory,
+    left_out: Array,
 ) -> None:
     """[q' - v + Φ_qᵀμ; M a + Φ_qᵀλ - Q - S; Φ; Φ_q v + Φ_t] at every stage."""
     n, m = len(state.q0), len(left_out)
@@ -206,14 +214,16 @@ def residual(
 
 
 @compiled
-def evaluate(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrices: Any) -> None:
+def evaluate(
+    index: Indices, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, matrices: Matrices
+) -> None:
     """All derivatives at one state."""
-    evaluate_index_3(index, b, t, q, v, a, lam, matrices)
+    evaluate_index_3(index, b, t, q, v, a, lam, matrices)  # type: ignore[arg-type]
     call_kernels(index.turning, b, t, q, v, matrices.gamma_v)
 
 
 @compiled
-def factor(scheme: Any, h: Any, matrices: Any) -> Any:
+def factor(scheme: Scheme, h: float, matrices: Matrices) -> float:
     """Factor the real and the complex Newton matrix of the derivatives at hand; returns their lesser trust."""
     s, pair = scheme.gamma / h, scheme.pair / h
     weigh(matrices.real.weights, 1.0 / (s * s), 1.0 / s)
@@ -222,7 +232,7 @@ def factor(scheme: Any, h: Any, matrices: Any) -> Any:
 
 
 @compiled
-def scaled(right: Any, n: Any, m: Any, s: Any) -> None:
+def scaled(right: Array, n: int, m: int, s: complex) -> None:
     """The right side of a Newton system, its rows scaled as those of the matrix."""
     for k in range(n):
         right[k] /= s
@@ -232,7 +242,7 @@ def scaled(right: Any, n: Any, m: Any, s: Any) -> None:
 
 
 @compiled
-def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
+def unscaled(solution: Array, n: int, m: int, s: complex) -> None:
     """Back from w_v / s, w_λ / s², w_μ / s."""
     for k in range(n):
         solution[n + k] *= s
@@ -242,17 +252,19 @@ def unscaled(solution: Any, n: Any, m: Any, s: Any) -> None:
 
 
 @compiled
-def size(change: Any, q: Any, v: Any, tol: Any) -> Any:
+def size(change: Array, q: Array, v: Array, tol: Tolerance) -> float:
     """Root mean square of the changes of q and of v, the greater; each entry over its tolerance."""
     n, in_q, in_v = len(q), 0.0, 0.0
     for k in range(n):
         in_q += (change[k] / (tol.atol_q[k] + tol.rtol_q[k] * abs(q[k]))) ** 2
         in_v += (change[n + k] / (tol.atol_v[k] + tol.rtol_v[k] * abs(v[k]))) ** 2
-    return (max(in_q, in_v) / n) ** 0.5 + 0.0 * (in_q + in_v)  # max may hide what is not a number
+    return float((max(in_q, in_v) / n) ** 0.5 + 0.0 * (in_q + in_v))  # max may hide what is not a number
 
 
 @compiled
-def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: Any) -> Any:
+def improve(
+    scheme: Scheme, h: float, state: State, memory: Memory, matrices: Matrices, tol: Tolerance
+) -> float:
     """One Newton step for all stages; returns its size."""
     n, m, T, back = len(state.q0), len(matrices.left_out), scheme.T, scheme.T_inverse
     for k in range(2 * (n + m)):
@@ -285,18 +297,18 @@ def improve(scheme: Any, h: Any, state: Any, memory: Any, matrices: Any, tol: An
 
 @compiled
 def newton(
-    scheme: Any,
-    index: Any,
-    b: Any,
-    t: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrices: Any,
-    control: Any,
-    tol: Any,
-    enough: Any,
-) -> Any:
+    scheme: Scheme,
+    index: Indices,
+    b: Array,
+    t: float,
+    h: float,
+    state: State,
+    memory: Memory,
+    matrices: Matrices,
+    control: Control,
+    tol: Tolerance,
+    enough: float,
+) -> tuple[int, float]:
     """Solve the stages of one step. Returns (iterations, contraction): no iterations if it fails."""
     before, rate = 0.0, 0.0
     for iteration in range(NEWTON_LIMIT):
@@ -321,16 +333,16 @@ def newton(
 
 @compiled
 def estimate(
-    scheme: Any,
-    index: Any,
-    b: Any,
-    h: Any,
-    again: Any,
-    state: Any,
-    memory: Any,
-    matrices: Any,
-    tol: Any,
-) -> Any:
+    scheme: Scheme,
+    index: Indices,
+    b: Array,
+    h: float,
+    again: bool,
+    state: State,
+    memory: Memory,
+    matrices: Matrices,
+    tol: Tolerance,
+) -> float:
     """Size of the error of a step; with `again` it is filtered twice, for stiff beginnings."""
     n, m, s = len(state.q0), len(matrices.left_out), scheme.gamma / h
     right, found = memory.real, memory.real_solution
@@ -360,14 +372,14 @@ def estimate(
 
 
 @compiled
-def copied(x: Any, to: Any) -> None:
+def copied(x: Array, to: Array) -> None:
     """Copy numbers."""
     for k in range(len(to)):
         to[k] = x[k]
 
 
 @compiled
-def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
+def lagrange(scheme: Scheme, j: int, x: float, with_zero: bool) -> float:
     """The polynomial that is 1 at the node c_j and 0 at the others (and at 0), at x."""
     c = scheme.c
     value = x / c[j] if with_zero else 1.0
@@ -378,7 +390,7 @@ def lagrange(scheme: Any, j: Any, x: Any, with_zero: Any) -> Any:
 
 
 @compiled
-def predict(scheme: Any, ratio: Any, state: Any) -> None:
+def predict(scheme: Scheme, ratio: float, state: State) -> None:
     """First guess of the stages: the polynomials of the last step go on; `ratio` is the new step over the last."""
     for i in range(3):
         state.zq[i], state.zv[i], state.lam[i], state.mu[i] = 0.0, 0.0, 0.0, 0.0
@@ -394,7 +406,7 @@ def predict(scheme: Any, ratio: Any, state: Any) -> None:
 
 
 @compiled
-def first_guess(scheme: Any, h: Any, state: Any) -> None:
+def first_guess(scheme: Scheme, h: float, state: State) -> None:
     """The stages of the first step: v and a go on, and λ stays."""
     for i in range(3):
         x = scheme.c[i] * h
@@ -406,7 +418,7 @@ def first_guess(scheme: Any, h: Any, state: Any) -> None:
 
 
 @compiled
-def accept(state: Any) -> None:
+def accept(state: State) -> None:
     """The end of the step is the start of the next."""
     copied(state.q[2], state.q0)
     copied(state.v[2], state.v0)
@@ -418,7 +430,17 @@ def accept(state: Any) -> None:
 
 
 @compiled
-def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory: Any, matrices: Any) -> Any:
+def motion(
+    index: Indices,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    lam: Array,
+    memory: Memory,
+    matrices: Matrices,
+) -> float:
     """a and λ of the equations of motion at a state; returns how far the pivots can be trusted."""
     n = len(q)
     call_kernels(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
@@ -439,7 +461,7 @@ def motion(index: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, memory:
 
 
 @compiled
-def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: Any) -> None:
+def keep(record: Record, row: int, t: float, h: float, state: State, end: Array, control: Control) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.rejected[row] = t, h, control.rejected_since
     copied(state.q[2], record.q[row])
@@ -453,7 +475,7 @@ def keep(record: Any, row: Any, t: Any, h: Any, state: Any, end: Any, control: A
 
 
 @compiled
-def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
+def smooth(h: float, state: State, end: Array, tol: Tolerance) -> None:
     """Accelerations between which states are interpolated: of the equations of motion, which are the most accurate.
 
     Where a stiff force on a light body makes them useless, they are the slopes of the stages.
@@ -466,22 +488,22 @@ def smooth(h: Any, state: Any, end: Any, tol: Any) -> None:
 
 @compiled(entry=True)
 def advance(
-    scheme: Any,
-    index: Any,
-    b: Any,
-    places: Any,
-    until: Any,
-    limit: Any,
-    h_max: Any,
-    state: Any,
-    memory: Any,
-    matrices: Any,
-    control: Any,
-    record: Any,
-    kept: Any,
-    tol: Any,
-    enough: Any,
-) -> Any:
+    scheme: Scheme,
+    index: Indices,
+    b: Array,
+    places: Array,
+    until: float,
+    limit: int,
+    h_max: float,
+    state: State,
+    memory: Memory,
+    matrices: Matrices,
+    control: Control,
+    record: Record,
+    kept: bool,
+    tol: Tolerance,
+    enough: float,
+) -> tuple[int, int]:
     """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
     taken, rejected, free = 0, False, len(record.given) == 0
     while control.t < until and taken < limit and (free or taken < len(record.given)):
@@ -555,7 +577,7 @@ def advance(
         control.t = until if ended else t0 + h
         keep(record, taken, control.t, h, state, end, control)
         record.error[taken], record.iterations[taken] = error, iterations
-        remember(index, b, places, control.t, state.q[2], record.memory[taken])
+        remember(index, b, places, control.t, state.q[2], record.memory[taken])  # type: ignore[arg-type]
         accept(state)
         control.last_error, control.last_h, control.stages_h = max(error, 1e-2), h, h
         control.old_matrices, control.new_pivots = True, False

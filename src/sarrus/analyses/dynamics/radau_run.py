@@ -86,6 +86,7 @@ class RadauStepper(Implicit):
         self._renew_equations()
         if self._arrays is None:
             self._renew_pivots()
+        assert self._arrays is not None
         state, control, before = self._state, self._control, self._control.copy()
         memory = self.b[self.system.memory_places]
         first = [np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, *self._last, memory)]
@@ -140,7 +141,7 @@ class RadauStepper(Implicit):
         """The matrices as the loop takes them."""
         numbers, placed = self.numbers, (matrix.placed for matrix in self._matrices().values())
         shown = (numbers.values, *numbers.of(MATRICES), numbers.row_of, numbers.left_out)
-        self._arrays = loop.Matrices(*shown, *placed)
+        self._arrays = loop.Matrices._make([*shown, *placed])
 
     @property
     def host(self) -> PlacedMatrix | None:

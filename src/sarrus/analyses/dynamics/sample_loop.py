@@ -7,12 +7,13 @@ solve the equations of motion there: M a + Φ_qᵀλ = Q + S, Φ_q a = γ. All t
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
-from .nodes import between
-from .placed import backsolve, leave_out, refactor
+from ..._jit.pointer import Entry, call_kernels
+from ...algebra import Array
+from .nodes import Nodes, between
+from .placed import Placed, backsolve, leave_out, refactor
 
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 WARM = 8  # iterations for the weakest combination at the first state
@@ -26,44 +27,44 @@ TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is cho
 class Entries(NamedTuple):
     """The kernels of the groups of operators, see `_jit.pointer`."""
 
-    inertia: Any
-    jacobian: Any
-    residual: Any
-    velocity: Any
-    momentum: Any
-    force: Any
-    gamma: Any
-    potential: Any
-    remember: Any
+    inertia: Entry
+    jacobian: Entry
+    residual: Entry
+    velocity: Entry
+    momentum: Entry
+    force: Entry
+    gamma: Entry
+    potential: Entry
+    remember: Entry
 
 
 class Work(NamedTuple):
     """Operators' outputs and work arrays; weak: the combination of equations that is closest to vanishing."""
 
-    Phi: Any
-    Phi_qT_lam: Any
-    M_a: Any
-    S: Any
-    Q: Any
-    rate: Any
-    Phi_t: Any
-    gamma: Any
-    right: Any
-    solution: Any
-    potential: Any
-    memory: Any
-    weak: Any
+    Phi: Array
+    Phi_qT_lam: Array
+    M_a: Array
+    S: Array
+    Q: Array
+    rate: Array
+    Phi_t: Array
+    gamma: Array
+    right: Array
+    solution: Array
+    potential: Array
+    memory: Array
+    weak: Array
 
 
 class Matrix(NamedTuple):
     """The numbers of the operators; the matrix [M Φ_qᵀ; Φ_q 0] and its factors."""
 
-    values: Any
-    M: Any
-    Phi_q: Any
-    row_of: Any
-    left_out: Any
-    placed: Any
+    values: Array
+    M: Array
+    Phi_q: Array
+    row_of: Array
+    left_out: Array
+    placed: Placed
 
 
 class Samples(NamedTuple):
@@ -76,20 +77,20 @@ class Samples(NamedTuple):
     revolutions : of the joints' angles, see `Winding`
     """
 
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    violation: Any
-    energy: Any
-    growth: Any
-    memory: Any
-    revolutions: Any
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    violation: Array
+    energy: Array
+    growth: Array
+    memory: Array
+    revolutions: Array
 
 
 @compiled
-def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:
+def interpolate(nodes: Nodes, row: int, apart: bool, out: Samples, n: int) -> None:
     """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
     h = nodes.t[row + 1] - nodes.t[row]
     s = (out.t[n] - nodes.t[row]) / h
@@ -100,7 +101,7 @@ def interpolate(nodes: Any, row: Any, apart: Any, out: Any, n: Any) -> None:
 
 
 @compiled
-def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
+def factor(entries: Entries, b: Array, t: float, q: Array, matrix: Matrix) -> float:
     """Evaluate and factor [M Φ_qᵀ; Φ_q 0]; returns how far the pivots can be trusted."""
     call_kernels(entries.inertia, b, q, matrix.M)
     call_kernels(entries.jacobian, b, t, q, matrix.Phi_q)
@@ -109,7 +110,7 @@ def factor(entries: Any, b: Any, t: Any, q: Any, matrix: Any) -> Any:
 
 
 @compiled
-def position_defect(entries: Any, b: Any, t: Any, q: Any, lam: Any, work: Any) -> None:
+def position_defect(entries: Entries, b: Array, t: float, q: Array, lam: Array, work: Work) -> None:
     """Φ, as `work.rate`."""
     call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
     for k in range(len(work.Phi)):
@@ -117,7 +118,7 @@ def position_defect(entries: Any, b: Any, t: Any, q: Any, lam: Any, work: Any) -
 
 
 @compiled
-def velocity_defect(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any) -> None:
+def velocity_defect(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Work) -> None:
     """Φ_q v + Φ_t, as `work.rate`."""
     call_kernels(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
     for k in range(len(work.rate)):
@@ -125,7 +126,7 @@ def velocity_defect(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any) -> 
 
 
 @compiled
-def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
+def correct(x: Array, before: float, work: Work, matrix: Matrix) -> tuple[float, int]:
     """Take the least change that removes the defect from x. Returns the largest defect, and what was done.
 
     Nothing is DONE if the defect is small, or not half of what it was `before`. If it is no round-off either, the
@@ -154,7 +155,7 @@ def correct(x: Any, before: Any, work: Any, matrix: Any) -> Any:
 
 
 @compiled
-def sensible(v: Any, defect: Any, work: Any) -> Any:
+def sensible(v: Array, defect: float, work: Work) -> bool:
     """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
     moved, length = 0.0, 0.0
     for k in range(len(v)):
@@ -164,8 +165,16 @@ def sensible(v: Any, defect: Any, work: Any) -> Any:
 
 @compiled
 def project(
-    entries: Any, b: Any, t: Any, q: Any, v: Any, lam: Any, work: Any, matrix: Any, defect: Any
-) -> Any:
+    entries: Entries,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    lam: Array,
+    work: Work,
+    matrix: Matrix,
+    defect: Array,
+) -> bool:
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left.
 
     Returns false where constraints are so nearly dependent that they tell less of the state than it was known before.
@@ -192,7 +201,7 @@ def project(
 
 @compiled
 def solve_motion(
-    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, work: Any, matrix: Any
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix
 ) -> None:
     """a and λ of the equations of motion, refined from the guess that is there."""
     n = len(q)
@@ -224,7 +233,7 @@ def solve_motion(
 
 
 @compiled
-def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: Any) -> None:
+def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Work, energy: Array) -> None:
     """Kinetic and potential."""
     call_kernels(entries.momentum, b, q, v, v, work.M_a, work.S)
     total = 0.0
@@ -239,7 +248,7 @@ def energies(entries: Any, b: Any, t: Any, q: Any, v: Any, work: Any, energy: An
 
 
 @compiled
-def growth_of(work: Any, matrix: Any) -> Any:
+def growth_of(work: Work, matrix: Matrix) -> float:
     """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.
 
     An inverse iteration that goes on from state to state: the length comes close to 1 / σ², σ the smallest singular
@@ -268,18 +277,18 @@ def growth_of(work: Any, matrix: Any) -> Any:
 
 @compiled
 def settle(
-    entries: Any,
-    b: Any,
-    t: Any,
-    q: Any,
-    v: Any,
-    a: Any,
-    lam: Any,
-    work: Any,
-    matrix: Any,
-    violation: Any,
-    energy: Any,
-) -> Any:
+    entries: Entries,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    lam: Array,
+    work: Work,
+    matrix: Matrix,
+    violation: Array,
+    energy: Array,
+) -> float:
     """Make one state consistent in place; returns how far the pivots can be trusted."""
     trust = factor(entries, b, t, q, matrix)
     if not trust > TRUSTED:
@@ -293,8 +302,9 @@ def settle(
 
 @compiled(entry=True)
 def sample(
-    entries: Any, b: Any, places: Any, nodes: Any, apart: Any, out: Any, first: Any, row: Any, work: Any, matrix: Any
-) -> Any:  # fmt: skip
+    entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
+    work: Work, matrix: Matrix,
+) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
     Returns

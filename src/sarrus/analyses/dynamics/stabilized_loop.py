@@ -12,16 +12,17 @@ What is not defined here (`advance`, `newton`, ...) is that of `alpha_loop`, com
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
+from ...algebra import Array
+from .alpha_loop import Control, Scheme, Tolerance, size, stretch
 from .alpha_loop import accept as plain_accept
 from .alpha_loop import predict as plain_predict
 from .alpha_loop import residual as plain_residual
-from .alpha_loop import size, stretch
 from .alpha_loop import update as plain_update
-from .placed import backsolve, leave_out, refactor
+from .placed import Placed, backsolve, leave_out, refactor
 from .radau_loop import evaluate
 from .stabilized_matrix import weigh
 
@@ -29,108 +30,124 @@ from .stabilized_matrix import weigh
 class State(NamedTuple):
     """`alpha_loop.State`, with the multipliers η and the shift s of q at the start and the end of a step."""
 
-    q0: Any
-    v0: Any
-    a0: Any
-    x0: Any
-    lam0: Any
-    q1: Any
-    v1: Any
-    a1: Any
-    x1: Any
-    lam1: Any
-    a_change: Any
-    lam_change: Any
-    eta0: Any
-    eta1: Any
-    shift0: Any
-    shift1: Any
+    q0: Array
+    v0: Array
+    a0: Array
+    x0: Array
+    lam0: Array
+    q1: Array
+    v1: Array
+    a1: Array
+    x1: Array
+    lam1: Array
+    a_change: Array
+    lam_change: Array
+    eta0: Array
+    eta1: Array
+    shift0: Array
+    shift1: Array
 
 
 class Memory(NamedTuple):
     """`alpha_loop.Memory`, with Φ_q(q₀)ᵀη; `right` is of the index-3 equations, `whole` and `solution` of all."""
 
-    Phi: Any
-    Phi_qT_lam: Any
-    M_a: Any
-    S: Any
-    Q: Any
-    rate: Any
-    Phi_t: Any
-    right: Any
-    solution: Any
-    previous: Any
-    noise: Any
-    Phi_qT_eta: Any
-    whole: Any
+    Phi: Array
+    Phi_qT_lam: Array
+    M_a: Array
+    S: Array
+    Q: Array
+    rate: Array
+    Phi_t: Array
+    right: Array
+    solution: Array
+    previous: Array
+    noise: Array
+    Phi_qT_eta: Array
+    whole: Array
 
 
 class Matrix(NamedTuple):
     """The numbers of all operators, Φ_q at the start of the step among them; q there; the matrix and its factors."""
 
-    values: Any
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    gamma_v: Any
-    Phi_q_start: Any
-    q0: Any
-    row_of: Any
-    left_out: Any
-    placed: Any
+    values: Array
+    Phi_q: Array
+    Phi_qT_lam_q: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    gamma_v: Array
+    Phi_q_start: Array
+    q0: Array
+    row_of: Array
+    left_out: Array
+    placed: Placed
 
 
 class Entries(NamedTuple):
     """The kernels of the groups of operators, see `_jit.pointer`."""
 
-    residual: Any
-    momentum: Any
-    force: Any
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    velocity: Any
-    turning: Any
-    remember: Any
+    residual: Entry
+    momentum: Entry
+    force: Entry
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    velocity: Entry
+    turning: Entry
+    remember: Entry
 
 
 @compiled
-def update(scheme: Any, h: Any, state: Any) -> None:
+def update(scheme: Scheme, h: float, state: State) -> None:
     """q₁, v₁, ã₁ of a₁ and s₁."""
-    plain_update(scheme, h, state)
+    plain_update(scheme, h, state)  # type: ignore[arg-type]
     for k in range(len(state.q1)):
         state.q1[k] += state.shift1[k]
 
 
 @compiled
 def residual(
-    entries: Any, b: Any, t: Any, state: Any, memory: Any, left_out: Any, beta: Any, ignored: Any
+    entries: Entries,
+    b: Array,
+    t: float,
+    state: State,
+    memory: Memory,
+    left_out: Array,
+    beta: float,
+    ignored: float,
 ) -> None:
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step, Φ_q v and Φ_t there, and Φ_q(q₀)ᵀη."""
-    plain_residual(entries, b, t, state, memory, left_out, beta, ignored)
+    plain_residual(entries, b, t, state, memory, left_out, beta, ignored)  # type: ignore[arg-type]
     call_kernels(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
     call_kernels(entries.residual, b, t, state.q0, state.eta1, memory.Phi, memory.Phi_qT_eta)
 
 
 @compiled
 def factor(
-    entries: Any, b: Any, t: Any, q: Any, v: Any, a: Any, lam: Any, matrix: Any, beta: Any, gamma: Any
-) -> Any:
+    entries: Entries,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    lam: Array,
+    matrix: Matrix,
+    beta: float,
+    gamma: float,
+) -> float:
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
     call_kernels(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
-    evaluate(entries, b, t, q, v, a, lam, matrix)
+    evaluate(entries, b, t, q, v, a, lam, matrix)  # type: ignore[arg-type]
     leave_out(matrix.Phi_q_start, matrix.row_of, matrix.left_out)
     weigh(matrix.placed.weights, beta, gamma)
     return refactor(matrix.values, matrix.placed)
 
 
 @compiled
-def scaled(state: Any, memory: Any, left_out: Any, beta: Any, gamma: Any) -> None:
+def scaled(state: State, memory: Memory, left_out: Array, beta: float, gamma: float) -> None:
     """The right side of a Newton step, its rows scaled as those of the matrix."""
     n, m, whole = len(state.q0), len(left_out), memory.whole
     for k in range(n):
@@ -144,15 +161,15 @@ def scaled(state: Any, memory: Any, left_out: Any, beta: Any, gamma: Any) -> Non
 
 @compiled
 def correct(
-    scheme: Any,
-    h: Any,
-    state: Any,
-    memory: Any,
-    matrix: Any,
-    beta: Any,
-    gamma: Any,
-    tol: Any,
-) -> Any:
+    scheme: Scheme,
+    h: float,
+    state: State,
+    memory: Memory,
+    matrix: Matrix,
+    beta: float,
+    gamma: float,
+    tol: Tolerance,
+) -> float:
     """One correction of a₁, λ₁, η₁ and s₁ by the residual and the factors at hand; returns its size."""
     n, m, change = len(state.q0), len(state.lam0), memory.solution
     scaled(state, memory, matrix.left_out, beta, gamma)
@@ -170,7 +187,7 @@ def correct(
 
 
 @compiled
-def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
+def multiplier_change(state: State, memory: Memory, beta: float) -> float:
     """The largest change of a multiplier by the last correction."""
     change = 0.0
     for k in range(len(state.lam1)):
@@ -179,9 +196,9 @@ def multiplier_change(state: Any, memory: Any, beta: Any) -> Any:
 
 
 @compiled
-def predict(ratio: Any, state: Any) -> None:
+def predict(ratio: float, state: State) -> None:
     """First guess of the unknowns; η and s go with h³."""
-    plain_predict(ratio, state)
+    plain_predict(ratio, state)  # type: ignore[arg-type]
     for k in range(len(state.eta0)):
         state.eta1[k] = ratio**3 * state.eta0[k]
     for k in range(len(state.shift0)):
@@ -189,9 +206,9 @@ def predict(ratio: Any, state: Any) -> None:
 
 
 @compiled
-def accept(state: Any) -> None:
+def accept(state: State) -> None:
     """The end of the step is the start of the next."""
-    plain_accept(state)
+    plain_accept(state)  # type: ignore[arg-type]
     for k in range(len(state.eta0)):
         state.eta0[k] = state.eta1[k]
     for k in range(len(state.shift0)):
@@ -200,8 +217,15 @@ def accept(state: Any) -> None:
 
 @compiled
 def rescale(
-    entries: Any, b: Any, t: Any, ratio: Any, state: Any, memory: Any, matrix: Any, control: Any
+    entries: Entries,
+    b: Array,
+    t: float,
+    ratio: float,
+    state: State,
+    memory: Memory,
+    matrix: Matrix,
+    control: Control,
 ) -> None:
     """A new step size; velocities satisfy their constraints, so that none of their defect is removed."""
-    stretch(ratio, state)
+    stretch(ratio, state)  # type: ignore[arg-type]
     control.beta = 0.0

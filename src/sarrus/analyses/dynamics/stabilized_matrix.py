@@ -10,9 +10,8 @@ P = Φ_q, at the same or another state. Its condition does not depend on the ste
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..._jit.link import compiled
+from ...algebra import Array
 from ...system import System
 from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 
@@ -44,7 +43,7 @@ def newton_parts(nq: int, m: int, P: str = "Phi_q") -> list[Part]:
 
 
 @compiled
-def weigh(weights: Any, beta: Any, gamma: Any) -> None:
+def weigh(weights: Array, beta: complex, gamma: complex) -> None:
     """The weights of the parts of a Newton matrix, in the order of `newton_parts`."""
     weights[1] = -1.0
     weights[4], weights[5], weights[6], weights[7] = beta, beta, -beta, -beta

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
+from ...algebra import Array
 
 REVOLUTION = 6.283185307179586
 
@@ -13,26 +14,26 @@ REVOLUTION = 6.283185307179586
 class Work(NamedTuple):
     """Operators' operands and outputs; `lam` and `force` are those of a kernel that gives Φ beside others."""
 
-    lam: Any
-    Phi: Any
-    force: Any
-    rate: Any
-    Phi_t: Any
-    before: Any
+    lam: Array
+    Phi: Array
+    force: Array
+    rate: Array
+    Phi_t: Array
+    before: Array
 
 
 @compiled(entry=True)
 def count(
-    residual: Any,
-    velocity: Any,
-    b: Any,
-    angles: Any,
-    t: Any,
-    q: Any,
-    v: Any,
-    last: Any,
-    turns: Any,
-    work: Any,
+    residual: Entry,
+    velocity: Entry,
+    b: Array,
+    angles: Array,
+    t: Array,
+    q: Array,
+    v: Array,
+    last: Array,
+    turns: Array,
+    work: Work,
 ) -> None:
     """Fill `turns` (nt, nc), the revolutions beyond Φ; `last` (nc,) holds the coordinates before and is replaced.
 

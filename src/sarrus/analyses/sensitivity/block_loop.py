@@ -87,7 +87,7 @@ class Refinement(Scalars):
 class Cuts(Scalars):
     """Where the numbers of J and those of P begin behind the factors, and where they end."""
 
-    data: int
+    matrix: int
     product: int
     end: int
 
@@ -149,8 +149,8 @@ class Block(NamedTuple):
 def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
     """The matrix of one lane and its factors."""
     factors, data = (
-        block.turned[lane, : block.cuts.data],
-        block.turned[lane, block.cuts.data : block.cuts.product],
+        block.turned[lane, : block.cuts.matrix],
+        block.turned[lane, block.cuts.matrix : block.cuts.product],
     )
     return Factors(
         matrix.parts, matrix.weights, matrix.places, matrix.indptr, matrix.indices, data, matrix.pointers, matrix.rows,
@@ -294,7 +294,7 @@ def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
 @compiled
 def factor_block(matrix: Any, block: Any) -> None:
     """Assemble and factor J."""
-    first, last = block.cuts.data, block.cuts.product
+    first, last = block.cuts.matrix, block.cuts.product
     factors, data = block.sheet[: first * LANES], block.sheet[first * LANES : last * LANES]
     assemble_lanes(matrix.parts, matrix.places, block.weights, block.values, data)
     factor_lanes(

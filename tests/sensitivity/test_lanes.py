@@ -22,8 +22,9 @@ from sarrus.analyses.sensitivity.block_loop import (
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
+from sarrus.analyses.sensitivity.panel_loop import Factors
 from sarrus.analyses.sensitivity.row_order import by_rows
-from sarrus.analyses.sensitivity.step_matrix import Factors, unsigned
+from sarrus.analyses.sensitivity.step_matrix import unsigned
 from sarrus.system import lane_room
 from sarrus.system.lane_room import aligned, room
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from .._jit.link import compiled
-from .._jit.pointer import call_kernels
+from .._jit.pointer import Entry, call_kernels
+from ..algebra import Array
 
 
 @compiled(entry=True)
-def slopes(entry: Any, b: Any, t: Any, q: Any, v: Any, value: Any, by_q: Any, by_v: Any, by_b: Any) -> None:
+def slopes(
+    entry: Entry, b: Array, t: Array, q: Array, v: Array, value: Array, by_q: Array, by_v: Array, by_b: Array
+) -> None:
     """Values and gradients of all blocks; what is given stands in lanes, a block in every row."""
     for n in range(len(t)):
         call_kernels(entry, b, t[n], q[n], v[n], value[n], by_q[n], by_v[n], by_b[n])
@@ -17,7 +18,8 @@ def slopes(entry: Any, b: Any, t: Any, q: Any, v: Any, value: Any, by_q: Any, by
 
 @compiled(entry=True)
 def turns(
-    entry: Any, b: Any, t: Any, q: Any, v: Any, q_dot: Any, v_dot: Any, b_dot: Any, by_q: Any, by_v: Any, by_b: Any
+    entry: Entry, b: Array, t: Array, q: Array, v: Array, q_dot: Array, v_dot: Array, b_dot: Array, by_q: Array,
+    by_v: Array, by_b: Array,
 ) -> None:  # fmt: skip
     """The changes of the gradients."""
     for n in range(len(t)):

@@ -196,15 +196,9 @@ def update(scheme: Scheme, h: float, state: State) -> None:
 
 @compiled
 def residual(
-    entries: Entries,
-    b: Array,
-    t: float,
-    state: State,
-    memory: Memory,
-    left_out: Array,
-    beta: float,
+    entries: Entries, b: Array, t: float, state: State, memory: Memory, left_out: Array, beta: float,
     ignored: float,
-) -> None:
+) -> None:  # fmt: skip
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step.
 
     Of Φ as many times its round-off as `ignored` says is left out: in very short steps β' would make accelerations
@@ -235,17 +229,9 @@ def evaluate(
 
 @compiled
 def factor(
-    entries: Entries,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    lam: Array,
-    matrix: Matrix,
-    beta: float,
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, matrix: Matrix, beta: float,
     gamma: float,
-) -> float:
+) -> float:  # fmt: skip
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted.
 
     With β' = γ' = 0 it is [M, Φ_qᵀ; Φ_q, 0].
@@ -267,15 +253,9 @@ def size(change: Array, factor: float, q0: Array, q1: Array, rtol: Array, atol: 
 
 @compiled
 def correct(
-    scheme: Scheme,
-    h: float,
-    state: State,
-    memory: Memory,
-    matrix: Matrix,
-    beta: float,
-    gamma: float,
+    scheme: Scheme, h: float, state: State, memory: Memory, matrix: Matrix, beta: float, gamma: float,
     tol: Tolerance,
-) -> float:
+) -> float:  # fmt: skip
     """One correction of a₁ and λ₁ by the residual and the factors at hand; returns its size."""
     n = len(state.q0)
     backsolve(matrix.placed, memory.right, memory.solution)
@@ -297,15 +277,9 @@ def weights_of(scheme: Scheme, h: Any) -> tuple[Any, Any]:
 
 @compiled
 def renew(
-    entries: Entries,
-    b: Array,
-    t: float,
-    state: State,
-    matrix: Matrix,
-    control: Control,
-    beta: float,
+    entries: Entries, b: Array, t: float, state: State, matrix: Matrix, control: Control, beta: float,
     gamma: float,
-) -> bool:
+) -> bool:  # fmt: skip
     """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
     control.matrices += 1
     q, v, a, lam = state.q1, state.v1, state.a1, state.lam1
@@ -353,8 +327,8 @@ def settled(state: State, memory: Memory, beta: float) -> bool:
 
 @compiled
 def polish(
-    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    control: Control, tol: Tolerance, rate: float, before: float,
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory,
+    matrix: Matrix, control: Control, tol: Tolerance, rate: float, before: float,
 ) -> int:  # fmt: skip
     """Newton's method to the end, for steps whose derivatives are wanted; returns how many corrections it took.
 
@@ -395,8 +369,8 @@ def replace(iterations: int, control: Control) -> None:
 
 @compiled
 def newton(
-    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    control: Control, tol: Tolerance,
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory,
+    matrix: Matrix, control: Control, tol: Tolerance,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Solve one step. Returns (iterations, contraction, change): 0 iterations if it fails, -1 for pivots to renew."""
     beta, gamma = weights_of(scheme, h)
@@ -457,15 +431,9 @@ def stretch(ratio: float, state: State) -> None:
 
 @compiled
 def rescale(
-    entries: Entries,
-    b: Array,
-    t: float,
-    ratio: float,
-    state: State,
-    memory: Memory,
-    matrix: Matrix,
+    entries: Entries, b: Array, t: float, ratio: float, state: State, memory: Memory, matrix: Matrix,
     control: Control,
-) -> None:
+) -> None:  # fmt: skip
     """A new step size: ã₀ - a₀ goes with h, the defect of the velocity constraints with h².
 
     A part of the defect d = Φ_q v + Φ_t is removed by the least change of v in the metric of M: M s + Φ_qᵀσ = 0,
@@ -512,21 +480,9 @@ def remember(entries: Entries, b: Array, places: Array, t: float, q: Array, memo
 
 @compiled(entry=True)
 def advance(
-    scheme: Scheme,
-    entries: Entries,
-    b: Array,
-    places: Array,
-    until: float,
-    limit: int,
-    h_max: float,
-    state: State,
-    memory: Memory,
-    matrix: Matrix,
-    control: Control,
-    record: Record,
-    exact: bool,
-    tol: Tolerance,
-) -> tuple[int, int]:
+    scheme: Scheme, entries: Entries, b: Array, places: Array, until: float, limit: int, h_max: float,
+    state: State, memory: Memory, matrix: Matrix, control: Control, record: Record, exact: bool, tol: Tolerance,
+) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them.
 
     Returns

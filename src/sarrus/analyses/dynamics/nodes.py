@@ -45,8 +45,8 @@ class Nodes(NamedTuple):
 
 @compiled
 def between(
-    q0: Array, v0: Array, a0: Array, q1: Array, v1: Array, a1: Array, s: float, h: float, apart: bool,
-    q: Array, v: Array, a: Array,
+    q0: Array, v0: Array, a0: Array, q1: Array, v1: Array, a1: Array, s: float, h: float, apart: bool, q: Array,
+    v: Array, a: Array,
 ) -> None:  # fmt: skip
     """q, v and a at the part s of a step of length h, of the states at its ends.
 

@@ -182,15 +182,9 @@ def stages(scheme: Scheme, h: float, state: State) -> None:
 
 @compiled
 def residual(
-    scheme: Scheme,
-    index: Indices,
-    b: Array,
-    t0: float,
-    h: float,
-    state: State,
-    memory: Memory,
+    scheme: Scheme, index: Indices, b: Array, t0: float, h: float, state: State, memory: Memory,
     left_out: Array,
-) -> None:
+) -> None:  # fmt: skip
     """[q' - v + Φ_qᵀμ; M a + Φ_qᵀλ - Q - S; Φ; Φ_q v + Φ_t] at every stage."""
     n, m = len(state.q0), len(left_out)
     stages(scheme, h, state)
@@ -297,18 +291,9 @@ def improve(
 
 @compiled
 def newton(
-    scheme: Scheme,
-    index: Indices,
-    b: Array,
-    t: float,
-    h: float,
-    state: State,
-    memory: Memory,
-    matrices: Matrices,
-    control: Control,
-    tol: Tolerance,
-    enough: float,
-) -> tuple[int, float]:
+    scheme: Scheme, index: Indices, b: Array, t: float, h: float, state: State, memory: Memory,
+    matrices: Matrices, control: Control, tol: Tolerance, enough: float,
+) -> tuple[int, float]:  # fmt: skip
     """Solve the stages of one step. Returns (iterations, contraction): no iterations if it fails."""
     before, rate = 0.0, 0.0
     for iteration in range(NEWTON_LIMIT):
@@ -333,16 +318,9 @@ def newton(
 
 @compiled
 def estimate(
-    scheme: Scheme,
-    index: Indices,
-    b: Array,
-    h: float,
-    again: bool,
-    state: State,
-    memory: Memory,
-    matrices: Matrices,
-    tol: Tolerance,
-) -> float:
+    scheme: Scheme, index: Indices, b: Array, h: float, again: bool, state: State, memory: Memory,
+    matrices: Matrices, tol: Tolerance,
+) -> float:  # fmt: skip
     """Size of the error of a step; with `again` it is filtered twice, for stiff beginnings."""
     n, m, s = len(state.q0), len(matrices.left_out), scheme.gamma / h
     right, found = memory.real, memory.real_solution
@@ -431,16 +409,9 @@ def accept(state: State) -> None:
 
 @compiled
 def motion(
-    index: Indices,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    lam: Array,
-    memory: Memory,
+    index: Indices, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, memory: Memory,
     matrices: Matrices,
-) -> float:
+) -> float:  # fmt: skip
     """a and λ of the equations of motion at a state; returns how far the pivots can be trusted."""
     n = len(q)
     call_kernels(index.bending, b, t, q, v, matrices.Phi_q, memory.gamma)
@@ -488,22 +459,10 @@ def smooth(h: float, state: State, end: Array, tol: Tolerance) -> None:
 
 @compiled(entry=True)
 def advance(
-    scheme: Scheme,
-    index: Indices,
-    b: Array,
-    places: Array,
-    until: float,
-    limit: int,
-    h_max: float,
-    state: State,
-    memory: Memory,
-    matrices: Matrices,
-    control: Control,
-    record: Record,
-    kept: bool,
-    tol: Tolerance,
-    enough: float,
-) -> tuple[int, int]:
+    scheme: Scheme, index: Indices, b: Array, places: Array, until: float, limit: int, h_max: float,
+    state: State, memory: Memory, matrices: Matrices, control: Control, record: Record, kept: bool,
+    tol: Tolerance, enough: float,
+) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
     taken, rejected, free = 0, False, len(record.given) == 0
     while control.t < until and taken < limit and (free or taken < len(record.given)):

@@ -165,16 +165,9 @@ def sensible(v: Array, defect: float, work: Work) -> bool:
 
 @compiled
 def project(
-    entries: Entries,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    lam: Array,
-    work: Work,
-    matrix: Matrix,
+    entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
     defect: Array,
-) -> bool:
+) -> bool:  # fmt: skip
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left.
 
     Returns false where constraints are so nearly dependent that they tell less of the state than it was known before.
@@ -277,18 +270,9 @@ def growth_of(work: Work, matrix: Matrix) -> float:
 
 @compiled
 def settle(
-    entries: Entries,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    lam: Array,
-    work: Work,
-    matrix: Matrix,
-    violation: Array,
-    energy: Array,
-) -> float:
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
+    violation: Array, energy: Array,
+) -> float:  # fmt: skip
     """Make one state consistent in place; returns how far the pivots can be trusted."""
     trust = factor(entries, b, t, q, matrix)
     if not trust > TRUSTED:

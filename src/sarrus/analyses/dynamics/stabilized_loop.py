@@ -110,15 +110,9 @@ def update(scheme: Scheme, h: float, state: State) -> None:
 
 @compiled
 def residual(
-    entries: Entries,
-    b: Array,
-    t: float,
-    state: State,
-    memory: Memory,
-    left_out: Array,
-    beta: float,
+    entries: Entries, b: Array, t: float, state: State, memory: Memory, left_out: Array, beta: float,
     ignored: float,
-) -> None:
+) -> None:  # fmt: skip
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step, Φ_q v and Φ_t there, and Φ_q(q₀)ᵀη."""
     plain_residual(entries, b, t, state, memory, left_out, beta, ignored)  # type: ignore[arg-type]
     call_kernels(entries.velocity, b, t, state.q1, state.v1, memory.rate, memory.Phi_t)
@@ -127,17 +121,9 @@ def residual(
 
 @compiled
 def factor(
-    entries: Entries,
-    b: Array,
-    t: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    lam: Array,
-    matrix: Matrix,
-    beta: float,
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, matrix: Matrix, beta: float,
     gamma: float,
-) -> float:
+) -> float:  # fmt: skip
     """Evaluate, assemble and factor the Newton matrix; returns how far the pivots can be trusted."""
     call_kernels(entries.jacobian, b, t, matrix.q0, lam, matrix.Phi_q_start, matrix.Phi_qT_lam_q)
     evaluate(entries, b, t, q, v, a, lam, matrix)  # type: ignore[arg-type]
@@ -161,15 +147,9 @@ def scaled(state: State, memory: Memory, left_out: Array, beta: float, gamma: fl
 
 @compiled
 def correct(
-    scheme: Scheme,
-    h: float,
-    state: State,
-    memory: Memory,
-    matrix: Matrix,
-    beta: float,
-    gamma: float,
+    scheme: Scheme, h: float, state: State, memory: Memory, matrix: Matrix, beta: float, gamma: float,
     tol: Tolerance,
-) -> float:
+) -> float:  # fmt: skip
     """One correction of a₁, λ₁, η₁ and s₁ by the residual and the factors at hand; returns its size."""
     n, m, change = len(state.q0), len(state.lam0), memory.solution
     scaled(state, memory, matrix.left_out, beta, gamma)
@@ -217,15 +197,9 @@ def accept(state: State) -> None:
 
 @compiled
 def rescale(
-    entries: Entries,
-    b: Array,
-    t: float,
-    ratio: float,
-    state: State,
-    memory: Memory,
-    matrix: Matrix,
+    entries: Entries, b: Array, t: float, ratio: float, state: State, memory: Memory, matrix: Matrix,
     control: Control,
-) -> None:
+) -> None:  # fmt: skip
     """A new step size; velocities satisfy their constraints, so that none of their defect is removed."""
     stretch(ratio, state)  # type: ignore[arg-type]
     control.beta = 0.0

@@ -24,17 +24,9 @@ class Work(NamedTuple):
 
 @compiled(entry=True)
 def count(
-    residual: Entry,
-    velocity: Entry,
-    b: Array,
-    angles: Array,
-    t: Array,
-    q: Array,
-    v: Array,
-    last: Array,
-    turns: Array,
-    work: Work,
-) -> None:
+    residual: Entry, velocity: Entry, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
+    turns: Array, work: Work,
+) -> None:  # fmt: skip
     """Fill `turns` (nt, nc), the revolutions beyond Φ; `last` (nc,) holds the coordinates before and is replaced.
 
     An angle is taken nearest to the one before and the mean of both rates times the time between.

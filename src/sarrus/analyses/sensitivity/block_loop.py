@@ -6,18 +6,22 @@ steps that follow one another, or changes of the step size. In arrays "in lanes"
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ..._jit.scalars import Scalars
 from ..._jit.vector import LANES
-from ..dynamics.alpha_loop import weights_of
+from ...algebra import Array
+from ..dynamics.alpha_loop import Scheme, weights_of
 from ..dynamics.newton_matrix import weigh
-from .columns_loop import solve_panel
+from .by_numbers import Moved
+from .columns_loop import ByRows, Rows, solve_panel
 from .lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
-from .panel_loop import REFINEMENTS, solve_columns_transposed, solve_flat, solve_plain_transposed
-from .step_matrix import Factors
+from .panel_loop import REFINEMENTS, Factors, solve_columns_transposed, solve_flat, solve_plain_transposed
+
+if TYPE_CHECKING:
+    from .sweep_loop import Work
 
 UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
 LARGER = 1e2  # times the squares of L may be those of factors with which a solution needed no refinement
@@ -26,26 +30,26 @@ LARGER = 1e2  # times the squares of L may be those of factors with which a solu
 class Record(NamedTuple):
     """The steps as they were taken; see `sarrus.results.Steps`."""
 
-    t: Any
-    h: Any
-    removed: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    left_out: Any
-    places: Any
-    memory: Any
+    t: Array
+    h: Array
+    removed: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    left_out: Array
+    places: Array
+    memory: Array
 
 
 class Entries(NamedTuple):
     """The drivers of the operators, by address, and their entries; in lanes."""
 
-    velocity: Any
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    gamma_v: Any
+    velocity: Entry
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    gamma_v: Entry
 
 
 class Product(NamedTuple):
@@ -54,12 +58,12 @@ class Product(NamedTuple):
     rows : the same by rows, for panels of columns
     """
 
-    parts: Any
-    places: Any
-    weights: Any
-    indptr: Any
-    indices: Any
-    rows: Any
+    parts: Array
+    places: Array
+    weights: Array
+    indptr: Array
+    indices: Array
+    rows: Rows
 
 
 class Lanes(Scalars):
@@ -67,6 +71,34 @@ class Lanes(Scalars):
 
     used: int
     next: int
+
+
+class Chosen(Protocol):
+    """Steps in lanes, and which lanes are in use."""
+
+    @property
+    def steps(self) -> Array:
+        """The steps (lanes,)."""
+
+    @property
+    def lanes(self) -> Lanes:
+        """See `Lanes`."""
+
+
+class Remembered(Protocol):
+    """What elements remember during the steps, and the equations that are left out, of a record of steps."""
+
+    @property
+    def left_out(self) -> Array:
+        """At the ends of steps (n + 1, m), or none."""
+
+    @property
+    def places(self) -> Array:
+        """Of what elements remember, in b."""
+
+    @property
+    def memory(self) -> Array:
+        """During each step (n, places)."""
 
 
 class Refinement(Scalars):
@@ -95,7 +127,7 @@ class Cuts(Scalars):
 class Block(NamedTuple):
     """Some steps or changes of their size.
 
-    index, lanes : (lanes,) the steps; see `Lanes`
+    steps, lanes : (lanes,) the steps; see `Lanes`
     t to lam : states in lanes; of a change of step size with s, v - s, σ in place of a, η, λ
     values, then operators, row_of : all numbers of operators, in lanes; each one's part; the equation of those of Φ_q
     weights, product : of the parts of J; P, by which changes of q and v enter the right sides
@@ -108,45 +140,45 @@ class Block(NamedTuple):
     moved : forwards, what changes of b do, see `by_numbers`
     """
 
-    index: Any
-    lanes: Any
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    eta: Any
-    lam: Any
-    values: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    Phi_qT_lam_q: Any
-    left_out: Any
-    Phi_q: Any
-    gamma_v: Any
-    Phi_q_xi: Any
-    Phi_t: Any
-    row_of: Any
-    weights: Any
-    product: Any
-    sheet: Any
-    turned: Any
-    cuts: Any
-    work: Any
-    growth: Any
-    refined: Any
-    entry: Any
-    xi: Any
-    nu: Any
-    by_b: Any
-    moved: Any
+    steps: Array
+    lanes: Lanes
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    eta: Array
+    lam: Array
+    values: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    Phi_qT_lam_q: Array
+    left_out: Array
+    Phi_q: Array
+    gamma_v: Array
+    Phi_q_xi: Array
+    Phi_t: Array
+    row_of: Array
+    weights: Array
+    product: Product
+    sheet: Array
+    turned: Array
+    cuts: Cuts
+    work: Array
+    growth: Array
+    refined: Refinement
+    entry: Entry
+    xi: Array
+    nu: Array
+    by_b: Array
+    moved: Moved
 
 
 @compiled
-def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
+def factors_of(matrix: Factors, block: Block, lane: int) -> Factors:
     """The matrix of one lane and its factors."""
     factors, data = (
         block.turned[lane, : block.cuts.matrix],
@@ -159,15 +191,16 @@ def factors_of(matrix: Any, block: Any, lane: Any) -> Any:
 
 
 @compiled
-def plainly(refined: Any, growth: Any) -> Any:
+def plainly(refined: Refinement, growth: float) -> bool:
     """Whether a solution with factors of some growth need not be refined."""
     return refined.change <= refined.limit and growth <= LARGER * refined.growth
 
 
 @compiled
 def solve_lane(
-    own: Any, by_rows: Any, refined: Any, growth: Any, begun: Any, right: Any, solution: Any, room: Any
-) -> Any:
+    own: Factors, by_rows: ByRows, refined: Refinement, growth: float, begun: bool, right: Array,
+    solution: Array, room: Array,
+) -> float:  # fmt: skip
     """Solve with the factors of one lane, for one column as in `solve_lane_transposed`, or for a panel of them.
 
     Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
@@ -191,7 +224,9 @@ def solve_lane(
 
 
 @compiled
-def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_lane_transposed(
+    own: Factors, refined: Refinement, growth: float, right: Array, solution: Array, room: Array
+) -> float:
     """Solve with the transposed factors of one lane; the last relative change of the solution.
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
@@ -205,7 +240,7 @@ def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solut
 
 
 @compiled
-def alike(record: Any, n: Any, k: Any) -> Any:
+def alike(record: Record, n: int, k: int) -> bool:
     """Whether elements remembered the same during two steps, and the same equations were left out."""
     for i in range(len(record.places)):
         if record.memory[n, i] != record.memory[k, i]:
@@ -218,33 +253,33 @@ def alike(record: Any, n: Any, k: Any) -> Any:
 
 
 @compiled
-def collect(record: Any, n: Any, last: Any, way: Any, rescales: Any, block: Any) -> None:
+def collect(record: Record, n: int, last: int, way: int, rescales: bool, block: Chosen) -> None:
     """Fill the lanes with steps that are alike, from n on; those that are left repeat one."""
     count, k = 0, n
     while count < LANES and (last - k) * way >= 0:
         if not rescales or record.removed[k] != 0.0:
             if not alike(record, n, k):
                 break
-            block.index[count] = k
+            block.steps[count] = k
             count += 1
         k += way
     for lane in range(count, LANES):
-        block.index[lane] = n
+        block.steps[lane] = n
     block.lanes.used, block.lanes.next = count, 0
 
 
 @compiled
-def put(x: Any, lane: Any, weight: Any, out: Any) -> None:
+def put(x: Array, lane: int, weight: float, out: Array) -> None:
     """A lane of out = weight x."""
     for k in range(len(x)):
         out[k * LANES + lane] = weight * x[k]
 
 
 @compiled
-def gather(record: Any, after: Any, block: Any) -> None:
+def gather(record: Record, after: int, block: Block) -> None:
     """The states at the steps' ends (after = 1) or starts; adjoint variables begin with zero."""
     for lane in range(LANES):
-        node = block.index[lane] + after
+        node = block.steps[lane] + after
         block.t[lane] = record.t[node]
         put(record.q[node], lane, 1.0, block.q)
         put(record.v[node], lane, 1.0, block.v)
@@ -254,17 +289,17 @@ def gather(record: Any, after: Any, block: Any) -> None:
 
 
 @compiled
-def remember(b: Any, record: Any, block: Any) -> None:
+def remember(b: Array, record: Remembered, block: Chosen) -> None:
     """What elements remembered during the steps of a block."""
     for k in range(len(record.places)):
-        b[record.places[k]] = record.memory[block.index[0], k]
+        b[record.places[k]] = record.memory[block.steps[0], k]
 
 
 @compiled
-def leave_out(record: Any, block: Any) -> None:
+def leave_out(record: Record, block: Block) -> None:
     """Equations that are left out have no gradient."""
     if len(record.left_out) > 0:
-        out = record.left_out[block.index[0] + 1]
+        out = record.left_out[block.steps[0] + 1]
         for k in range(len(block.left_out)):
             block.left_out[k] = out[k // LANES]
         for k in range(len(block.Phi_q)):
@@ -272,7 +307,7 @@ def leave_out(record: Any, block: Any) -> None:
 
 
 @compiled
-def solved_rows(record: Any, n: Any, x: Any) -> None:
+def solved_rows(record: Record, n: int, x: Array) -> None:
     """Zero in the rows of equations that are left out in step n."""
     if len(record.left_out) > 0:
         m = record.left_out.shape[1]
@@ -283,7 +318,7 @@ def solved_rows(record: Any, n: Any, x: Any) -> None:
 
 
 @compiled
-def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
+def evaluate(entries: Entries, b: Array, record: Record, block: Block) -> None:
     """The numbers of the operators of constraints and inertia; all others are zero."""
     clear_lanes(block.values)
     call_kernels(entries.jacobian, b, block.t, block.q, block.lam, block.Phi_q, block.Phi_qT_lam_q)
@@ -292,7 +327,7 @@ def evaluate(entries: Any, b: Any, record: Any, block: Any) -> None:
 
 
 @compiled
-def factor_block(matrix: Any, block: Any) -> None:
+def factor_block(matrix: Factors, block: Block) -> None:
     """Assemble and factor J."""
     first, last = block.cuts.matrix, block.cuts.product
     factors, data = block.sheet[: first * LANES], block.sheet[first * LANES : last * LANES]
@@ -306,7 +341,7 @@ def factor_block(matrix: Any, block: Any) -> None:
 
 
 @compiled
-def make_product(block: Any) -> None:
+def make_product(block: Block) -> None:
     """Assemble P."""
     product, first, last = block.product, block.cuts.product, block.cuts.end
     data = block.sheet[: (last - first) * LANES]
@@ -315,7 +350,7 @@ def make_product(block: Any) -> None:
 
 
 @compiled
-def change(b: Any, block: Any) -> None:
+def change(b: Array, block: Block) -> None:
     """Forwards, what changes of the numbers do, element by element."""
     moved = block.moved
     clear_lanes(moved.results)
@@ -328,7 +363,7 @@ def change(b: Any, block: Any) -> None:
 
 
 @compiled
-def finish(b: Any, record: Any, block: Any) -> None:
+def finish(b: Array, record: Record, block: Block) -> None:
     """Backwards, what the adjoint variables give for the gradient by the numbers; the block is used up."""
     if block.lanes.used > 0:
         remember(b, record, block)
@@ -342,8 +377,9 @@ def finish(b: Any, record: Any, block: Any) -> None:
 
 @compiled
 def linearize_steps(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, block: Any
-) -> None:
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, last: int, way: int, matrix: Factors,
+    block: Block,
+) -> None:  # fmt: skip
     """Evaluate and factor for the steps from n on, up or down."""
     collect(record, n, last, way, False, block)
     gather(record, 1, block)
@@ -351,7 +387,7 @@ def linearize_steps(
     evaluate(entries, b, record, block)
     call_kernels(entries.stiffness, b, block.t, block.q, block.v, block.Q_q, block.Q_v)
     for lane in range(LANES):
-        beta, gamma = weights_of(scheme, record.h[block.index[lane]])
+        beta, gamma = weights_of(scheme, record.h[block.steps[lane]])
         weigh(block.weights[:, lane], beta, gamma)
     factor_block(matrix, block)
     make_product(block)
@@ -360,8 +396,9 @@ def linearize_steps(
 
 @compiled
 def linearize_rescales(
-    entries: Any, b: Any, record: Any, n: Any, last: Any, way: Any, matrix: Any, by_rows: Any, block: Any, work: Any
-) -> Any:  # fmt: skip
+    entries: Entries, b: Array, record: Record, n: int, last: int, way: int, matrix: Factors, by_rows: ByRows,
+    block: Block, work: Work,
+) -> bool:  # fmt: skip
     """The same for changes of the step size from step n on; false if pivots must be renewed for it.
 
     M s + Φ_qᵀσ = 0, Φ_q s = d = Φ_q v + Φ_t. Derivatives: of the first line (M s)_q + (Φ_qᵀσ)_q, of the second line
@@ -389,14 +426,16 @@ def linearize_rescales(
 
 
 @compiled
-def take_defect(record: Any, matrix: Any, by_rows: Any, block: Any, lane: Any, work: Any) -> Any:
+def take_defect(
+    record: Record, matrix: Factors, by_rows: ByRows, block: Block, lane: int, work: Work
+) -> bool:
     """s and σ of one lane in place of a and λ; false if pivots must be renewed."""
     nq, m = record.q.shape[1], record.lam.shape[1]
     right, found = work.single[0], work.single[1]
     right[:nq] = 0.0
     for k in range(m):
         right[nq + k, 0] = block.Phi_q_xi[k * LANES + lane] + block.Phi_t[k * LANES + lane]
-    solved_rows(record, block.index[lane], right)
+    solved_rows(record, block.steps[lane], right)
     own = factors_of(matrix, block, lane)
     if (
         not solve_lane(own, by_rows, block.refined, block.growth[lane], True, right, found, work.single[2:])

@@ -18,8 +18,9 @@ from .block_loop import Block, Cuts, Entries, Lanes, Product, Refinement
 from .by_numbers import UNMOVED, gradient_entry, moved
 from .columns_loop import COLUMNS, ByRows
 from .kernels import GROUPS
+from .panel_loop import Factors
 from .row_order import by_rows, no_rows, rows_of
-from .step_matrix import Factors, StepMatrix, unsigned
+from .step_matrix import StepMatrix, unsigned
 
 OPERATORS = (*NUMBERS, "gamma_v")  # whose numbers are evaluated
 STEP = {"M_a_q": -1.0, "S_q": 1.0, "Q_q": 1.0, "Phi_qT_lam_q": -1.0, "S_v": 1.0, "Q_v": 1.0, "Phi_q": 1.0}
@@ -78,7 +79,7 @@ class Blocks:
         sizes = {"t": 1, "lam": m, "Phi_q_xi": m, "Phi_t": m, "work": nq + m, "growth": 1}
         sizes |= dict.fromkeys(("q", "v", "a", "eta"), nq)
         given: dict[str, Any] = views | rooms(sizes) | {
-            "index": np.zeros(LANES, np.int64), "lanes": Lanes.zeros(), "values": values,
+            "steps": np.zeros(LANES, np.int64), "lanes": Lanes.zeros(), "values": values,
             "row_of": numbers.row_of, "weights": weights, "product": product,
             "sheet": room(0), "turned": np.zeros((LANES, 0)),
             "cuts": Cuts.zeros(), "refined": Refinement.of(1.0, 1.0, 1.0),

@@ -47,13 +47,13 @@ class Moved(NamedTuple):
     """
 
     entry: pointer.Entry
-    dots: Any
-    columns: Any
-    elements: Any
-    first: Any
-    ends: Any
-    places: Any
-    results: Any
+    dots: Array
+    columns: Array
+    elements: Array
+    first: Array
+    ends: Array
+    places: Array
+    results: Array
 
 
 _NO, _END = np.zeros(0, np.int64), np.zeros(1, np.int64)

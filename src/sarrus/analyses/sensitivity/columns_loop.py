@@ -14,7 +14,8 @@ import numpy as np
 from ..._jit.lanes import fill, load, minus_product, plus_product, product, store
 from ..._jit.link import compiled
 from ..._jit.vector import LANES
-from .panel_loop import REFINED, REFINEMENTS, solve_flat
+from ...algebra import Array
+from .panel_loop import REFINED, REFINEMENTS, Factors, solve_flat
 
 COLUMNS = 2 * LANES  # of a panel
 ONE: Any = np.uint64(1)
@@ -30,10 +31,10 @@ class Rows(NamedTuple):
     more : how many rows next to one have the same columns, and numbers next to its own
     """
 
-    indptr: Any
-    columns: Any
-    places: Any
-    more: Any
+    indptr: Array
+    columns: Array
+    places: Array
+    more: Array
 
 
 class ByRows(NamedTuple):
@@ -44,7 +45,7 @@ class ByRows(NamedTuple):
 
 
 @compiled
-def minus_rows(rows: Any, numbers: Any, x: Any, out: Any) -> None:
+def minus_rows(rows: Rows, numbers: Array, x: Array, out: Array) -> None:
     """Out -= A x, of a panel."""
     n: Any = np.uint64(len(rows.more))
     k: Any = np.uint64(0)
@@ -88,7 +89,7 @@ def minus_rows(rows: Any, numbers: Any, x: Any, out: Any) -> None:
 
 
 @compiled
-def lower_panel(matrix: Any, x: Any) -> None:
+def lower_panel(matrix: Factors, x: Array) -> None:
     """Solve L x = x in place, of a panel: three neighbouring columns of L with the same rows subtract at once."""
     n: Any = np.uint64(len(matrix.diagonal))
     pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
@@ -125,7 +126,7 @@ def lower_panel(matrix: Any, x: Any) -> None:
 
 
 @compiled
-def upper_panel(matrix: Any, upper: Any, x: Any) -> None:
+def upper_panel(matrix: Factors, upper: Rows, x: Array) -> None:
     """Solve U x = x in place, of a panel, from the last row up: two with the same columns at once."""
     diagonal, factors = matrix.diagonal, matrix.factors
     k: Any = np.uint64(len(diagonal))
@@ -159,7 +160,7 @@ def upper_panel(matrix: Any, upper: Any, x: Any) -> None:
 
 
 @compiled
-def solve_rest(matrix: Any, by_rows: Any, rest: Any, x: Any) -> None:
+def solve_rest(matrix: Factors, by_rows: ByRows, rest: Array, x: Array) -> None:
     """x = (L U)⁻¹ rest, of a panel; x in the order of the pivots."""
     for k in range(np.uint64(len(matrix.row_place))):
         at = matrix.row_place[k] * TWO
@@ -170,7 +171,9 @@ def solve_rest(matrix: Any, by_rows: Any, rest: Any, x: Any) -> None:
 
 
 @compiled
-def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, rest: Any, most: Any) -> Any:
+def solve_panel(
+    matrix: Factors, by_rows: ByRows, right: Array, solution: Array, x: Array, rest: Array, most: int
+) -> tuple[float, float]:
     """Solution = matrix⁻¹ right of a panel, refined so often at most; its first and its last relative change by that.
 
     x, rest : room for panels
@@ -195,7 +198,7 @@ def solve_panel(matrix: Any, by_rows: Any, right: Any, solution: Any, x: Any, re
 
 
 @compiled
-def add_panel(order: Any, x: Any, solution: Any) -> Any:
+def add_panel(order: Array, x: Array, solution: Array) -> float:
     """Add x, in another order, to a panel of solutions; the change's size over theirs, not a number if one is none."""
     one, zero = fill(1.0), fill(0.0)
     a, b, c, d = zero, zero, zero, zero
@@ -216,11 +219,11 @@ def add_panel(order: Any, x: Any, solution: Any) -> Any:
     for k in range(LANES):
         changed += x[k]
         whole += x[LANES + k]
-    return np.sqrt(changed / whole)
+    return float(np.sqrt(changed / whole))
 
 
 @compiled
-def solve_columns(matrix: Any, by_rows: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_columns(matrix: Factors, by_rows: ByRows, right: Array, solution: Array, room: Array) -> float:
     """Solution = matrix⁻¹ right (n, k), refined; the largest last relative change of it, which has been made.
 
     room : four panels, see `columns_loop`

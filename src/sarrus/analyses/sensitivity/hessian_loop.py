@@ -2,47 +2,50 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
-from .block_loop import collect, put, remember
+from ...algebra import Array
+from ..dynamics.alpha_loop import Scheme
+from .block_loop import Lanes, Record, Remembered, collect, put, remember
 from .lanes_loop import clear_lanes
+from .sweep_loop import Given, Kept, Sources
 
 
 class Room(NamedTuple):
     """Operands and results of one call, in lanes: see `lagrangian`. `none` stays zero.
 
-    index, lanes : the steps of the lanes, see `block_loop.Block`
+    steps, lanes : the steps of the lanes, see `block_loop.Block`
     """
 
-    index: Any
-    lanes: Any
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    eta: Any
-    q_dot: Any
-    v_dot: Any
-    a_dot: Any
-    eta_dot: Any
-    none: Any
-    xi: Any
-    lam: Any
-    nu: Any
-    lam_dot: Any
-    by_q: Any
-    by_v: Any
-    by_a: Any
-    by_eta: Any
-    by_lam: Any
-    by_b: Any
+    steps: Array
+    lanes: Lanes
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    eta: Array
+    q_dot: Array
+    v_dot: Array
+    a_dot: Array
+    eta_dot: Array
+    none: Array
+    xi: Array
+    lam: Array
+    nu: Array
+    lam_dot: Array
+    by_q: Array
+    by_v: Array
+    by_a: Array
+    by_eta: Array
+    by_lam: Array
+    by_b: Array
 
 
 @compiled
-def clear(room: Any) -> None:
+def clear(room: Room) -> None:
     """Adjoint variables and results begin with zero."""
     clear_lanes(room.xi)
     clear_lanes(room.nu)
@@ -54,14 +57,14 @@ def clear(room: Any) -> None:
 
 
 @compiled
-def take(x: Any, lane: Any, weight: Any, out: Any) -> None:
+def take(x: Array, lane: int, weight: float, out: Array) -> None:
     """Out += weight x of a lane."""
     for k in range(len(x) // LANES):
         out[k] += weight * x[k * LANES + lane]
 
 
 @compiled
-def take_rows(record: Any, n: Any, x: Any, lane: Any, out: Any) -> None:
+def take_rows(record: Remembered, n: int, x: Array, lane: int, out: Array) -> None:
     """Out = x of a lane in the rows of the equations that are solved; the others have none."""
     for k in range(len(x) // LANES):
         solved = len(record.left_out) == 0 or record.left_out[n + 1, k] == 0.0
@@ -70,8 +73,9 @@ def take_rows(record: Any, n: Any, x: Any, lane: Any, out: Any) -> None:
 
 @compiled(entry=True)
 def of_steps(
-    scheme: Any, entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, room: Any, sources: Any
-) -> None:
+    scheme: Scheme, entry: Entry, b: Array, b_dot: Array, record: Record, dots: Given, adjoint: Kept,
+    room: Room, sources: Sources,
+) -> None:  # fmt: skip
     """Sources of the changes of the adjoint, of every step; what they add to the gradient by the numbers."""
     nq, kappa, first = record.q.shape[1], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m), 0
     while first < len(record.h):
@@ -79,7 +83,7 @@ def of_steps(
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):
-            n, used = room.index[lane], 1.0 if lane < room.lanes.used else 0.0
+            n, used = room.steps[lane], 1.0 if lane < room.lanes.used else 0.0
             room.t[lane] = record.t[n + 1]
             put(record.q[n + 1], lane, 1.0, room.q)
             put(record.v[n + 1], lane, 1.0, room.v)
@@ -97,7 +101,7 @@ def of_steps(
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
         for lane in range(room.lanes.used):
-            n = room.index[lane]
+            n = room.steps[lane]
             h = record.h[n]
             take(room.by_a, lane, 1.0, sources.step[n])
             take(room.by_v, lane, scheme.gamma * h * kappa, sources.step[n])
@@ -109,8 +113,10 @@ def of_steps(
 
 
 @compiled(entry=True)
-def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, changed: Any, room: Any,
-                sources: Any) -> None:  # fmt: skip
+def of_rescales(
+    entry: Entry, b: Array, b_dot: Array, record: Record, dots: Given, adjoint: Kept, changed: Array,
+    room: Room, sources: Sources,
+) -> None:  # fmt: skip
     """The same of every new size of the steps."""
     nq, first, last = record.q.shape[1], 0, len(record.h) - 1
     while first <= last:
@@ -121,7 +127,7 @@ def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint:
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):
-            n, used = room.index[lane], 1.0 if lane < room.lanes.used else 0.0
+            n, used = room.steps[lane], 1.0 if lane < room.lanes.used else 0.0
             s, s_dot = adjoint.s[n, :nq], changed[n, :nq]
             room.t[lane] = record.t[n]
             put(record.q[n], lane, 1.0, room.q)
@@ -141,10 +147,10 @@ def of_rescales(entry: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint:
             room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
         )  # fmt: skip
         for lane in range(room.lanes.used):
-            n = room.index[lane]
+            n = room.steps[lane]
             take(room.by_a, lane, 1.0, sources.rescale[n])
             take(room.by_eta, lane, -1.0, sources.rescale[n])
             take(room.by_q, lane, 1.0, sources.rescale_q[n])
             take(room.by_eta, lane, 1.0, sources.rescale_v[n])
             take_rows(record, n, room.by_lam, lane, sources.rescale[n, nq:])
-        first = room.index[room.lanes.used - 1] + 1
+        first = room.steps[room.lanes.used - 1] + 1

@@ -71,8 +71,8 @@ def room(system: System) -> Room:
     """Operands and results of one call, all zero."""
     nq, m = system.nq, system.m
     lengths = {"t": 1, "lam": m, "nu": m, "lam_dot": m, "by_lam": m, "by_b": len(system.b)}
-    arrays = {name: np.zeros(LANES * lengths.get(name, nq)) for name in Room._fields}
-    return Room(**arrays | {"index": np.zeros(LANES, np.int64), "lanes": Lanes.zeros()})
+    arrays: dict[str, Any] = {name: np.zeros(LANES * lengths.get(name, nq)) for name in Room._fields}
+    return Room(**arrays | {"steps": np.zeros(LANES, np.int64), "lanes": Lanes.zeros()})
 
 
 def change_at(
@@ -90,6 +90,7 @@ def change_at(
     given = {"lam": lam, "nu": nu, "lam_dot": lam_dot, **x}
     none = np.zeros(system.nq)
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
-    found = room(system)[-len(RESULTS) :]
+    work = room(system)
+    found = [getattr(work, f"by_{name}") for name in RESULTS]
     call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
     return Change._make(out[::LANES].copy() for out in found)

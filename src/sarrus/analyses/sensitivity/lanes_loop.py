@@ -13,6 +13,7 @@ import numpy as np
 from ..._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
 from ..._jit.link import compiled
 from ..._jit.vector import LANES
+from ...algebra import Array
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
@@ -21,7 +22,7 @@ WIDE: Any = np.uint64(LANES)
 
 
 @compiled
-def clear_lanes(x: Any) -> None:
+def clear_lanes(x: Array) -> None:
     """x = 0, in lanes."""
     zero = fill(0.0)
     for k in range(np.uint64(len(x)) // WIDE):
@@ -29,7 +30,7 @@ def clear_lanes(x: Any) -> None:
 
 
 @compiled
-def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any) -> None:
+def assemble_lanes(parts: Array, places: Array, weights: Array, values: Array, data: Array) -> None:
     """Sum the weighted numbers of all parts into the numbers of a matrix, as `dynamics.placed.assemble` does."""
     clear_lanes(data)
     for s in range(np.uint64(len(parts))):
@@ -41,8 +42,8 @@ def assemble_lanes(parts: Any, places: Any, weights: Any, values: Any, data: Any
 
 @compiled
 def factor_lanes(
-    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any,
-    growth: Any,
+    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
+    factors: Array, work: Array, growth: Array,
 ) -> None:  # fmt: skip
     """Factor as `panel_loop.refactor_panels` does; all but places are in lanes.
 
@@ -113,7 +114,7 @@ def factor_lanes(
 
 
 @compiled
-def turn_lanes(sheet: Any, count: Any, turned: Any, to: Any) -> None:
+def turn_lanes(sheet: Array, count: int, turned: Array, to: int) -> None:
     """Entries of an array in lanes, multiples of their number: one lane's after another (lanes, entries), from `to`."""
     stride: Any = np.uint64(turned.shape[1])
     target = turned.reshape(turned.shape[0] * turned.shape[1])[to:]

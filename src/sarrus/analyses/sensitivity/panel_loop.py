@@ -8,11 +8,12 @@ numbers: a signed one might count from the end, which compiled code would ask at
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..._jit.link import compiled
+from ...algebra import Array
 from ..dynamics.placed import assemble
 
 REFINED, REFINEMENTS = (
@@ -24,8 +25,35 @@ TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 
 
+class Factors(NamedTuple):
+    """What compiled code needs to assemble, factor and refine; all places are unsigned.
+
+    Attributes
+    ----------
+    parts, weights, places : of the numbers of operators, see `dynamics.placed`
+    indptr, indices, data : the matrix, rows and columns in the order of the pivots
+    pointers, rows, diagonal, factors : see `sparse_lu`
+    ends : of panels, see `panel_loop`
+    """
+
+    parts: Array
+    weights: Array
+    places: Array
+    indptr: Array
+    indices: Array
+    data: Array
+    pointers: Array
+    rows: Array
+    diagonal: Array
+    factors: Array
+    ends: Array
+    work: Array
+    row_place: Array
+    column_order: Array
+
+
 @compiled(entry=True)
-def panel_ends(pointers: Any, rows: Any, diagonal: Any) -> Any:
+def panel_ends(pointers: Array, rows: Array, diagonal: Array) -> Array:
     """For each column the one behind the last of its panel."""
     n = len(diagonal)
     behind = np.arange(1, n + 1).astype(np.uint64)
@@ -43,8 +71,9 @@ def panel_ends(pointers: Any, rows: Any, diagonal: Any) -> Any:
 
 @compiled
 def refactor_panels(
-    pointers: Any, rows: Any, diagonal: Any, ends: Any, indptr: Any, indices: Any, data: Any, factors: Any, work: Any
-) -> Any:  # fmt: skip
+    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
+    factors: Array, work: Array,
+) -> bool:  # fmt: skip
     """Factor a matrix on a known pattern, as `sparse_lu.refactor` does; false where a pivot is zero or not a number.
 
     In one piece: calls would take as long as what they do. Pivots are stored as what they are divided by: 1 / pivot.
@@ -94,7 +123,7 @@ def refactor_panels(
 
 
 @compiled
-def refactor(values: Any, matrix: Any) -> Any:
+def refactor(values: Array, matrix: Factors) -> bool:
     """Assemble and factor a matrix; false if it cannot be."""
     assemble(matrix.parts, matrix.places, matrix.weights, values, matrix.data)
     return refactor_panels(
@@ -104,7 +133,7 @@ def refactor(values: Any, matrix: Any) -> Any:
 
 
 @compiled
-def lower_upper_flat(matrix: Any, x: Any) -> None:
+def lower_upper_flat(matrix: Factors, x: Array) -> None:
     """Solve L U x = x in place (n,)."""
     n: Any = np.uint64(len(x))
     pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
@@ -121,7 +150,7 @@ def lower_upper_flat(matrix: Any, x: Any) -> None:
 
 
 @compiled
-def upper_lower_flat(matrix: Any, x: Any) -> None:
+def upper_lower_flat(matrix: Factors, x: Array) -> None:
     """Solve (L U)ᵀ x = x in place (n,)."""
     n: Any = np.uint64(len(x))
     pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
@@ -139,7 +168,7 @@ def upper_lower_flat(matrix: Any, x: Any) -> None:
 
 
 @compiled
-def upper_lower(matrix: Any, x: Any) -> None:
+def upper_lower(matrix: Factors, x: Array) -> None:
     """Solve (L U)ᵀ x = x in place, all columns at once (n, k)."""
     n: Any = np.uint64(x.shape[0])
     width = x.shape[1]
@@ -164,7 +193,7 @@ def upper_lower(matrix: Any, x: Any) -> None:
 
 
 @compiled
-def copy(x: Any, out: Any) -> None:
+def copy(x: Array, out: Array) -> None:
     """Out = x (n, k), where out may have more rows."""
     size = x.shape[0] * x.shape[1]
     source, target = x.reshape(size), out.reshape(out.shape[0] * out.shape[1])
@@ -173,7 +202,9 @@ def copy(x: Any, out: Any) -> None:
 
 
 @compiled
-def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole: Any, most: Any) -> Any:
+def solve_flat(
+    matrix: Factors, right: Array, solution: Array, x: Array, rest: Array, whole: Array, most: int
+) -> tuple[float, float]:
     """Solution = matrix⁻¹ right (n,), refined so often at most; its first and its last relative change, made by that.
 
     x, rest, whole : room
@@ -200,7 +231,7 @@ def solve_flat(matrix: Any, right: Any, solution: Any, x: Any, rest: Any, whole:
 
 
 @compiled
-def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> None:
+def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room: Array) -> None:
     """Solution = matrix⁻ᵀ right (n, k), not refined."""
     n, width, x = np.uint64(right.shape[0]), right.shape[1], room[0]
     for k in range(n):
@@ -213,7 +244,9 @@ def solve_plain_transposed(matrix: Any, right: Any, solution: Any, room: Any) ->
 
 
 @compiled
-def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_columns_transposed(
+    matrix: Factors, right: Array, solution: Array, room: Array
+) -> tuple[float, float]:
     """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
     x, rest, whole = room[0], room[1], room[2]
@@ -238,7 +271,7 @@ def solve_columns_transposed(matrix: Any, right: Any, solution: Any, room: Any) 
 
 
 @compiled
-def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
+def times_arranged_transposed(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n, k)."""
     n: Any = np.uint64(x.shape[0])
     width = x.shape[1]
@@ -253,7 +286,7 @@ def times_arranged_transposed(matrix: Any, x: Any, rest: Any) -> None:
 
 
 @compiled
-def times_flat(matrix: Any, x: Any, rest: Any) -> None:
+def times_flat(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrix x, all as they are arranged (n,)."""
     for j in range(np.uint64(len(x))):
         value = x[j]
@@ -262,7 +295,7 @@ def times_flat(matrix: Any, x: Any, rest: Any) -> None:
 
 
 @compiled
-def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
+def times_flat_transposed(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n,)."""
     for j in range(np.uint64(len(x))):
         total = rest[j]
@@ -272,14 +305,14 @@ def times_flat_transposed(matrix: Any, x: Any, rest: Any) -> None:
 
 
 @compiled
-def add(change: Any, x: Any) -> Any:
+def add(change: Array, x: Array) -> float:
     """x += change (n, k); see `add_flat`."""
     size = x.shape[0] * x.shape[1]
     return add_flat(change.reshape(size), x.reshape(size))
 
 
 @compiled
-def add_flat(changes: Any, values: Any) -> Any:
+def add_flat(changes: Array, values: Array) -> float:
     """Add; the largest change over the largest entry, not a number if one of the changes is none."""
     most, largest, total = 0.0, 1e-300, 0.0
     for k in range(len(values)):

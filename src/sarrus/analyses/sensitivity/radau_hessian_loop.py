@@ -10,19 +10,21 @@ gradient by a are one by the velocities: aᵢ = (Σⱼ (A⁻¹)ᵢⱼ vⱼ - σ�
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
+from ...algebra import Array
+from ..dynamics.radau_loop import Scheme
 from .block_loop import put, remember
-from .hessian_loop import clear, take, take_rows
+from .hessian_loop import Room, clear, take, take_rows
+from .radau_sweep_loop import Given, Record, Turned
 
 
 @compiled
 def run(
-    entry: Any, b: Any, b_dot: Any, room: Any, v: Any, a: Any, eta: Any, v_dot: Any, a_dot: Any, eta_dot: Any
-) -> None:
+    entry: Entry, b: Array, b_dot: Array, room: Room, v: Array, a: Array, eta: Array, v_dot: Array,
+    a_dot: Array, eta_dot: Array,
+) -> None:  # fmt: skip
     """The change of the gradient of ℓ, with these rates and accelerations."""
     call_kernels(
         entry, b, room.t, room.q, v, a, eta, room.q_dot, v_dot, a_dot, eta_dot, room.xi, room.lam, room.nu,
@@ -32,8 +34,8 @@ def run(
 
 @compiled(entry=True)
 def of_stages(
-    scheme: Any, step: Any, rate: Any, b: Any, b_dot: Any, record: Any, v_dot: Any, moved: Any, adjoint: Any, room: Any,
-    turned: Any, turned_v: Any,
+    scheme: Scheme, step: Entry, rate: Entry, b: Array, b_dot: Array, record: Record, v_dot: Array,
+    moved: Array, adjoint: Array, room: Room, turned: Array, turned_v: Array,
 ) -> None:  # fmt: skip
     """What the change of the adjoint takes at every step, the stages in lanes.
 
@@ -44,7 +46,7 @@ def of_stages(
     nq, m = record.q.shape[1], record.lam.shape[1]
     size = 2 * (nq + m)
     for n in range(len(record.h)):
-        room.index[:], h = n, record.h[n]
+        room.steps[:], h = n, record.h[n]
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):
@@ -91,8 +93,9 @@ def of_stages(
 
 @compiled(entry=True)
 def of_nodes(
-    motion: Any, b: Any, b_dot: Any, record: Any, dots: Any, adjoint: Any, room: Any, turned: Any
-) -> None:
+    motion: Entry, b: Array, b_dot: Array, record: Record, dots: Given, adjoint: Array, room: Room,
+    turned: Turned,
+) -> None:  # fmt: skip
     """The same of the equations of motion at every node."""
     nq = record.q.shape[1]
     for n in range(len(record.t)):
@@ -102,7 +105,7 @@ def of_nodes(
         if not needed:
             continue
         before = max(n - 1, 0)
-        room.index[:] = before
+        room.steps[:] = before
         remember(b, record, room)
         clear(room)
         for lane in range(LANES):

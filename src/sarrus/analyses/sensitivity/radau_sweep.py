@@ -167,19 +167,21 @@ class RadauSweep:
             room += [aligned(n, k), aligned(n, k), aligned(*solving)]
         views = (step.left_out, node.left_out, np.zeros_like(stages[0].Phi_q), loop.Trust.zeros())
         at_node = loop.Node._make(node.views[name] for name in loop.Node._fields)
-        return loop.Tables(
-            None,
-            step.values,
-            None,
-            node.values,
-            stages,
-            at_node,
-            places,
-            numbers,
-            by_b,
-            *views,
-            *room,
-            *[ByRows(no_rows(), no_rows())] * 2,
+        return loop.Tables._make(
+            (
+                None,
+                step.values,
+                None,
+                node.values,
+                stages,
+                at_node,
+                places,
+                numbers,
+                by_b,
+                *views,
+                *room,
+                *[ByRows(no_rows(), no_rows())] * 2,
+            )
         )
 
 

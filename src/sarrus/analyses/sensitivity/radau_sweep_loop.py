@@ -18,14 +18,16 @@ Columns (of the numbers, or of responses) are handled together: all vectors are 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
 from ..._jit.scalars import Scalars
+from ...algebra import Array
 from ..dynamics.placed import leave_out
-from .columns_loop import solve_columns
-from .panel_loop import copy, refactor, solve_columns_transposed
+from ..dynamics.radau_loop import Scheme
+from .columns_loop import ByRows, solve_columns
+from .panel_loop import Factors, copy, refactor, solve_columns_transposed
 
 STEP, NODE = 0, 1  # what is done next
 
@@ -33,93 +35,93 @@ STEP, NODE = 0, 1  # what is done next
 class Record(NamedTuple):
     """The steps as they were taken, with their stages; see `sarrus.results.RadauSteps`."""
 
-    t: Any
-    h: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    stage_q: Any
-    stage_v: Any
-    stage_a: Any
-    stage_lam: Any
-    stage_mu: Any
-    left_out: Any
-    places: Any
-    memory: Any
+    t: Array
+    h: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    stage_q: Array
+    stage_v: Array
+    stage_a: Array
+    stage_lam: Array
+    stage_mu: Array
+    left_out: Array
+    places: Array
+    memory: Array
 
 
 class Stage(NamedTuple):
     """The operators' numbers at one stage, parts of the values of the step's matrix."""
 
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    Phi_qT_mu_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    gamma_v: Any
+    Phi_q: Array
+    Phi_qT_lam_q: Array
+    Phi_qT_mu_q: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    gamma_v: Array
 
 
 class Node(NamedTuple):
     """The operators' numbers at a node, parts of the values of the matrix of the accelerations."""
 
-    Phi_q: Any
-    Phi_qT_lam_q: Any
-    M: Any
-    M_a_q: Any
-    S_q: Any
-    S_v: Any
-    Q_q: Any
-    Q_v: Any
-    gamma_q: Any
-    gamma_v: Any
-    Phi_q_a_q: Any
+    Phi_q: Array
+    Phi_qT_lam_q: Array
+    M: Array
+    M_a_q: Array
+    S_q: Array
+    S_v: Array
+    Q_q: Array
+    Q_v: Array
+    gamma_q: Array
+    gamma_v: Array
+    Phi_q_a_q: Array
 
 
 class Numbers(NamedTuple):
     """The operators by b: which entry each number is, and which are an operator's; see `times_numbers`."""
 
-    b_values: Any
-    b_rows: Any
-    b_columns: Any
-    b_segments: Any
-    chosen: Any
+    b_values: Array
+    b_rows: Array
+    b_columns: Array
+    b_segments: Array
+    chosen: Array
 
 
 class ByNumbers(NamedTuple):
     """The parts of `Numbers.b_values`."""
 
-    Phi_b: Any
-    Phi_qT_lam_b: Any
-    Phi_q_xi_b: Any
-    Phi_t_b: Any
-    M_a_b: Any
-    S_b: Any
-    Q_b: Any
-    gamma_b: Any
+    Phi_b: Array
+    Phi_qT_lam_b: Array
+    Phi_q_xi_b: Array
+    Phi_t_b: Array
+    M_a_b: Array
+    S_b: Array
+    Q_b: Array
+    gamma_b: Array
 
 
 class Entries(NamedTuple):
     """The drivers of the operators, by address, and their entries."""
 
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    gamma_v: Any
-    gamma_q_v: Any
-    Phi_q_xi_q: Any
-    Phi_b: Any
-    Phi_qT_lam_b: Any
-    Phi_q_xi_b: Any
-    Phi_t_b: Any
-    M_a_b: Any
-    S_b: Any
-    Q_b: Any
-    gamma_b: Any
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    gamma_v: Entry
+    gamma_q_v: Entry
+    Phi_q_xi_q: Entry
+    Phi_b: Entry
+    Phi_qT_lam_b: Entry
+    Phi_q_xi_b: Entry
+    Phi_t_b: Entry
+    M_a_b: Entry
+    S_b: Entry
+    Q_b: Entry
+    gamma_b: Entry
 
 
 class Trust(Scalars):
@@ -138,35 +140,35 @@ class Tables(NamedTuple):
     step_by_rows, node_by_rows : the matrices by rows, for panels of columns forward
     """
 
-    step: Any
-    step_values: Any
-    node: Any
-    node_values: Any
-    stages: Any
-    at_node: Any
-    places: Any
-    numbers: Any
-    by_b: Any
-    left_out: Any
-    node_left_out: Any
-    Phi_q_again: Any
-    trust: Any
-    right: Any
-    solution: Any
-    arranged: Any
-    node_right: Any
-    node_solution: Any
-    node_arranged: Any
-    step_by_rows: Any
-    node_by_rows: Any
+    step: Factors
+    step_values: Array
+    node: Factors
+    node_values: Array
+    stages: tuple[Stage, ...]
+    at_node: Node
+    places: Node
+    numbers: Numbers
+    by_b: ByNumbers
+    left_out: Array
+    node_left_out: Array
+    Phi_q_again: Array
+    trust: Trust
+    right: Array
+    solution: Array
+    arranged: Array
+    node_right: Array
+    node_solution: Array
+    node_arranged: Array
+    step_by_rows: ByRows
+    node_by_rows: ByRows
 
 
 class Bars(NamedTuple):
     """Derivatives with respect to the state (backward), or of it (forward), and to the numbers b; all with columns."""
 
-    q: Any
-    v: Any
-    b: Any
+    q: Array
+    v: Array
+    b: Array
 
 
 class Beside(NamedTuple):
@@ -176,8 +178,8 @@ class Beside(NamedTuple):
     node : of the equations of motion at each node (n + 1, nq + m, columns)
     """
 
-    step: Any
-    node: Any
+    step: Array
+    node: Array
 
 
 class Turned(NamedTuple):
@@ -189,24 +191,26 @@ class Turned(NamedTuple):
     node_q, node_v : by its state (n + 1, nq, 1)
     """
 
-    step: Any
-    v: Any
-    node: Any
-    node_q: Any
-    node_v: Any
+    step: Array
+    v: Array
+    node: Array
+    node_q: Array
+    node_v: Array
 
 
 class Given(NamedTuple):
     """Per node what the sweep takes or gives: gradients of responses (backward), or room for derivatives (forward)."""
 
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
 
 
 @compiled
-def times_numbers(blocks: Any, n: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
+def times_numbers(
+    blocks: Numbers, n: int, rows: Array, columns: Array, weight: float, x: Array, out: Array
+) -> None:
     """Out += weight A x, for operator n by b with the rows and columns of its numbers; exchanged, Aᵀ x."""
     for place in range(blocks.b_segments[n, 0], blocks.b_segments[n, 1]):
         value, row, column = weight * blocks.b_values[blocks.chosen[place]], rows[place], columns[place]
@@ -215,7 +219,7 @@ def times_numbers(blocks: Any, n: Any, rows: Any, columns: Any, weight: Any, x: 
 
 
 @compiled
-def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
+def remember(record: Record, n: int, tables: Tables, b: Array) -> None:
     """What elements remembered during step n, and which equations were left out."""
     for k in range(len(record.places)):
         b[record.places[k]] = record.memory[n, k]
@@ -226,7 +230,7 @@ def remember(record: Any, n: Any, tables: Any, b: Any) -> None:
 
 
 @compiled
-def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+def factor_step(scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, tables: Tables) -> bool:
     """Evaluate and factor the matrix of all stages of step n; false if that cannot be."""
     h, places = record.h[n], tables.places
     for i in range(3):
@@ -245,7 +249,7 @@ def factor_step(scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: 
 
 
 @compiled
-def apply(values: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -> None:
+def apply(values: Array, rows: Array, columns: Array, weight: float, x: Array, out: Array) -> None:
     """Out += weight A x; with rows and columns exchanged, Aᵀ x."""
     for k in range(len(values)):
         value, row, column = weight * values[k], rows[k], columns[k]
@@ -254,7 +258,7 @@ def apply(values: Any, rows: Any, columns: Any, weight: Any, x: Any, out: Any) -
 
 
 @compiled
-def step_weights(scheme: Any, h: Any, weights: Any) -> None:
+def step_weights(scheme: Scheme, h: float, weights: Array) -> None:
     """Weights of the parts of the matrix, in the order of `radau_sweep.step_parts`."""
     at = 0
     for i in range(3):
@@ -271,7 +275,7 @@ def step_weights(scheme: Any, h: Any, weights: Any) -> None:
 
 
 @compiled
-def scale(x: Any, nq: Any, m: Any, on_q: Any, on_v: Any, on_lam: Any, on_mu: Any) -> None:
+def scale(x: Array, nq: int, m: int, on_q: float, on_v: float, on_lam: float, on_mu: float) -> None:
     """Multiply the parts of the unknowns, or of the equations, of every stage."""
     for i in range(3):
         at = 2 * i * (nq + m)
@@ -285,7 +289,7 @@ def scale(x: Any, nq: Any, m: Any, on_q: Any, on_v: Any, on_lam: Any, on_mu: Any
 
 
 @compiled
-def silence(x: Any, nq: Any, m: Any, left_out: Any) -> None:
+def silence(x: Array, nq: int, m: int, left_out: Array) -> None:
     """Nothing stands for the equations that others imply."""
     for i in range(3):
         at = 2 * i * (nq + m) + 2 * nq
@@ -298,7 +302,8 @@ def silence(x: Any, nq: Any, m: Any, left_out: Any) -> None:
 
 @compiled
 def stage_by_b(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, i: Any, tables: Any, x: Any, out: Any, transposed: Any
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, i: int, tables: Tables, x: Array,
+    out: Array, transposed: bool,
 ) -> None:  # fmt: skip
     """Subtract F_b x (forward), or F_bᵀ x (backward), of stage i of step n."""
     t, q, v = record.t[n] + scheme.c[i] * record.h[n], record.stage_q[n, i], record.stage_v[n, i]
@@ -324,7 +329,7 @@ def stage_by_b(
 
 
 @compiled
-def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transposed: Any) -> None:
+def move(numbers: Numbers, n: int, weight: float, x: Array, out: Array, at: int, transposed: bool) -> None:
     """Add an operator by b, whose rows begin at a place of the equations, to these or, transposed, to the numbers."""
     if transposed:
         times_numbers(numbers, n, numbers.b_columns, numbers.b_rows, weight, x[at:], out)
@@ -334,8 +339,9 @@ def move(numbers: Any, n: Any, weight: Any, x: Any, out: Any, at: Any, transpose
 
 @compiled
 def forward_step(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, stages: Any
-) -> Any:
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars,
+    beside: Beside, stages: Array,
+) -> bool:  # fmt: skip
     """The change of q and v over step n, and perhaps of its stages; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables):
         return False
@@ -370,8 +376,9 @@ def forward_step(
 
 @compiled
 def backward_step(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, beside: Any, turned: Any
-) -> Any:
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars,
+    beside: Beside, turned: Turned,
+) -> bool:  # fmt: skip
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
     if not factor_step(scheme, entries, b, record, n, tables):
         return False
@@ -409,7 +416,7 @@ def backward_step(
 
 
 @compiled
-def subtract(source: Any, right: Any) -> None:
+def subtract(source: Array, right: Array) -> None:
     """Right -= source."""
     for k in range(right.shape[0]):
         for c in range(right.shape[1]):
@@ -417,7 +424,7 @@ def subtract(source: Any, right: Any) -> None:
 
 
 @compiled
-def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+def factor_node(entries: Entries, b: Array, record: Record, n: int, tables: Tables) -> bool:
     """Evaluate the derivatives of the equations of motion at node n and factor [M, Φ_qᵀ; Φ_q, 0]."""
     t, q, v, a, lam = record.t[n], record.q[n], record.v[n], record.a[n], record.lam[n]
     at, by_b = tables.at_node, tables.by_b
@@ -437,7 +444,7 @@ def factor_node(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
 
 
 @compiled
-def quiet(x: Any, nq: Any, left_out: Any) -> None:
+def quiet(x: Array, nq: int, left_out: Array) -> None:
     """As `silence`, at a node."""
     for k in range(len(left_out)):
         if left_out[k] > 0.0:
@@ -446,7 +453,7 @@ def quiet(x: Any, nq: Any, left_out: Any) -> None:
 
 
 @compiled
-def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
+def node_by_b(numbers: Numbers, nq: int, x: Array, out: Array, transposed: bool) -> None:
     """Subtract the derivatives of the equations of motion by the numbers times x."""
     move(numbers, 1, -1.0, x, out, 0, transposed)
     move(numbers, 4, -1.0, x, out, 0, transposed)
@@ -458,8 +465,9 @@ def node_by_b(numbers: Any, nq: Any, x: Any, out: Any, transposed: Any) -> None:
 
 @compiled
 def forward_node(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any
-) -> Any:
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars, given: Given,
+    beside: Beside,
+) -> bool:  # fmt: skip
     """The changes of a and λ at node n, written with those of q and v; false if pivots must be renewed."""
     if not factor_node(entries, b, record, n, tables):
         return False
@@ -492,8 +500,9 @@ def forward_node(
 
 @compiled
 def backward_node(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any, turned: Any
-) -> Any:
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars, given: Given,
+    beside: Beside, turned: Turned,
+) -> bool:  # fmt: skip
     """Add what responses take from node n, by a and λ too; false if pivots must be renewed."""
     nq, right, y = len(bars.q), tables.node_right, tables.node_solution
     copy(given.a[n], right)
@@ -538,9 +547,9 @@ def backward_node(
 
 @compiled(entry=True)
 def forward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
-    stages: Any,
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, stage: int, tables: Tables, bars: Bars,
+    given: Given, beside: Beside, stages: Array,
+) -> tuple[int, int]:  # fmt: skip
     """From node n to the last one, derivatives written at all; returns (n, stage) of what needs new pivots."""
     last = len(record.h)
     while n <= last:
@@ -560,9 +569,9 @@ def forward(
 
 @compiled(entry=True)
 def backward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, beside: Any,
-    turned: Any,
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, stage: int, tables: Tables, bars: Bars,
+    given: Given, beside: Beside, turned: Turned,
+) -> tuple[int, int]:  # fmt: skip
     """From node n, whose gradients are given, to the start; returns (n, stage) of what needs new pivots."""
     while n >= 0:
         if stage == NODE:

@@ -7,7 +7,8 @@ from scipy.sparse import csc_array
 
 from ...algebra import Array
 from .columns_loop import ByRows, Rows
-from .step_matrix import Factors, unsigned
+from .panel_loop import Factors
+from .step_matrix import unsigned
 
 MOST = 3  # rows that are taken together
 

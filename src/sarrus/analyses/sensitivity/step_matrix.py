@@ -3,41 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..._jit.link import link
 from ...algebra import Array
 from ..dynamics.placed import PlacedMatrix
-from .panel_loop import panel_ends
-
-
-class Factors(NamedTuple):
-    """What compiled code needs to assemble, factor and refine; all places are unsigned.
-
-    Attributes
-    ----------
-    parts, weights, places : of the numbers of operators, see `dynamics.placed`
-    indptr, indices, data : the matrix, rows and columns in the order of the pivots
-    pointers, rows, diagonal, factors : see `sparse_lu`
-    ends : of panels, see `panel_loop`
-    """
-
-    parts: Any
-    weights: Any
-    places: Any
-    indptr: Any
-    indices: Any
-    data: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    factors: Any
-    ends: Any
-    work: Any
-    row_place: Any
-    column_order: Any
+from .panel_loop import Factors, panel_ends
 
 
 class StepMatrix(PlacedMatrix):

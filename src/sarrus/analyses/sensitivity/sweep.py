@@ -20,7 +20,7 @@ from . import block_loop
 from . import sweep_loop as loop
 from .blocks import Blocks
 from .kernels import GROUPS
-from .step_matrix import Factors
+from .panel_loop import Factors
 
 # Last relative change of a solution up to which pivots are kept: those by pairs, by size
 TRUSTED = (1e-8, 1e-3)

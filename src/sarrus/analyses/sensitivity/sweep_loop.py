@@ -22,8 +22,13 @@ from ..._jit.lanes import fill, load, plus_product, store
 from ..._jit.link import compiled
 from ..._jit.scalars import Scalars
 from ..._jit.vector import LANES
-from ..dynamics.alpha_loop import weights_of
+from ...algebra import Array
+from ..dynamics.alpha_loop import Scheme, weights_of
 from .block_loop import (
+    Block,
+    Entries,
+    Product,
+    Record,
     factors_of,
     finish,
     linearize_rescales,
@@ -32,8 +37,9 @@ from .block_loop import (
     solve_lane_transposed,
     solved_rows,
 )
-from .columns_loop import minus_rows
-from .panel_loop import add, copy
+from .by_numbers import Moved
+from .columns_loop import ByRows, minus_rows
+from .panel_loop import Factors, add, copy
 
 STEP, RESCALE, GRADIENTS = 0, 1, 2  # what is done next
 ONE: Any = np.uint64(1)
@@ -65,24 +71,24 @@ class Work(NamedTuple):
     progress : see `Progress`
     """
 
-    right: Any
-    solution: Any
-    room: Any
-    moved: Any
-    x: Any
-    single: Any
-    progress: Any
+    right: Array
+    solution: Array
+    room: Array
+    moved: Array
+    x: Array
+    single: Array
+    progress: Progress
 
 
 class Bars(NamedTuple):
     """Derivatives with respect to the state (backward), or of the first one (forward), and to the numbers b."""
 
-    q: Any
-    v: Any
-    a: Any
-    x: Any
-    lam: Any
-    b: Any
+    q: Array
+    v: Array
+    a: Array
+    x: Array
+    lam: Array
+    b: Array
 
 
 class Kept(NamedTuple):
@@ -91,9 +97,9 @@ class Kept(NamedTuple):
     s are the solutions s, σ of the changes themselves (n, nq + m).
     """
 
-    step: Any
-    rescale: Any
-    s: Any
+    step: Array
+    rescale: Array
+    s: Array
 
 
 class Sources(NamedTuple):
@@ -103,21 +109,21 @@ class Sources(NamedTuple):
     residuals (n, nq + m, columns).
     """
 
-    step: Any
-    step_q: Any
-    step_v: Any
-    rescale: Any
-    rescale_q: Any
-    rescale_v: Any
+    step: Array
+    step_q: Array
+    step_v: Array
+    rescale: Array
+    rescale_q: Array
+    rescale_v: Array
 
 
 class Given(NamedTuple):
     """Per node gradients of responses, which a sweep takes, or room for derivatives, which one forward gives."""
 
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
 
 
 class Weighed(NamedTuple):
@@ -128,15 +134,15 @@ class Weighed(NamedTuple):
     total : (panels, responses * width)
     """
 
-    by: Any
-    ends: Any
-    rows: Any
-    values: Any
-    total: Any
+    by: Given
+    ends: Array
+    rows: Array
+    values: Array
+    total: Array
 
 
 @compiled
-def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
+def apply(product: Product, numbers: Array, x: Array, right: Array) -> None:
     """Right = P x, with the numbers of P in a lane, and changes of q and v, one after another."""
     out = right.reshape(right.shape[0] * right.shape[1])
     out[:] = 0.0
@@ -151,7 +157,7 @@ def apply(product: Any, numbers: Any, x: Any, right: Any) -> None:
 
 
 @compiled
-def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
+def apply_transposed(block: Block, lane: int, y: Array, q: Array, v: Array) -> None:
     """[q; v] += Pᵀ y, with the product of a lane."""
     numbers, none = block.turned[lane, block.cuts.product :], np.uint64(0)
     add_rows(block.product, numbers, none, y, q)
@@ -159,7 +165,7 @@ def apply_transposed(block: Any, lane: Any, y: Any, q: Any, v: Any) -> None:
 
 
 @compiled
-def add_rows(product: Any, numbers: Any, first: Any, y: Any, out: Any) -> None:
+def add_rows(product: Product, numbers: Array, first: Any, y: Array, out: Array) -> None:
     """Out += Aᵀ y for columns of P from `first` on (n, k)."""
     indptr, indices, width = product.indptr, product.indices, y.shape[1]
     for j in range(np.uint64(out.shape[0])):
@@ -171,7 +177,7 @@ def add_rows(product: Any, numbers: Any, first: Any, y: Any, out: Any) -> None:
 
 
 @compiled
-def predict(scheme: Any, h: Any, own: Any, work: Any) -> None:
+def predict(scheme: Scheme, h: float, own: Array, work: Work) -> None:
     """The changes of q, v and x at the end of a step, if that of a₁ were zero."""
     size = len(work.x)
     q, v, a, x = own[:size], own[size : 2 * size], own[2 * size : 3 * size], own[len(own) - size :]
@@ -186,7 +192,7 @@ def predict(scheme: Any, h: Any, own: Any, work: Any) -> None:
 
 
 @compiled
-def correct(change: Any, beta: Any, gamma: Any, kappa: Any, own: Any, work: Any) -> None:
+def correct(change: Array, beta: float, gamma: float, kappa: float, own: Array, work: Work) -> None:
     """Put the change of the state at the end of the step in place of that at its start."""
     size = len(work.x)
     q, v, x = own[:size], own[size : 2 * size], own[len(own) - size :]
@@ -204,8 +210,9 @@ def correct(change: Any, beta: Any, gamma: Any, kappa: Any, own: Any, work: Any)
 
 @compiled
 def forward_step(
-    scheme: Any, record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, sources: Any
-) -> Any:  # fmt: skip
+    scheme: Scheme, record: Record, n: int, p: int, matrix: Factors, by_rows: ByRows, block: Block, work: Work,
+    own: Array, sources: Sources,
+) -> bool:  # fmt: skip
     """The change of the state of a panel p over step n; false if pivots must be renewed."""
     lane, h, kappa = block.lanes.next, record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
@@ -228,8 +235,9 @@ def forward_step(
 
 @compiled
 def forward_panels(
-    scheme: Any, record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, sources: Any
-) -> Any:  # fmt: skip
+    scheme: Scheme, record: Record, n: int, matrix: Factors, by_rows: ByRows, block: Block, work: Work,
+    state: Array, sources: Sources,
+) -> bool:  # fmt: skip
     """Step n of all panels that have not made it; false if pivots must be renewed."""
     while work.progress.panels < len(state):
         p = work.progress.panels
@@ -242,7 +250,7 @@ def forward_panels(
 
 
 @compiled
-def subtract_moved(moved: Any, lane: Any, p: Any, below: Any, weight: Any, right: Any) -> None:
+def subtract_moved(moved: Moved, lane: int, p: int, below: int, weight: float, right: Array) -> None:
     """Right -= what the changes of the numbers do in a lane, with a weight of places from `below` on."""
     for k in range(moved.ends[p], moved.ends[p + 1]):
         at = moved.places[k]
@@ -250,7 +258,7 @@ def subtract_moved(moved: Any, lane: Any, p: Any, below: Any, weight: Any, right
 
 
 @compiled
-def subtract(sources: Any, n: Any, p: Any, right: Any) -> None:
+def subtract(sources: Array, n: int, p: int, right: Array) -> None:
     """Right -= sources of step n (n, nq + m, columns) for panel p, if there are any."""
     if len(sources) > 0:
         first = p * right.shape[1]
@@ -261,8 +269,9 @@ def subtract(sources: Any, n: Any, p: Any, right: Any) -> None:
 
 @compiled
 def backward_step(
-    scheme: Any, record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
-) -> Any:
+    scheme: Scheme, record: Record, n: int, matrix: Factors, block: Block, work: Work, bars: Bars, kept: Kept,
+    sources: Sources,
+) -> bool:  # fmt: skip
     """From the gradients by the end of step n to those by its start; false if pivots must be renewed."""
     lane, h, kappa = block.lanes.next, record.h[n], (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     beta, gamma = weights_of(scheme, h)
@@ -304,7 +313,7 @@ def backward_step(
 
 
 @compiled
-def put_adjoint(block: Any, lane: Any, mu: Any, sign: Any) -> None:
+def put_adjoint(block: Block, lane: int, mu: Array, sign: float) -> None:
     """ξ and ν of a lane: those in μ, the latter times a sign."""
     nq, m = len(block.q) // LANES, len(block.lam) // LANES
     for c in range(mu.shape[1]):
@@ -316,8 +325,9 @@ def put_adjoint(block: Any, lane: Any, mu: Any, sign: Any) -> None:
 
 @compiled
 def forward_rescale(
-    record: Any, n: Any, p: Any, matrix: Any, by_rows: Any, block: Any, work: Any, own: Any, kept: Any, sources: Any
-) -> Any:  # fmt: skip
+    record: Record, n: int, p: int, matrix: Factors, by_rows: ByRows, block: Block, work: Work, own: Array,
+    kept: Kept, sources: Sources,
+) -> bool:  # fmt: skip
     """The change of the velocities of a panel p by the new step size of step n; false if pivots must be renewed."""
     lane, right, size = block.lanes.next, work.right, len(work.x)
     apply(block.product, block.turned[lane, block.cuts.product :], own[: 2 * size], right)
@@ -339,8 +349,9 @@ def forward_rescale(
 
 @compiled
 def forward_rescales(
-    record: Any, n: Any, matrix: Any, by_rows: Any, block: Any, work: Any, state: Any, kept: Any, sources: Any
-) -> Any:  # fmt: skip
+    record: Record, n: int, matrix: Factors, by_rows: ByRows, block: Block, work: Work, state: Array,
+    kept: Kept, sources: Sources,
+) -> bool:  # fmt: skip
     """The change of the size of step n for all panels that have not made it; false if pivots must be renewed."""
     while work.progress.panels < len(state):
         p = work.progress.panels
@@ -353,7 +364,7 @@ def forward_rescales(
 
 
 @compiled
-def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
+def put_panel(panel: Array, p: int, width: int, out: Array) -> None:
     """The columns of panel p in their place (n, columns)."""
     first = p * width
     whole = width > 1 and first + width <= out.shape[1]
@@ -369,8 +380,8 @@ def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
 
 @compiled
 def backward_rescale(
-    record: Any, n: Any, matrix: Any, block: Any, work: Any, bars: Any, kept: Any, sources: Any
-) -> Any:
+    record: Record, n: int, matrix: Factors, block: Block, work: Work, bars: Bars, kept: Kept, sources: Sources,
+) -> bool:  # fmt: skip
     """From the gradients by the state after the new step size of step n to those before; false for new pivots."""
     lane, right, z = block.lanes.next, work.right, work.solution
     nq, m, width = bars.q.shape[0], bars.lam.shape[0], bars.q.shape[1]
@@ -402,7 +413,7 @@ def backward_rescale(
 
 
 @compiled
-def add_gradients(given: Any, row: Any, bars: Any) -> None:
+def add_gradients(given: Given, row: int, bars: Bars) -> None:
     """Add what responses take from one node."""
     add(given.q[row], bars.q)
     add(given.v[row], bars.v)
@@ -411,7 +422,7 @@ def add_gradients(given: Any, row: Any, bars: Any) -> None:
 
 
 @compiled
-def begin(scheme: Any, steps: Any, rescales: Any) -> None:
+def begin(scheme: Scheme, steps: Block, rescales: Block) -> None:
     """Blocks of nothing."""
     limit = PLAIN if scheme.gamma - 0.5 > DAMPS else 0.0
     steps.lanes.used = steps.lanes.next = rescales.lanes.used = rescales.lanes.next = 0
@@ -420,9 +431,10 @@ def begin(scheme: Any, steps: Any, rescales: Any) -> None:
 
 @compiled(entry=True)
 def backward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, first: Any, stage: Any, matrix: Any, by_rows: Any,
-    steps: Any, rescales: Any, work: Any, bars: Any, given: Any, kept: Any, sources: Any,
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, first: int, stage: int, matrix: Factors,
+    by_rows: ByRows, steps: Block, rescales: Block, work: Work, bars: Bars, given: Given, kept: Kept,
+    sources: Sources,
+) -> tuple[int, int]:  # fmt: skip
     """From the end of step n to the start of step `first`; returns (n, stage) of what needs new pivots.
 
     `given` holds the gradients of responses by the ends of the steps, one row for each.
@@ -459,7 +471,7 @@ def backward(
 
 
 @compiled
-def choose_gradients(weighed: Any, row: Any) -> None:
+def choose_gradients(weighed: Weighed, row: int) -> None:
     """Of the gradients of responses by the state of one node those that are not zero."""
     by, count, nq = weighed.by, 0, weighed.by.q.shape[1]
     for r in range(by.q.shape[2]):
@@ -471,7 +483,7 @@ def choose_gradients(weighed: Any, row: Any) -> None:
 
 
 @compiled
-def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
+def choose(gradient: Array, r: int, first: int, weighed: Weighed, count: int) -> int:
     """Of those by one kind of states, which begin at a row; how many there are then."""
     for k in range(gradient.shape[0]):
         value = gradient[k, r]
@@ -482,7 +494,7 @@ def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
 
 
 @compiled
-def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
+def weigh_panel(weighed: Weighed, p: int, width: int, own: Array) -> None:
     """Add the change of responses by that of the state of panel p."""
     total = weighed.total[p]
     for r in range(np.uint64(len(weighed.ends) - 1)):
@@ -503,7 +515,7 @@ def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
 
 
 @compiled
-def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any) -> None:
+def put_node(row: int, nq: int, width: int, state: Array, given: Given, weighed: Weighed) -> None:
     """What is asked for at a node: derivatives of its state, or what they do to responses."""
     if len(weighed.by.q) > 0:
         choose_gradients(weighed, row)
@@ -515,7 +527,7 @@ def put_node(row: Any, nq: Any, width: Any, state: Any, given: Any, weighed: Any
 
 
 @compiled
-def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> None:
+def put_state(own: Array, p: int, nq: int, width: int, given: Given, row: int) -> None:
     """The derivatives of a state in panel p in their place."""
     size = nq * width
     put_panel(own[:size], p, width, given.q[row])
@@ -525,7 +537,7 @@ def put_state(own: Any, p: Any, nq: Any, width: Any, given: Any, row: Any) -> No
 
 
 @compiled
-def lengthen(ratio: Any, size: Any, state: Any) -> None:
+def lengthen(ratio: float, size: int, state: Array) -> None:
     """x follows the step size."""
     for p in range(len(state)):
         a, x = state[p, 2 * size : 3 * size], state[p, state.shape[1] - size :]
@@ -535,9 +547,10 @@ def lengthen(ratio: Any, size: Any, state: Any) -> None:
 
 @compiled(entry=True)
 def forward(
-    scheme: Any, entries: Any, b: Any, record: Any, n: Any, last: Any, stage: Any, matrix: Any, by_rows: Any,
-    steps: Any, rescales: Any, work: Any, state: Any, given: Any, weighed: Any, kept: Any, sources: Any,
-) -> Any:  # fmt: skip
+    scheme: Scheme, entries: Entries, b: Array, record: Record, n: int, last: int, stage: int, matrix: Factors,
+    by_rows: ByRows, steps: Block, rescales: Block, work: Work, state: Array, given: Given, weighed: Weighed,
+    kept: Kept, sources: Sources,
+) -> tuple[int, int]:  # fmt: skip
     """From the start of step n to that of step `last`; returns (n, stage) of what needs new pivots.
 
     `state` are the derivatives of q, v, a, λ and x in panels (panels, (4 nq + m) width). `given` takes them, a row for

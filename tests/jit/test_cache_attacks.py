@@ -192,8 +192,8 @@ print(turns[1, 0], count.stats.cache_hits.total())
 """
 EDITS = {  # of a compiled loop outside the sources by which folders of kernels are named; how often 10 rad are around
     "fields": (
-        "    rate: Any\n    Phi_t: Any\n    before: Any\n",
-        "    before: Any\n    Phi_t: Any\n    rate: Any\n",
+        "    rate: Array\n    Phi_t: Array\n    before: Array\n",
+        "    before: Array\n    Phi_t: Array\n    rate: Array\n",
         2.0,
     ),
     "constant": ("REVOLUTION = 6.283185307179586", "REVOLUTION = 1.0", 10.0),

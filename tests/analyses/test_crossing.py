@@ -1,5 +1,6 @@
 """Motions go smoothly over positions where constraints become dependent; what is no smooth motion is refused."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,9 @@ from tests.examples.problems import system
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*a singular configuration is passed"
+)  # as in all of these runs
 G = 9.81
 TIMES = np.linspace(0, 1.5, 31)  # all links lie in one line at 0.71 and at 1.23 s
 
@@ -73,6 +77,21 @@ def test_a_run_over_such_positions_is_gone_on_with_to_the_same_bits(tmp_path: Pa
     cut = sr.simulate(flat, save=tmp_path / "r", progress=stop, **given)
     assert cut.status == "stopped"
     assert np.array_equal(np.asarray(sr.resume(tmp_path / "r").q), plain.q)
+
+
+@pytest.mark.parametrize("times", [None, [0.5], [1.5], TIMES])
+def test_a_run_that_is_carried_over_such_positions_warns(times: object) -> None:
+    """Whatever states are asked for; the same run to 0.5 s passes none."""
+    flat, given = sr.System(four_bars(1)), {"rtol": 1e-6, "atol": 1e-6, "method": sr.Radau()}
+    passed = r"singular configuration is passed between t = 0\.\d+ and 0\.\d+ s"
+    with pytest.warns(sr.SarrusWarning, match=passed):
+        run = sr.simulate(flat, until=1.5, t_eval=times, **given)
+    assert sum("singular configuration is passed" in one for one in run.warnings) >= 1
+    with pytest.raises(sr.StrictError, match="singular configuration is passed"):
+        sr.simulate(flat, until=1.5, t_eval=times, strict=True, **given)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not sr.simulate(flat, until=0.5, t_eval=[0.5], **given).warnings
 
 
 def test_ida() -> None:

@@ -185,16 +185,21 @@ def test_a_wrong_observer_is_told() -> None:
     """Seen from outside, the precessing top is no steady motion."""
     system = top(0.6)
     v = turning_velocity(system, np.array([0, 0, 5.0]))
-    found = sr.modes(system, system.q0, v)
+    with pytest.warns(sr.SarrusWarning, match="is in no steady motion there"):
+        found = sr.modes(system, system.q0, v)
     assert not found.success
     assert "is in no steady motion there" in found.message
 
 
 def test_no_equilibrium_is_told() -> None:
     system = pendulum(angle=0.5)
-    found = sr.modes(system, system.q0)
+    with pytest.warns(sr.SarrusWarning, match="is in no equilibrium there"):
+        found = sr.modes(system, system.q0)
     assert not found.success
     assert "is in no equilibrium there" in found.message
+    assert any(found.message in one for one in found.warnings)
+    with pytest.raises(sr.StrictError, match="is in no equilibrium there"):
+        sr.modes(system, system.q0, strict=True)
 
 
 def test_unknown_body() -> None:

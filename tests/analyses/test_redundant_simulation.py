@@ -119,6 +119,7 @@ def test_a_crooked_door_is_stuck() -> None:
     assert np.allclose(run.q[-1], system.q0, atol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:.*a singular configuration is passed")
 def test_running_into_a_branch_ends_with_a_sentence() -> None:
     run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11, method=sr.ODE())
     assert run.success or "become dependent" in run.message

@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import sarrus as sr
-from sarrus.analyses.dynamics.step_budget import MANY
+from sarrus.analyses.dynamics.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
+from sarrus.analyses.dynamics.stepper import Trouble
 from sarrus.analyses.progress import TimeLimit, monitor
 
 
@@ -54,6 +55,16 @@ def test_a_limit_of_steps_ends_every_method(method: sr.HHT) -> None:
     assert len(run.t) < 1001
     with pytest.raises(ValueError, match="max_steps must be 1"):
         sr.simulate(spring(1e4), until=10.0, max_steps=0)
+
+
+def test_the_first_window_begins_at_the_start_of_the_run() -> None:
+    """Of a run that starts at 1e6 s the first steps were 1e6 s long on average: one that crawls was seen later."""
+    watch = StepWatch(StepBudget(longest=1.0), 1e6 + 1.0)
+    watch.begin(1e6)
+    for n in range(1, WINDOWS):
+        watch.look(1e6 + n * WINDOW * 1e-8, n * WINDOW)
+    with pytest.raises(Trouble, match=r"1\.0e-08 s on average"):
+        watch.look(1e6 + WINDOWS * WINDOW * 1e-8, WINDOWS * WINDOW)
 
 
 def test_a_fixed_step_is_the_users_choice() -> None:

@@ -6,6 +6,10 @@ from tests.verdicts.random_mechanisms import KINDS, mechanism
 
 import sarrus as sr
 
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*is in no (equilibrium|steady motion)"
+)  # the states are random
+
 EPS = np.finfo(float).eps
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..model import reports_warnings
+from ..model import announce, reports_warnings
 from ..results import Modes
 from ..system import System
 from .eigenvalues import eigenvalues
@@ -60,6 +60,7 @@ def modes(
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
     success, message = _verdict(system, at, linear, steady, stability, values)
+    announce([] if success else [f"{message}. Give a state that `equilibrium` returns"])
     shapes = linear.Z @ found.vectors[: linear.Z.shape[1], keep]
     return Modes(
         *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes)),

@@ -20,6 +20,10 @@ R = TypeVar("R")
 Check: TypeAlias = Callable[[str, Any], None]
 
 
+class PlaceError(ModelError, IndexError):
+    """A place in a list that there is not."""
+
+
 @dataclass(frozen=True)
 class Number:
     """A number between limits; infinite ones only where an end is open."""
@@ -75,6 +79,14 @@ def as_numbers(value: Any, message: Callable[[], str]) -> Array:
         return np.array(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise TypeError(message()) from None
+
+
+def refuse_place(name: str, value: Any, count: int) -> None:
+    """A TypeError for anything but a whole number, a `PlaceError` for one that is no place in a list of so many."""
+    Whole(-count)(name, value)
+    if value >= count:
+        last = f"Choose 0 to {count - 1}" if count else "There is none"
+        raise PlaceError(f"{name} must be less than {count}, but is {value}. {last}.")
 
 
 def _numbers(name: str, value: Any) -> None:

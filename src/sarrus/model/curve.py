@@ -13,7 +13,7 @@ import numpy as np
 from .._jit.program import program
 from .errors import ModelError
 from .expression import Expression, Name, Number
-from .quantity import numbers
+from .quantity import is_list, numbers
 from .show import show
 from .tape import Traced
 
@@ -45,6 +45,13 @@ class Curve:
     knots: tuple[float, ...]
     cubics: tuple[Cubic, ...]
     pairs: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        given: tuple[Any, Any] = self.knots, self.cubics
+        whole = all(map(is_list, given)) and len(self.knots) == len(self.cubics) + 1 > 1
+        if not whole or not all(is_list(cubic) and len(cubic) == 4 for cubic in self.cubics):
+            told = "a curve has one knot more than cubics of four coefficients"
+            raise ModelError(f"{told}. Make one of a table with Curve.table([[x, y], ...]).", part="curve")
 
     @classmethod
     def constant(cls, value: float) -> Curve:
@@ -124,6 +131,12 @@ class Formula:
     """
 
     function: Callable[[Any], Any]
+
+    def __post_init__(self) -> None:
+        given: Any = self.function
+        if not callable(given):
+            told = f"Formula takes a function of one number, got {show(given)}"
+            raise TypeError(f"{told}. Give a function, as in Formula(lambda x: 3 * x), or a number alone.")
 
     def numbers(self, field: str = "formula") -> tuple[float, ...]:
         """Return the stored steps.

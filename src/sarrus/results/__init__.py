@@ -13,7 +13,7 @@ from .reaction import Reaction
 from .reading import load_run
 from .shape import ShapeDerivative
 from .singularity import Singularity
-from .solution import Solution, State
+from .solution import NoSolution, Solution, State
 from .steps import Pieces, RadauSteps, Steps, StepsTaken, Turn
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
@@ -37,6 +37,7 @@ __all__ = [
     "JointMotion",
     "Mobility",
     "Modes",
+    "NoSolution",
     "Optimum",
     "Pieces",
     "RadauSteps",

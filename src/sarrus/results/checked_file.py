@@ -20,6 +20,7 @@ SIZE = 16  # bytes of a checksum
 MARK = b"\nsha256 "
 SPACE, LIMIT, RIGHTS = "Free disk space", "Raise the limit of file sizes (ulimit -f)", "Make it writable"
 REMEDIES = {errno.ENOSPC: SPACE, errno.EDQUOT: SPACE, errno.EFBIG: LIMIT}
+REMEDIES[errno.ENOENT] = "Make its folder"
 REMEDIES |= dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), RIGHTS)
 
 

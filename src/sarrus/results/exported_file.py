@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from errno import ENOENT
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+from ..model.arguments import CHECKS
 from .checked_file import NotSavedError, remove_file
 
 P = ParamSpec("P")
@@ -22,16 +24,25 @@ def exporting(path: Any) -> Iterator[None]:
     Raises
     ------
     NotSavedError
-        If the disk is full or a limit is reached: an error of the operating system that names no file.
+        If its folder does not exist, the file cannot be opened, the disk is full or a limit is reached.
+    TypeError
+        For a path that is none.
     """
+    if not isinstance(path, str | os.PathLike):
+        if not hasattr(path, "write"):
+            CHECKS["path"]("path", path)
+        yield
+        return
+    place = Path(path)
+    if not place.parent.is_dir():
+        raise NotSavedError(place, OSError(ENOENT, os.strerror(ENOENT)))
     try:
         yield
     except Exception as wrong:
         found = _system_error(wrong)
-        if found is None or found.filename or not found.errno or not isinstance(path, str | os.PathLike):
+        if found is None or not found.errno or found.filename not in (None, path, str(place), place):
             raise
-        place = Path(path)
-        if place.is_file():
+        if found.filename is None and place.is_file():  # the disk is full: an error that names no file
             remove_file(place)
         raise NotSavedError(place, found) from None
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..model.arguments import refuse_place
 from ..rendering import renderer
 from .result import Result
 from .trajectory import place_of
@@ -108,6 +109,7 @@ class Gradient(Result):
 
     def influences(self, response: int = 0) -> Array:
         """Change of a response for one hundredth more of each number (p,): nothing where the number is 0."""
+        refuse_place("response", response, len(self.responses))
         return np.asarray(0.01 * self.matrix[response] * self.at)
 
     def ranked(self, response: int = 0) -> list[str]:
@@ -115,12 +117,14 @@ class Gradient(Result):
 
         Those without a derivative are left out.
         """
-        keys = -abs(self.matrix[response]), -abs(self.influences(response))
+        influences = self.influences(response)
+        keys = -abs(self.matrix[response]), -abs(influences)
         undefined = self.undefined
         return [self.names[k] for k in np.lexsort(keys) if self.names[k] not in undefined]
 
     def table(self, response: int = 0, most: int = 20) -> str:
         """The numbers of the largest influence as a text."""
+        refuse_place("response", response, len(self.responses))
         return str(renderer().gradient_table(self, response, most))
 
     def summary(self) -> str:

@@ -9,9 +9,15 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import E
+from ..model import ModelError
+from ..model.arguments import Whole
 from ..model.coordinates import coordinates_of
 from ..rendering import renderer
 from .result import Result
+
+
+class NoModeError(ModelError, IndexError):
+    """A number of a mode that there is not."""
 
 
 class BodyShape(NamedTuple):
@@ -82,10 +88,26 @@ class Modes(Result):
         ------
         KeyError
             If there is no such body.
+        NoModeError
+            If there is no such mode.
         """
+        self.refuse_unknown(mode)
         at = coordinates_of(body, self.bodies, self.name)
         part = self.shapes[at, mode]
         return BodyShape(part[:3], 2 * E(self.q[at][3:]) @ part[3:])
+
+    def refuse_unknown(self, mode: int) -> None:
+        """Refuse the number of a mode that there is not.
+
+        Raises
+        ------
+        TypeError
+        NoModeError
+        """
+        Whole()("mode", mode)
+        count = len(self.eigenvalues)
+        if mode >= count:
+            raise NoModeError(f"{self.name} has {count} modes, counted from 0; there is no mode {mode}")
 
     def summary(self) -> str:
         """The result in words."""

@@ -9,8 +9,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..model import ModelError
 
 NONE = np.zeros(0)
+
+
+class NoSolution:
+    """In the place of `Trajectory.sol` where the whole motion was not stored: false, and refuses to be called."""
+
+    def __bool__(self) -> bool:
+        return False
+
+    def __call__(self, t: ArrayLike) -> State:
+        """Refuse.
+
+        Raises
+        ------
+        ModelError
+        """
+        raise ModelError("The motion between the times t is not stored. Simulate with dense_output=True.")
 
 
 class State(NamedTuple):

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import G
+from ..model.arguments import CHECKS, checked
 from ..model.coordinates import coordinates_of
 from ..model.show import suggest
 from ..rendering import renderer
@@ -20,7 +21,7 @@ from .happened import Happened
 from .joint_motion import JointMotion
 from .reaction import Reaction, reaction
 from .result import Result
-from .solution import Solution, State
+from .solution import NoSolution, Solution, State
 from .steps import Pieces, StepsTaken
 
 ENERGIES = ("kinetic_energy", "potential_energy")
@@ -95,7 +96,7 @@ class Trajectory(Result):
     history: Array = field(default_factory=lambda: np.zeros((0, 5)), repr=False)
     events: tuple[Happened, ...] = ()
     restitutions: Mapping[str, float] = field(default_factory=dict, repr=False)
-    sol: Solution | None = field(default=None, repr=False, compare=False)
+    sol: Solution | NoSolution = field(default=NoSolution(), repr=False, compare=False)
     velocity_violation: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     kinetic_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     potential_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
@@ -127,6 +128,7 @@ class Trajectory(Result):
         spin = np.array([2 * (G(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
         return BodyMotion(body, r, p, rd, spin)
 
+    @checked
     def joint(self, name: str) -> JointMotion:
         """The angles and displacements of a joint with their rates; revolutions are counted from step to step.
 
@@ -143,6 +145,7 @@ class Trajectory(Result):
         of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
         return JointMotion(name, *of)
 
+    @checked
     def state(self, t: float) -> State:
         """The state at a time, from which `simulate` can go on: one of `t`, the end, or any with `dense_output`.
 
@@ -153,7 +156,7 @@ class Trajectory(Result):
         """
         if self.final is not None and t == self.final.t:
             return self.final
-        if self.sol is not None:
+        if self.sol:
             return self.sol(float(t))
         rows = np.flatnonzero(self.t == t)
         if not len(rows):
@@ -175,6 +178,7 @@ class Trajectory(Result):
         """Kinetic and potential (nt,), without what contacts, stops and tyres store. [J]"""
         return self.kinetic_energy + self.potential_energy
 
+    @checked
     def coordinate(self, name: str) -> Array:
         """One coordinate over time (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, or a full name.
 
@@ -198,6 +202,7 @@ class Trajectory(Result):
         if self.system is None:
             told = f"{self.name}: this trajectory does not know its system, so it has no reactions"
             raise ValueError(f"{told}. Read a saved run with it: sarrus.load_run(folder, system).")
+        CHECKS["name"]("joint", joint)
         return reaction(self, joint)
 
     @exports

@@ -8,6 +8,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ..algebra import Array
+from ..model import ModelError
+from ..model.show import show
 from ..rendering import renderer
 from .exported_file import exports
 from .netcdf import Column, write_netcdf
@@ -69,6 +71,8 @@ class WorkspaceField(Result):
 
     def meaning(self, quantity: Quantity) -> str:
         """What a quantity is, in words."""
+        if quantity not in (*MEANINGS,):
+            raise ModelError(f"There is no quantity {show(quantity)}. Choose one of {', '.join(MEANINGS)}.")
         told = MEANINGS[quantity]
         return f"{told} {self.turn} [rad]" if quantity == "turn" else told
 

@@ -25,6 +25,7 @@ from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
+from ..model.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..model.written import written_numbers
 from ..outputs.outputs import Outputs
@@ -48,9 +49,18 @@ class Found(NamedTuple):
     lookup: Callable[[str], Any]
 
 
+FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {**CHECKS, "steps": Whole(1), "time": Number()}
+
+
 @dataclass(frozen=True)
 class Run(ABC):
     """One analysis of a system."""
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if one.name in FIELD_CHECKS and value is not one.default:
+                FIELD_CHECKS[one.name](one.name, value)
 
     kind: ClassVar[str]
     modal: ClassVar[bool] = False  # whether its result has modes

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..model import SarrusError
-from ..model.arguments import checked
+from ..model.arguments import checked, refuse_place
 from ..rendering import renderer
 from ..results.exported_file import exports
 from ..results.result import Result
@@ -89,6 +89,7 @@ class StudyTable(Result):
 
     def case(self, number: int) -> dict[str, float]:
         """One case: parameters and responses by name."""
+        refuse_place("number", number, len(self.values))
         both = np.concatenate([self.values[number], self.found[number]])
         return {n: float(x) for n, x in zip((*self.parameters, *self.responses), both, strict=True)}
 

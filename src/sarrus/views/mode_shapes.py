@@ -43,13 +43,10 @@ def animate_mode(
 
     Raises
     ------
-    IndexError
+    NoModeError
         If there is no such mode.
     """
-    if not 0 <= mode < len(found.eigenvalues):
-        raise IndexError(
-            f"{found.name} has {len(found.eigenvalues)} modes, counted from 0; there is no mode {mode}"
-        )
+    found.refuse_unknown(mode)
     size = sketch(system.model, found.q[None]).size
     shape = found.shapes[:, mode] * (SHARE * size if amplitude is None else amplitude)
     period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else LASTS

@@ -18,6 +18,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...model import announce
 from ...system import System
 from ..factored import SingularSystem
 from ..independence import Independence
@@ -47,6 +48,10 @@ ENOUGH = 10.0  # times the tolerance of other steps is allowed for this one, if 
 SETTLED = 0.03  # of the tolerance, where they end
 FINEST = 1e-10  # relative tolerance, below which round-off close to the position is not asked to be
 PARTS = 8  # pieces of the step between which there are nodes
+BRANCHES = (
+    "a singular configuration is passed between t = {:.6g} and {:.6g} s, where the motion could branch. The run "
+    "follows the smooth continuation; change the start or the dimensions if another branch is meant."
+)
 
 
 class Past(NamedTuple):
@@ -255,6 +260,7 @@ class Crossing:
         self._system.remember(nodes.q[-1], self.b, nodes.t[-1])
         self._inner.restart(float(nodes.t[-1]), nodes.q[-1], nodes.v[-1], self._until)
         tally.nsteps += 1
+        announce([f"{self._system.name}: {BRANCHES.format(nodes.t[0], nodes.t[-1])}"])
         taken = nodes.t[-1] - nodes.t[0]
         tally.history.append(np.array([[nodes.t[-1], taken, landing.error, landing.iterations, 0]]))
         return nodes

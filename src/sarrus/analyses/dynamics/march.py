@@ -13,7 +13,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import announce, collected
-from ...results import Assembly, Happened, Solution, State, Trajectory, load_run
+from ...results import Assembly, Happened, NoSolution, Solution, State, Trajectory, load_run
 from ...results.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ...results.saved import UNFINISHED, Store
 from ...results.steps import Pieces, StepsTaken, Turn
@@ -104,6 +104,7 @@ class March:
                 self.winding.begin(start.q, start.revolutions)
                 self.watches.near(self.winding.values)
                 self._begin(start.t, start.q, start.v)
+                self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
             else:
                 self._resume(state)
@@ -160,10 +161,10 @@ class March:
         run = load_run(folder, self.system)
         return replace(run, sol=self._solution(), steps=self.stepper.steps())
 
-    def _solution(self) -> Solution | None:
-        """The whole motion, where it was kept."""
+    def _solution(self) -> Solution | NoSolution:
+        """The whole motion, where it was stored."""
         if not self._dense:
-            return None
+            return NoSolution()
         nodes = joined(self._dense)
         return Solution(nodes, self.sampler, WindingAlong(self.system, nodes, self.winding.first))
 

@@ -66,6 +66,10 @@ class StepWatch:
         self.budget, self._until = budget, until
         self._t, self._count, self._mean, self._crawled = 0.0, 0, 0.0, 0
 
+    def begin(self, t: float) -> None:
+        """The time at which the run starts, from which the first steps are counted."""
+        self._t = t
+
     def look(self, t: float, count: int) -> None:
         """After some steps: time and number of steps reached.
 

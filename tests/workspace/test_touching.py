@@ -4,8 +4,10 @@ from math import acos, atan2, cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from benchmarks.workspace_attack import five_bars
 
 import sarrus as sr
+from sarrus.analyses.workspace.arc import Arc
 
 CRANK, ROD = 1.0, 1.5
 
@@ -63,3 +65,34 @@ def test_voids_that_touch_the_outer_boundary(off: float, seed: int) -> None:
     assert found.success, found.message
     assert found.area == pytest.approx(exact(1 + off), rel=1e-7)
     assert abs(found.area - exact(1 + off)) <= found.area_error + 2e-9
+
+
+def test_a_box_holds_the_curve_and_not_only_its_polyline() -> None:
+    """A curve that began on the bulge of another one between two points of its polyline did not cut it."""
+    random = np.random.default_rng(0)
+    for _ in range(50):
+        arc = Arc(random.normal(size=(1, 6, 2)))
+        points = np.array([arc.point(at) for at in np.linspace(0, 1, 500)])
+        assert np.all(points >= arc.box[0] - 1e-12)
+        assert np.all(points <= arc.box[1] + 1e-12)
+
+
+def lens(a: float, b: float, apart: float) -> float:
+    """Area common to two circles."""
+    if apart <= abs(a - b):
+        return pi * min(a, b) ** 2
+    x, y = ((apart**2 + one**2 - other**2) / (2 * apart) for one, other in ((a, b), (b, a)))
+    return float(a**2 * acos(x / a) + b**2 * acos(y / b) - apart * sqrt(a**2 - x**2))
+
+
+def test_a_boundary_that_is_traced_twice() -> None:
+    """One of its two curves begins where the other one is farthest to the left."""
+    (system, output, limits), _ = five_bars(np.random.default_rng([2, 9]))
+    found = sr.workspace(system, output, limits=limits, verify=False)
+    cranks, rods, apart = (1.0170263, 1.8502904), (1.4359471, 0.5800070), 0.7997784
+    far, near = ([abs(c + sign * r) for c, r in zip(cranks, rods, strict=True)] for sign in (1, -1))
+    exact = (
+        lens(*far, apart) - lens(near[0], far[1], apart) - lens(far[0], near[1], apart) + lens(*near, apart)
+    )
+    assert found.success
+    assert found.area == pytest.approx(exact, rel=1e-6)

@@ -48,8 +48,10 @@ class Arc:
 
     @cached_property
     def box(self) -> Array:
-        """Lowest and highest coordinates (2, 2)."""
-        return np.array([self.polyline.min(axis=0), self.polyline.max(axis=0)])
+        """Bounds of its coordinates (2, 2): those of the polyline, wider by how far the curve may bulge from it."""
+        bends = np.einsum("kpd,p->kd", abs(self.pieces), POWERS * (POWERS - 1.0))
+        bulge = bends.max(axis=0) / (8 * DENSE**2)
+        return np.array([self.polyline.min(axis=0) - bulge, self.polyline.max(axis=0) + bulge])
 
     @cached_property
     def area(self) -> float:

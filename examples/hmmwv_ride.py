@@ -119,7 +119,9 @@ MOST = 14.0  # mm that a spring may extend
 def extension(spring: str) -> sr.Peak:
     """How far a spring extends beyond its length at rest; the places move it by little."""
     return sr.Peak(
-        lambda o: 1e3 * (o.length(spring) - REST[spring]), sharpness=4.0, name=f"{spring} extends by [mm]"
+        lambda o: 1e3 * (o(f"{spring}.length") - REST[spring]),
+        sharpness=4.0,
+        name=f"{spring} extends by [mm]",
     )
 
 
@@ -144,7 +146,7 @@ def draw(found: list[sr.Optimum], folder: Path) -> None:
         t, o = run.steps.t, sr.Outputs(run.system, run.steps, run.steps.b, lambda name: 0.0)
         seat.plot(t, o.acceleration("chassis", SEAT)[2].value, color=colour, label=name)
         pitch.plot(t, np.degrees(o("chassis.angular_velocity.y").value), color=colour)
-        spring.plot(t, 1e3 * (o.length("spring_front_left").value - REST["spring_front_left"]), color=colour)
+        spring.plot(t, 1e3 * (o("spring_front_left.length").value - REST["spring_front_left"]), color=colour)
     plot_gradient(before.gradient, bars)
     seat.set(xlabel="t [s]", ylabel="seat, vertical acceleration [m/s²]")
     pitch.set(xlabel="t [s]", ylabel="pitch rate [°/s]")

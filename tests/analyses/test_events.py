@@ -163,7 +163,7 @@ def test_wrong_events_are_refused(wrong: dict, sentence: str) -> None:
 
 
 def test_an_unknown_output_is_named() -> None:
-    with pytest.raises(KeyError, match=r"no coordinate 'bal\.z'"):
+    with pytest.raises(KeyError, match=r"has no output 'bal\.z'"):
         sr.simulate(ball(), until=1.0, events=sr.Event("bal.z"))
 
 

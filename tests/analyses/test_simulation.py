@@ -128,7 +128,7 @@ def test_names_of_the_result() -> None:
     assert np.array_equal(run.coordinate("crank.e0"), run["crank"].euler[:, 0])
     with pytest.raises(KeyError, match="no body 'slyder'"):
         run["slyder"]
-    with pytest.raises(KeyError, match=r"no coordinate 'slider\.w'"):
+    with pytest.raises(KeyError, match=r"has no output 'slider\.w'"):
         run.coordinate("slider.w")
 
 

@@ -96,7 +96,7 @@ MISUSE = [
     ("run {} --rtol -1", "--rtol: must be a positive finite number, but is -1"),
     ("run {} --steps 1000000000000", "--steps: must be a whole number from 1 to 1000000"),
     ("run {} --plot slider.x --figure a.xyz", "--figure: must end in .png, .svg or .pdf, but is a.xyz"),
-    ("run {} --plot slider.w", "no coordinate 'slider.w' in slider-crank; did you mean"),
+    ("run {} --plot slider.w", "slider-crank has no output 'slider.w'; did you mean"),
     ("run {} --csv none/a.csv", "there is no folder none; make it first"),
     ("run {} --csv .", "is a folder; name a file in it"),
     ("check {} --seed -1", "--seed: must be a whole number of at least 0, but is -1"),

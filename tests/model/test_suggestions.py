@@ -63,9 +63,7 @@ def test_shipped_mechanisms_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_a_body_is_no_coordinate() -> None:
     system = sr.System(sr.load("slider_crank"))
-    with pytest.raises(
-        KeyError, match=r"'crank' is a body, not a coordinate or joint; give one such as crank\.x"
-    ):
+    with pytest.raises(KeyError, match="slider-crank has no output 'crank'; did you mean"):
         sr.assemble(system, rates={"crank": 1.0})
 
 

@@ -7,8 +7,8 @@ import pytest
 from tests.sensitivity.zoo import zoo
 
 from sarrus.model.tape import Tape, whole
+from sarrus.outputs import Outputs
 from sarrus.outputs.energies import Along, members, plain, told
-from sarrus.outputs.outputs import Outputs
 from sarrus.outputs.recording import Angles, States
 from sarrus.system.curve_derivatives import evaluated
 

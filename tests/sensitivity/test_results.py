@@ -43,7 +43,7 @@ def test_states_over_time_by_name(run: sr.Trajectory) -> None:
     assert found["slider.x", "spring.k"][-1] == pytest.approx(
         sr.sensitivity(run, "slider.x", WRT)["spring.k"]
     )
-    with pytest.raises(KeyError, match=r"no coordinate 'slidr\.x'"):
+    with pytest.raises(KeyError, match=r"has no output 'slidr\.x'"):
         found["slidr.x", "spring.k"]
     with pytest.raises(KeyError, match="a coordinate and a number are needed"):
         found["spring.k"]

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..algebra import Array
+from ..outputs import find_output
+from ..outputs.measure import measured
 from ..system import System
 from ..system.joints import JointCoordinate
-from .held import place_of, unknown
 
 
 @dataclass(frozen=True)
@@ -55,23 +56,16 @@ Rate = CoordinateRate | JointRate
 
 
 def rate(system: System, name: str) -> Rate:
-    """The rate of a coordinate (``slider.x``) or of a joint's angle or travel (``hook.angle_i``).
-
-    A joint that has only one of these is named alone (``pin``).
+    """The rate of an output that depends on the position: ``slider.x``, ``hook.angle_i``, ``spring.length``.
 
     Raises
     ------
-    KeyError
-        If there is no such coordinate or joint, or the joint has no such rate.
+    UnknownOutput
+        If there is no such output, or if it depends on more than the position.
     """
-    place = place_of(system, name)
-    if place is not None:
-        return CoordinateRate(place, system.nq)
-    joint_name, _, what = name.partition(".")
-    if joint_name not in {joint.name for joint in system.model.joints}:
-        raise KeyError(unknown(system, name, "coordinate or joint"))
-    joint = system.joint(joint_name)
-    if what not in joint.names if what else len(joint.names) != 1:
-        offered = " or ".join(f"{joint_name}.{own}" for own in joint.names)
-        raise KeyError(f"the joint {joint_name!r} has no single rate {name!r}; give {offered}")
-    return JointRate(joint[what or joint.names[0]])
+    place = find_output(system, name).place
+    return (
+        CoordinateRate(place, system.nq)
+        if place is not None
+        else JointRate(measured(system, name, "a given rate"))
+    )

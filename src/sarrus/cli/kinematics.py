@@ -24,7 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     model_file.arguments(parser)
     shared.times(parser)
     shared.time_limit(parser)
-    shared.table(parser, "t, q and v")
+    shared.motion_table(parser)
     parser.add_argument(
         "--reaction", metavar="NAME", help="a joint or driver: its force and torque are drawn"
     )
@@ -37,12 +37,15 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     from ..analyses import kinematics
     from ..model.errors import SarrusError
+    from ..outputs import find_output
     from ..system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.reaction else None])
     system = System(model_file.read(chosen))
     if chosen.reaction and chosen.reaction not in system.rows:
         raise SarrusError(f"no joint or driver {chosen.reaction!r}; there are {', '.join(system.rows)}")
+    for name in chosen.columns:
+        find_output(system, name)
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:
         times, limit = np.linspace(0.0, chosen.until, chosen.steps + 1), chosen.time_limit
         motion = kinematics(system, times, progress=bar.reach, time_limit=limit)
@@ -68,7 +71,7 @@ def _reactions(motion: Trajectory, answer: Answer) -> dict[str, dict[str, float]
 
 def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
     if chosen.csv:
-        motion.to_csv(chosen.csv)
+        motion.to_csv(chosen.csv, *chosen.columns)
         answer.wrote(chosen.csv)
     if chosen.reaction and len(motion.t):
         answer.draw(motion.reaction(chosen.reaction).plot(), chosen.figure)

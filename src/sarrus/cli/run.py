@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from . import model_file, shared
@@ -37,9 +36,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-steps", type=natural, help="end after so many steps (where they would never end)"
     )
-    shared.table(parser, "t, q and v")
+    shared.motion_table(parser)
     parser.add_argument(
-        "--plot", nargs="+", metavar="NAME", help="coordinates to draw, e.g. slider.x pin.angle"
+        "--plot", nargs="+", metavar="NAME", help="outputs to draw, e.g. slider.x pin.force.z spring.tension"
     )
     shared.figure(parser, "the plot", "run.png")
 
@@ -54,7 +53,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
-    _refuse_unknown(chosen.plot or (), system)
+    _refuse_unknown(chosen, system)
     start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
     answer.say(start.message)
@@ -94,20 +93,15 @@ def _tell_end(motion: Trajectory, answer: Answer) -> None:
     answer.put(t=motion.t[-1] if len(motion.t) else None, bodies=end)
 
 
-def _refuse_unknown(names: Sequence[str], system: System) -> None:
-    """Raise a SarrusError for a coordinate that cannot be drawn, before anything is simulated."""
-    from ..model.errors import SarrusError
-    from ..results.trajectory import place_of
+def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
+    """Raise a SarrusError for an output that is not there, before anything is simulated."""
+    from ..outputs import find_output
     from ..views.plots import figure_of
 
-    if names:
+    if chosen.plot:
         figure_of(1, 1)  # Matplotlib is there
-    others = system.joint_coordinates.names
-    for name in (name for name in names if name not in others):
-        try:
-            place_of(name, system.coordinate_names, system.name, others)
-        except KeyError as unknown:
-            raise SarrusError(unknown.args[0]) from None
+    for name in (*(chosen.plot or ()), *chosen.columns):
+        find_output(system, name)
 
 
 def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
@@ -115,7 +109,7 @@ def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> No
     from ..views.plots import figure_of
 
     if chosen.csv:
-        motion.to_csv(chosen.csv)
+        motion.to_csv(chosen.csv, *chosen.columns)
         answer.wrote(chosen.csv)
     if chosen.plot:
         figure = figure_of(7, 3.2)

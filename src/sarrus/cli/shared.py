@@ -99,6 +99,18 @@ def table(parser: argparse.ArgumentParser, told: str) -> None:
     parser.add_argument("--csv", type=Path, metavar="FILE", help=f"file for {told} as a table")
 
 
+def motion_table(parser: argparse.ArgumentParser) -> None:
+    """``--csv`` of a motion, and ``--columns``: which outputs it has."""
+    table(parser, "t, q and v, or t and the columns chosen,")
+    parser.add_argument(
+        "--columns",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="outputs, e.g. slider.x pin.force.z spring.tension",
+    )
+
+
 def figure(parser: argparse.ArgumentParser, told: str, default: str | None = None) -> None:
     """``--figure``: a file for a picture."""
     ending = f" ({default})" if default else ""

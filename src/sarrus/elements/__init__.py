@@ -17,6 +17,7 @@ from .joint_angle import Angle, AngleDriver
 from .joint_friction import AngleFriction, TravelFriction
 from .normalization import Normalization
 from .operators import GROUPS, OPERATORS, Operator
+from .output import output as output
 from .point_force import FollowerForce, PointForce
 from .rigid_inertia import RigidInertia
 from .road_tyre import RoadTyre
@@ -90,4 +91,5 @@ __all__ = [
     "VaryingForce",
     "VaryingTorque",
     "ViscousDrag",
+    "output",
 ]

@@ -10,9 +10,11 @@ import dataclasses
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
+from ..euler import E
 from .derived import derived
 from .follows import ConstraintFollows, InertiaFollows
 from .operators import CONSTRAINT, DERIVATIVES, FORCE, INERTIA, Operator
+from .output import Declared, declared, output
 
 Vec3: TypeAlias = Annotated[Array, "Vec3"]
 Inertia: TypeAlias = Annotated[Array, "Inertia"]
@@ -58,6 +60,7 @@ class Element:
     bodies: ClassVar[int] = 2
     rows: ClassVar[int] = 0
     fields: ClassVar[dict[str, str]]
+    outputs: ClassVar[dict[str, Declared]] = {}
     timed: ClassVar[bool] = False
     rare: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Element]]] = {}
@@ -88,7 +91,7 @@ class Element:
                 f"element {cls.__name__} has a field of memory, but no method remember(x): write one that returns its "
                 "new values, or annotate the field as Scalar"
             )
-        cls.timed = "Time" in cls.fields.values()
+        cls.timed, cls.outputs = "Time" in cls.fields.values(), declared(cls)
         for operator in cls.family:
             if operator.origin == "derived" or (derivatives == "automatic" and _derivable(cls, operator)):
                 setattr(cls, operator.name, derived(operator.name))
@@ -147,3 +150,15 @@ class Force(Element, abstract=True):
     """A generalized force Q(q, v, t), with its derivatives."""
 
     family = tuple(FORCE)
+
+    @output("N", "force", vector=True)
+    def force_on_last_body(self, x: Any, v: Any, t: Scalar) -> Any:
+        """The force on its last body, in global axes."""
+        block = self.Q(x, v, t)[-2]  # type: ignore[attr-defined]
+        return (0, 0, 0) if block is None else block
+
+    @output("N m", "torque", vector=True)
+    def torque_on_last_body(self, x: Any, v: Any, t: Scalar) -> Any:
+        """The torque on its last body about that body's origin, in global axes: ½ E Q_p."""
+        block = self.Q(x, v, t)[-1]  # type: ignore[attr-defined]
+        return (0, 0, 0) if block is None else E(x[-1]) @ block / 2

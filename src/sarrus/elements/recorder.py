@@ -111,14 +111,16 @@ def _recorded(variant: Variant, names: tuple[str, ...]) -> Recording:
     return recording
 
 
-def record_scalars(variant: Variant, method: str) -> Recording:
-    """Record a method of x that returns scalars, such as `remember`: one block for each."""
+@cache
+def record_scalars(variant: Variant, method: str, arguments: int = 1) -> Recording:
+    """Record a method of the first of (x, v, t) that returns scalars, as `remember` does: a block for each."""
     graph, kind = Graph(), variant.kind
     element = element_from(kind, graph.inputs("numbers", kind.size()), t=graph.input("t"))
-    x = partition(kind, _symbols(graph, variant, "q"))
-    title = f"{variant.name}.{method}"
-    recording = Recording(title, graph, variant.moving, kind.size(), ("q",), ("t",))
-    blocks = [np.array([value], dtype=object) for value in getattr(element, method)(x)]
+    arrays = ("q", "v")[:arguments]
+    operands = [partition(kind, _symbols(graph, variant, name)) for name in arrays]
+    found = getattr(element, method)(*operands, *[graph.input("t")][: max(arguments - 2, 0)])
+    recording = Recording(f"{variant.name}.{method}", graph, variant.moving, kind.size(), arrays, ("t",))
+    blocks = [np.array([value], dtype=object) for value in np.ravel(np.array(found, dtype=object))]
     recording.outputs.append(Output(blocks, False))
     return recording
 

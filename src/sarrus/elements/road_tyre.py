@@ -14,6 +14,7 @@ from __future__ import annotations
 from ..algebra import Row
 from ..euler import B, rotate
 from .element import Curve, Force, Scalar, Single, Vec3
+from .output import output
 from .smooth import soft_ramp, soft_step
 from .tyre import UP
 
@@ -30,12 +31,17 @@ class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
     profile: Curve  # [m] over the global x [m]
     bump: Curve  # [m] over time [s]
 
+    @output("m")
+    def compression(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """δ, negative where the tyre is off the road."""
+        place = x.r + rotate(x.p, self.s)
+        return self.radius - (place[2] - (self.road + self.profile(place[0]) + self.bump(t)))
+
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         B_s = B(x.p, self.s)
         place, velocity = x.r + rotate(x.p, self.s), v.r + B_s @ v.p
-        road = self.road + self.profile(place[0]) + self.bump(t)
         rise = self.profile.slope(place[0]) * velocity[0] + self.bump.slope(t)
-        depth, rate = self.radius - (place[2] - road), rise - velocity[2]
+        depth, rate = self.compression(x, v, t), rise - velocity[2]
         touching = soft_step(depth, self.width)
         F = touching * soft_ramp(self.k * depth + self.c * rate, self.k * self.width)
         return F * UP, F * B_s[2]

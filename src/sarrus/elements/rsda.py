@@ -12,6 +12,7 @@ from ..algebra import Array, Block, Row, column, outer
 from ..euler import G, bar
 from .angle import AngleGeometry, Turn
 from .element import ZERO_PAIR, Curve, Force, Grid, Memory, Pair, Scalar, Vec3
+from .output import output
 
 
 class Law(NamedTuple):
@@ -28,6 +29,21 @@ class TurningSpring(AngleGeometry):
 
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
+
+    @output("rad", "angle")
+    def present_angle(self, x: Pair) -> Scalar:
+        """θ, turns counted."""
+        return self.angle_of(x)
+
+    @output("rad/s")
+    def rate(self, x: Pair, v: Pair) -> Scalar:
+        """θ̇."""
+        return self.turn(x, v).rate
+
+    @output("N m", "torque")
+    def exerted_torque(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """n(θ, θ̇, t) on body i about h_i."""
+        return self._law(x, self.turn(x, v), t).n
 
     def _law(self, x: Pair, turn: Turn, t: Scalar) -> Law:  # Eq. (106)
         return self.law(self.angle_of(x), turn.rate, t)

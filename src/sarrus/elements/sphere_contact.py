@@ -14,6 +14,7 @@ from ..algebra import Array, Row, cross
 from ..euler import E, rotate
 from .contact_law import contact_force
 from .element import Force, Pair, Scalar, Vec3
+from .output import output
 
 
 class SphereContact(Force, derivatives="automatic", rare=True):
@@ -30,13 +31,18 @@ class SphereContact(Force, derivatives="automatic", rare=True):
     mu: Scalar  # [-]
     creep: Scalar  # [m/s]
 
+    @output("m")
+    def depth(self, x: Pair) -> Scalar:
+        """How deep the sphere is in the plane; negative where they are apart."""
+        d = x.r_i + rotate(x.p_i, self.s_i) - x.r_j - rotate(x.p_j, self.s_j)
+        return self.radius - rotate(x.p_j, self.n_j) @ d
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
         n = rotate(x.p_j, self.n_j)
-        arm_i, arm_j = rotate(x.p_i, self.s_i), rotate(x.p_j, self.s_j)
-        gap = n @ (x.r_i + arm_i - x.r_j - arm_j)
+        arm_i = rotate(x.p_i, self.s_i)
         touch = x.r_i + arm_i - self.radius * n
         slip = velocity_at(touch, x.r_i, x.p_i, v.r_i, v.p_i) - velocity_at(touch, x.r_j, x.p_j, v.r_j, v.p_j)
-        F = self._force(self.radius - gap, n, slip)
+        F = self._force(self.depth(x), n, slip)
         torque_i, torque_j = cross(touch - x.r_i, F), cross(touch - x.r_j, F)
         return F, 2 * (torque_i @ E(x.p_i)), -F, -2 * (torque_j @ E(x.p_j))
 

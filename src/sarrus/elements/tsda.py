@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from .._jit.functions import sqrt
 from ..algebra import Array, Row, column, outer
 from .element import Curve, Force, Grid, Pair, Scalar, Vec3
+from .output import output
 from .segment import Segment
 
 
@@ -40,6 +41,22 @@ class SpringDamper(Segment):
 
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
+
+    @output("m", "length")
+    def present_length(self, x: Pair) -> Scalar:
+        """|d|."""
+        d = self.d(x)
+        return sqrt(d @ d)
+
+    @output("m/s")
+    def rate(self, x: Pair, v: Pair) -> Scalar:
+        """l̇."""
+        return self._length(x, v).rate
+
+    @output("N")
+    def tension(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """f(l, l̇, t), positive where it pulls."""
+        return self.law(*self._length(x, v)[:2], t).f
 
     def _length(self, x: Pair, v: Pair) -> Length:  # Eqs. (61), (62), (68), (76), (77)
         d, w = self.d(x), self.d_xi(x, v)

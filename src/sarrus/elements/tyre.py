@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..algebra import I3, Array, Row, column, outer
 from ..euler import A, B, C, D, K, rotate
 from .element import Force, Grid, Scalar, Single, Vec3
+from .output import output
 
 UP: Array = I3[2]
 
@@ -21,6 +22,7 @@ class Tyre(Force, bodies=1):
     def _z_q(self, x: Single) -> Array:
         return B(x.p, self.s)[2]
 
+    @output("m", "compression")
     def _compression(self, x: Single) -> Scalar:
         return self.radius - (x.r[2] + rotate(x.p, self.s)[2] - self.road)
 

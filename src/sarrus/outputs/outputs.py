@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -11,20 +11,20 @@ import numpy as np
 from ..algebra import Array
 from ..elements import Dot1, Dot2, Heading, Normalization
 from ..euler import A, B, E
+from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.marker import Marker
-from ..model.show import suggest
 from ..model.solid import GROUND
 from ..model.tape import Traced, own
 from ..system.population import Population
-from .force_outputs import COILS, SPRINGS, WORDS, ForceOutputs
-from .recording import TURN, UnknownOutput, bodies_of, members_of
+from .energy_recording import EnergyRecording
+from .output import UnknownOutput, find_output
+from .recording import TURN, bodies_of, members_of
 
-AXES = {"x": 0, "y": 1, "z": 2}
-ENERGIES = ("energy.kinetic", "energy.potential", "energy.total")
+RENAMED = {"length": "length", "stretching": "rate", "tension": "tension", "coil": ""}
 
 
-class Outputs(ForceOutputs):
+class Outputs(EnergyRecording):
     """Everything about a motion that a response may use; each number stands for its values at all times.
 
     ``o("slider.x")`` reads an output by its name; the methods give vectors as arrays of three.
@@ -35,81 +35,43 @@ class Outputs(ForceOutputs):
     """
 
     def __call__(self, name: str) -> Any:
-        """An output by name.
-
-        ``slider.x``, ``slider.e0``; ``slider.velocity.x``, ``slider.acceleration.x``, ``slider.angular_velocity.x``;
-        ``pin.angle``, ``pin.angle.rate``; ``pin.force.x``, ``pin.torque.x``, ``pin.multiplier.1``; ``spring.length``,
-        ``spring.rate``, ``spring.tension``; ``coil.angle``, ``coil.rate``, ``coil.torque``; ``energy.kinetic``,
-        ``energy.potential``, ``energy.total``; ``t``.
+        """An output by name: one of `System.outputs`.
 
         Raises
         ------
         UnknownOutput
             If there is no such output.
         """
-        if name == "t":
-            return self.t
-        part, _, rest = name.partition(".")
-        word, _, axis = rest.partition(".")
-        if name in ENERGIES:
-            return self._energy(name)
-        if f"{part}.{word}" in self.system.joint_coordinates.names and axis in ("", "rate"):
-            return self.joint(f"{part}.{word}", rate=axis == "rate")
-        if part in self.system.bodies:
-            return self._of_body(name, part, word, axis)
-        if part in self.system.rows and word in ("force", "torque", "multiplier"):
-            return self._of_joint(name, part, word, axis)
-        if word in WORDS[SPRINGS] and not axis and self.has(part, SPRINGS):
-            return getattr(self, {"rate": "stretching"}.get(word, word))(part)
-        if word in WORDS[COILS] and not axis and self.has(part, COILS):
-            return self.coil(part, word)
-        raise self._unknown(name)
+        return find_output(self.system, name).record(self)
 
-    def _energy(self, name: str) -> Any:
-        if name == "energy.total":
-            return self.kinetic_energy() + self.potential_energy()
-        return self.kinetic_energy() if name == "energy.kinetic" else self.potential_energy()
+    def output_or_parameter(self, name: str) -> Any:
+        """An output, or where there is none, a parameter of the model.
 
-    def _of_body(self, name: str, body: str, word: str, axis: str) -> Any:
-        vectors = {
-            "velocity": self.velocity,
-            "acceleration": self.acceleration,
-            "angular_velocity": self.angular_velocity,
-        }
-        if word in vectors and axis in AXES:
-            return vectors[word](body)[AXES[axis]]
-        own = ("x", "y", "z", "e0", "e1", "e2", "e3")
-        if word not in own or axis:
-            raise self._unknown(name)
-        return self.vector("q", body)[own.index(word)]
+        Raises
+        ------
+        UnknownOutput
+            If there is neither.
+        """
+        try:
+            return self(name)
+        except UnknownOutput as unknown:
+            try:
+                return self.parameter(name)
+            except (SarrusError, KeyError):
+                raise unknown from None
 
-    def _of_joint(self, name: str, joint: str, word: str, axis: str) -> Any:
-        if word == "multiplier" and axis.isdigit() and 0 < int(axis) <= len(self.system.rows[joint]):
-            return self.multiplier(joint)[int(axis) - 1]
-        if word == "multiplier" or axis not in AXES:
-            raise self._unknown(name)
-        return (self.force if word == "force" else self.torque)(joint)[AXES[axis]]
-
-    def _unknown(self, name: str) -> UnknownOutput:
-        system = self.system
-        known = [
-            *(f"{b}.{w}" for b in system.bodies for w in ("x", "y", "z", "velocity.x", "acceleration.x")),
-            *(f"{n}{w}" for n in system.joint_coordinates.names for w in ("", ".rate")),
-            *(f"{j}.{w}" for j in system.rows for w in ("force.x", "torque.x", "multiplier.1")),
-            *(f"{o}.{w}" for kinds, words in WORDS.items() for o in self._owners(kinds) for w in words),
-            *ENERGIES,
-        ]
-        part, _, word = name.partition(".")
-        words = [one.removeprefix(f"{part}.") for one in known if one.startswith(f"{part}.")]
-        if not words:
-            return UnknownOutput(f"{system.name} has no output {name!r}; {suggest(name, known)}")
-        near = get_close_matches(word, words, n=1)
-        offered = ", ".join(f"{part}.{one}" for one in words)
-        told = f'did you mean "{part}.{near[0]}"?' if near else f"choose from {offered}"
-        return UnknownOutput(f"{system.name} has no output {name!r}; {told}")
-
-    def _owners(self, kinds: tuple[type, ...]) -> list[str]:
-        return [owner for p in self.system.populations if p.kind in kinds for owner in p.owners]
+    def __getattr__(self, name: str) -> Any:
+        """Methods of earlier versions for springs, whose outputs have names."""
+        if name not in RENAMED:
+            raise AttributeError(
+                f"Outputs has no method {name!r}. Read outputs by name, as in o('slider.x')."
+            )
+        word, told = (
+            RENAMED[name],
+            f"Outputs.{name} is deprecated. Read the output by name, as in o('spring.{RENAMED[name]}').",
+        )
+        warnings.warn(told, DeprecationWarning, stacklevel=2)
+        return lambda part, other="": self(f"{part}.{word or other}")
 
     def own(
         self,
@@ -161,6 +123,19 @@ class Outputs(ForceOutputs):
         """Angular velocity in global axes, 2 E(p) ṗ (3,). [rad/s]"""
         return np.asarray(2 * (E(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
 
+    def turn(self, body: str, first: int, second: int) -> Any:
+        """The angle from a global axis to the same axis of a body, in the plane of two global axes. [rad]"""
+        matrix = A(self.vector("q", body)[3:])
+        at = self.system.coordinates_of(body)
+        nodes = np.array([A(q[at][3:]) for q in self._angles.nodes.q])
+        known = np.unwrap(np.arctan2(nodes[:, second, first], nodes[:, first, first]))
+        found = np.arctan2(matrix[second, first], matrix[first, first])
+        return self._with_turns(found, np.interp(self.states.t, self._angles.nodes.t, known))
+
+    def _with_turns(self, angle: Any, near: Array) -> Any:
+        """An angle with the turns that bring it near to known values."""
+        return angle + self.constant(TURN * np.round((near - angle.value) / TURN))
+
     def joint(self, name: str, *, rate: bool = False) -> Any:
         """An angle with all turns or travel of a joint, ``pin.angle``, or its rate. [rad], [m], [1/s]"""
         every = self.system.joint_coordinates
@@ -172,9 +147,7 @@ class Outputs(ForceOutputs):
             found = element.Phi(x)[0]
         else:
             c, s = (_projection(element, axis).Phi(x)[0] for axis in (element.f_i, element.g_i))
-            found = np.arctan2(s, c) - element.angle
-            turns = np.round((self._angles.near(name, self._states.t) - found.value) / TURN)
-            found = found + self.constant(TURN * turns)
+            found = self._with_turns(np.arctan2(s, c) - element.angle, self._angles.near(name, self.states.t))
         return found
 
     def multiplier(self, joint: str) -> Array:

@@ -14,7 +14,6 @@ from .._jit.replay import needed
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
-from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.solid import GROUND
 from ..model.tape import Operation, Tape, Traced, value_of
@@ -26,10 +25,6 @@ from ..system.population import Population
 TURN = 2 * np.pi
 Key = tuple[str, int]
 Variable = Callable[[str, float], Traced]
-
-
-class UnknownOutput(SarrusError):
-    """An output that the system does not have."""
 
 
 class States(NamedTuple):
@@ -60,20 +55,20 @@ class Angles:
         first: Callable[[], Array] | None = None,
         revolutions: Array | None = None,
     ) -> None:
-        self._of, self._nodes, self._first = system.joint_coordinates, nodes, first
+        self._of, self.nodes, self._first = system.joint_coordinates, nodes, first
         self._revolutions = revolutions
 
     @cached_property
     def values(self) -> Array:
         """At the nodes (nt, number of coordinates)."""
-        nodes = self._nodes
+        nodes = self.nodes
         values, _ = self._of.along(nodes.t, nodes.q, nodes.v, self._revolutions)
         whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / TURN)
         return np.asarray(values + TURN * whole)
 
     def near(self, name: str, t: Array) -> Array:
         """A coordinate at times between the nodes, to less than half a turn."""
-        return np.interp(t, self._nodes.t, self.values[:, self._of.index(name)])
+        return np.interp(t, self.nodes.t, self.values[:, self._of.index(name)])
 
 
 class Recording:
@@ -108,7 +103,7 @@ class Recording:
         self.tape = Tape(sides)
         self.inputs: dict[Key, Traced] = {}
         self.named: dict[str, Traced] = {}
-        self.system, self._states, self._b, self._parameters = system, states, b, parameters
+        self.system, self.states, self._b, self._parameters = system, states, b, parameters
         self._angles, self._memory = angles or Angles(system, states), memory or {}
         self.t = self.tape.variable(states.t)
 
@@ -123,10 +118,14 @@ class Recording:
         element: Any = element_from(p.kind, own, self._b, self.t)
         return replace(element, **{field: law for field, (_, law) in self._laws(p, k).items()})
 
-    def told(self, p: Population, k: int, method: str) -> list[Traced]:
-        """What a method of an element tells about a state in plain numbers, such as `potential` and `remember`."""
-        recording = record_scalars(p.variant, method)
-        return self.replayed(p, k, recording.graph, [block[0] for block in recording.outputs[0].blocks])
+    def scalars(self, p: Population, k: int, method: str, arguments: int) -> list[Traced]:
+        """What a method of an element returns; see `record_scalars`."""
+        recording = record_scalars(p.variant, method, arguments)
+        found = [block[0] for block in recording.outputs[0].blocks]
+        graph = recording.graph
+        return self.replayed(
+            p, k, graph, [x if isinstance(x, Expression) else graph.constant(x) for x in found]
+        )
 
     def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Traced]:
         """What was recorded of a kind of element, of one of them; its inputs are those of a kernel."""
@@ -183,7 +182,7 @@ class Recording:
             return float(self._b[n])
         if kind == "c":
             return float(self.system.joint_coordinates.b[n])
-        states = self._states.lam() if kind == "lam" else getattr(self._states, kind)
+        states = self.states.lam() if kind == "lam" else getattr(self.states, kind)
         return states[:, n]
 
 

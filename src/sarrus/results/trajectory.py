@@ -13,7 +13,8 @@ from ..algebra import Array
 from ..euler import G
 from ..model.arguments import CHECKS, checked
 from ..model.coordinates import coordinates_of
-from ..model.show import suggest
+from ..outputs.motion import Series, series
+from ..outputs.output import unknown_output
 from ..rendering import renderer
 from ..system import JointCoordinates
 from .exported_file import exports
@@ -180,14 +181,8 @@ class Trajectory(Result):
 
     @checked
     def coordinate(self, name: str) -> Array:
-        """One coordinate over time (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, or a full name.
-
-        Raises
-        ------
-        KeyError
-            If there is no such coordinate.
-        """
-        return self.q[:, place_of(name, self.coordinate_names, self.name)]
+        """The values of `output` (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, ``pin.angle``."""
+        return self.output(name).values
 
     def reaction(self, joint: str) -> Reaction:
         """What a joint or driver does to its second body over time.
@@ -205,16 +200,39 @@ class Trajectory(Result):
         CHECKS["name"]("joint", joint)
         return reaction(self, joint)
 
-    @exports
-    def to_csv(self, path: str | Path) -> None:
-        """Write t, q and v as a table with named columns."""
-        rates = [f"d({name})/dt" for name in self.coordinate_names]
-        header = ",".join(["t", *self.coordinate_names, *rates])
-        table = np.column_stack([self.t, self.q, self.v])
-        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.15g")
+    def output(self, name: str, *, rate: bool = False) -> Series:
+        """An output over time, ``spring.tension``, or its rate of change; see `System.outputs`.
 
-    def to_frame(self) -> Any:
-        """t, q and v as a pandas DataFrame with named columns; needs the extra `tables`.
+        Raises
+        ------
+        UnknownOutput
+            If there is no such output, which is a KeyError, too.
+        """
+        if self.system is not None:
+            return series(self.system, self, name, rate=rate)
+        place = place_of(name, self.coordinate_names, self.name)
+        unit = ("m" if place % 7 < 3 else "1") + "/s" * rate
+        label = f"rate of {name} [{unit}]" if rate else f"{name} [{unit}]"
+        return Series(name, unit, label, self.t, np.asarray((self.v if rate else self.q)[:, place]))
+
+    def _table(self, outputs: Sequence[str]) -> tuple[list[str], Array]:
+        """Names and columns: the time with some outputs, or with q and v."""
+        if outputs:
+            columns = [self.output(name) for name in outputs]
+            return ["t", *(one.label for one in columns)], np.column_stack(
+                [self.t, *(one.values for one in columns)]
+            )
+        names = ["t", *self.coordinate_names, *(f"d({name})/dt" for name in self.coordinate_names)]
+        return names, np.column_stack([self.t, self.q, self.v])
+
+    @exports
+    def to_csv(self, path: str | Path, *outputs: str) -> None:
+        """Write a table with named columns: t with some outputs, ``"spring.tension"``, or by default with q and v."""
+        names, table = self._table(outputs)
+        np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.15g")
+
+    def to_frame(self, *outputs: str) -> Any:
+        """The same as a pandas DataFrame; needs the extra `tables`.
 
         Raises
         ------
@@ -227,27 +245,26 @@ class Trajectory(Result):
             raise ImportError(
                 "to_frame needs pandas; install it with: pip install 'sarrus[tables]'"
             ) from None
-        rates = [f"d({name})/dt" for name in self.coordinate_names]
-        table = np.column_stack([self.t, self.q, self.v])
-        return DataFrame(table, columns=["t", *self.coordinate_names, *rates])
+        names, table = self._table(outputs)
+        return DataFrame(table, columns=names)
 
     @exports
-    def to_parquet(self, path: str | Path) -> None:
-        """Write t, q and v as a Parquet file with named columns; needs the extra `tables`.
+    def to_parquet(self, path: str | Path, *outputs: str) -> None:
+        """The same as a Parquet file; needs the extra `tables`.
 
         Raises
         ------
         ImportError
             If pandas or pyarrow is not installed.
         """
-        self.to_frame().to_parquet(path)
+        self.to_frame(*outputs).to_parquet(path)
 
     def plot(self, *names: str, ax: Any = None, rates: bool = False) -> Any:
-        """Draw coordinates of bodies and joints over time; see `sarrus.views.plot`."""
+        """Draw outputs over time; see `sarrus.views.plot`."""
         return renderer().plot(self, *names, ax=ax, rates=rates)
 
     def plot_phase(self, name: str, ax: Any = None) -> Any:
-        """Draw the rate of a coordinate over the coordinate; see `sarrus.views.plot_phase`."""
+        """Draw the rate of an output over the output; see `sarrus.views.plot_phase`."""
         return renderer().plot_phase(self, name, ax)
 
     def plot_energies(self, ax: Any = None) -> Any:
@@ -267,14 +284,16 @@ class Trajectory(Result):
         return renderer().animate(self, file, **options)
 
 
-def place_of(name: str, coordinate_names: Sequence[str], owner: str, others: Sequence[str] = ()) -> int:
-    """Place in q of a coordinate given by its short or full name.
+def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
+    """Place in q of a coordinate given by its short or full name, where the system is not known.
 
-    A KeyError names the owner and the nearest name if there is none; ``others`` would be right there as well.
+    Raises
+    ------
+    UnknownOutput
+        If there is none.
     """
-    short = {full.replace(".r.", ".").replace(".p.", "."): n for n, full in enumerate(coordinate_names)}
-    places = short | {full: n for n, full in enumerate(coordinate_names)}
-    if name not in places:
-        hint = suggest(name, [*short, *others]).replace('"', "'")
-        raise KeyError(f"no coordinate {name!r} in {owner}; {hint}")
-    return places[name]
+    short = [full.replace(".r.", ".").replace(".p.", ".") for full in coordinate_names]
+    for names in (short, coordinate_names):
+        if name in names:
+            return names.index(name)
+    raise unknown_output(owner, name, short)

@@ -12,7 +12,6 @@ from ..analyses.sensitivity import Response as Differentiable
 from ..model import Expression, SarrusError
 from ..model.expression import Call, Name, Number
 from ..model.expression.tree import call
-from ..outputs.recording import UnknownOutput
 from .responses import Response, reductions
 
 REDUCED = reductions(np.zeros(1))
@@ -89,16 +88,6 @@ def _function(of: Expression) -> Callable[[Any], Any]:
     """A formula as a function of `Outputs`."""
 
     def evaluate(outputs: Any) -> Any:
-        return of.value({name: _output(outputs, name) for name in of.names()})
+        return of.value({name: outputs.output_or_parameter(name) for name in of.names()})
 
     return evaluate
-
-
-def _output(outputs: Any, name: str) -> Any:
-    try:
-        return outputs(name)
-    except UnknownOutput as unknown:
-        try:
-            return outputs.parameter(name)
-        except SarrusError:
-            raise unknown from None

@@ -27,10 +27,9 @@ from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
 from ..model.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
-from ..model.written import written_numbers
-from ..outputs.outputs import Outputs
-from ..outputs.recording import Angles, States, UnknownOutput
-from ..results import Assembly, Equilibrium, Modes, Trajectory
+from ..outputs import UnknownOutput, find_output
+from ..outputs.motion import motion_outputs, parameters_of, states_of
+from ..results import Assembly, Modes
 from ..system import System
 from .parameters import Array, number, whole
 from .responses import Response
@@ -82,7 +81,7 @@ class Run(ABC):
             raise KeyboardInterrupt
         if not result.success:
             raise SarrusError(result.message)
-        states = _states(result)
+        states = states_of(result)
         return Found(result, states.t, lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
@@ -93,13 +92,15 @@ class Run(ABC):
         SarrusError
             For names that are no outputs and no numbers, and times after the end.
         """
-        still = np.zeros_like(system.q0)[None]
-        states = States(np.zeros(1), system.q0[None], system.v0[None], still, lambda: np.zeros((1, system.m)))
-        lookup = named_outputs(system, states)
+        known = parameters_of(system)
         for response in responses:
             for name in response.names():
-                if name not in parameters and not (self.modal and MODAL.fullmatch(name)):
-                    _refuse_unknown(response, name, lookup)
+                if (
+                    name not in parameters
+                    and name not in known
+                    and not (self.modal and MODAL.fullmatch(name))
+                ):
+                    _refuse_unknown(system, response, name)
             _refuse_late(response.times(), getattr(self, "until", np.inf), self.begin)
 
     @property
@@ -260,7 +261,7 @@ class OwnRun(Run):
             raise SarrusError(str(getattr(result, "message", "the function reports no success")))
         if not hasattr(result, "q"):
             return Found(result, np.zeros(1), lambda name: _entry({}, name))
-        states = _states(result)
+        states = states_of(result)
         return Found(result, states.t, lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
@@ -368,51 +369,23 @@ def _watch(until: float) -> Callable[[float], None]:
     return watch
 
 
-def _states(result: Any) -> States:
-    if isinstance(result, Equilibrium | Modes):
-        q, lam = result.q[None], getattr(result, "lam", np.zeros(0))[None]
-        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
-    return States(result.t, result.q, result.v, result.a, lambda: np.asarray(result.lam))
-
-
 def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
-    """Histories by name: outputs of a motion, what modes have, and numbers of the model."""
-    states, angles, memory = _states(result), None, None
-    if isinstance(result, Trajectory) and len(result.revolutions) == len(result.t):
-        angles = Angles(system, states, revolutions=np.asarray(result.revolutions))
-        memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
-    outputs = named_outputs(system, states, angles, memory)
+    """Histories by name: outputs of a motion, what modes have, and parameters of the model."""
+    outputs = motion_outputs(system, result)
 
     def lookup(name: str) -> Any:
-        return _modal(result, name) if isinstance(result, Modes) and MODAL.fullmatch(name) else outputs(name)
-
-    return lookup
-
-
-def named_outputs(
-    system: System, states: States, angles: Angles | None = None, memory: Mapping[int, Array] | None = None
-) -> Callable[[str], Any]:
-    """Outputs of a motion, and numbers of the model, by name."""
-    outputs = Outputs(system, states, system.b, lambda name, _: number_of(system, name), angles, memory)
-
-    def lookup(name: str) -> Any:
-        try:
-            found = outputs(name)
-        except UnknownOutput as unknown:
-            try:
-                return number_of(system, name)
-            except KeyError:
-                raise unknown from None
+        if isinstance(result, Modes) and MODAL.fullmatch(name):
+            return _modal(result, name)
+        found = outputs.output_or_parameter(name)
         return np.asarray(getattr(found, "value", found), dtype=float)
 
     return lookup
 
 
-def _refuse_unknown(response: Response, name: str, lookup: Callable[[str], Any]) -> None:
+def _refuse_unknown(system: System, response: Response, name: str) -> None:
     """Refuse a name that no case has; whether it has a value there is another matter."""
     try:
-        with np.errstate(all="ignore"):
-            lookup(name)
+        find_output(system, name)
     except UnknownOutput as unknown:
         raise SarrusError(f"response {response.name!r}: {unknown}") from None
 
@@ -433,11 +406,6 @@ def _modal(found: Modes, name: str) -> float:
     if not 0 < place <= len(values):
         raise SarrusError(f"there is no {name}; {found.name} has {len(values)} modes, the first is mode1")
     return float(values[place - 1])
-
-
-def number_of(system: System, name: str) -> float:
-    """A number of the model, or a parameter of its file."""
-    return {**written_numbers(system.model), **system.model.parameters}[name]
 
 
 def _entry(found: Mapping[str, Any], name: str) -> float:

@@ -2,45 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..algebra import Array
 from ..results import Trajectory
 from .plots import BLUE, FLOOR, GREY, ORANGE, _tidy, _window_axes
 
 if TYPE_CHECKING:
     from ..results import StateDerivatives
-
-PARAMETER = "1"  # unit of Euler parameters
-
-
-class History(NamedTuple):
-    """A coordinate and its rate over time, with the coordinate's unit."""
-
-    values: Array
-    rates: Array
-    unit: str
-
-
-def history(run: Trajectory, name: str) -> History:
-    """One coordinate of a body, ``slider.x``, or of a joint, ``pin.angle``.
-
-    Raises
-    ------
-    KeyError
-        If there is no such coordinate.
-    """
-    owner, _, own = name.partition(".")
-    if run.joints is not None and own and name in run.joints.names:
-        found = run.joint(owner)
-        return History(found.values[own], found.rates[own], "m" if own.startswith("travel") else "rad")
-    from ..results.trajectory import place_of
-
-    others = () if run.joints is None else run.joints.names
-    place = place_of(name, run.coordinate_names, run.name, others)
-    return History(run.q[:, place], run.v[:, place], "m" if place % 7 < 3 else PARAMETER)
 
 
 def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> Any:
@@ -64,25 +34,16 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
     ImportError
         If Matplotlib is not installed.
     """
-    names = names or (f"{run.bodies[-1]}.x",)
-    found = {name: history(run, name) for name in names}
+    found = [run.output(name, rate=rates) for name in names or (f"{run.bodies[-1]}.x",)]
     ax = _window_axes() if ax is None else ax
-    for name, one in found.items():
-        ax.plot(run.t, one.rates if rates else one.values, linewidth=1.4, label=name)
+    for one in found:
+        ax.plot(run.t, one.values, linewidth=1.4, label=one.name)
     ax.set_xlabel("t [s]")
-    units = dict.fromkeys(_unit(one.unit, rates) for one in found.values())
-    ax.set_ylabel(_label(names[0], found[names[0]].unit, rates) if len(names) == 1 else ", ".join(units))
+    units = dict.fromkeys(f"[{one.unit}]" for one in found)
+    ax.set_ylabel(found[0].label if len(found) == 1 else ", ".join(units))
     if len(names) > 1:
         ax.legend(frameon=False)
     return _tidy(ax)
-
-
-def _unit(unit: str, rate: bool) -> str:
-    return f"[{unit}/s]" if rate else f"[{unit}]"
-
-
-def _label(name: str, unit: str, rate: bool) -> str:
-    return f"rate of {name} {_unit(unit, rate)}" if rate else f"{name} {_unit(unit, rate)}"
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
@@ -108,12 +69,12 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    found = history(run, name)
+    found, rate = run.output(name), run.output(name, rate=True)
     ax = _window_axes() if ax is None else ax
-    ax.plot(found.values, found.rates, color=BLUE, linewidth=1.2)
-    ax.plot(found.values[:1], found.rates[:1], "o", color=ORANGE, markersize=5, label="start")
-    ax.set_xlabel(_label(name, found.unit, False))
-    ax.set_ylabel(_label(name, found.unit, True))
+    ax.plot(found.values, rate.values, color=BLUE, linewidth=1.2)
+    ax.plot(found.values[:1], rate.values[:1], "o", color=ORANGE, markersize=5, label="start")
+    ax.set_xlabel(found.label)
+    ax.set_ylabel(rate.label)
     ax.legend(frameon=False)
     return _tidy(ax)
 

@@ -11,11 +11,10 @@ from scipy.optimize import brentq
 
 from ...algebra import Array
 from ...model.arguments import Whole, real
-from ...model.expression import Expression, parse
 from ...results import Happened
 from ...results.happened import happened_of
-from ...results.trajectory import place_of
 from ...system import System
+from .event_output import EventOutput
 from .nodes import Nodes
 from .sampler import Sampler
 from .stepper import Trouble
@@ -107,78 +106,18 @@ def _struck(event: Event, restitution: float | None) -> Event:
     return replace(event, reset=replace(event.reset, restitution=restitution))
 
 
-class Output:
-    """A formula of a system's coordinates and joint coordinates, with its exact gradient.
-
-    Joint coordinates are counted in turns from their value at the last state asked for.
-    """
-
-    def __init__(self, system: System, text: str) -> None:
-        self._system, self._tree = system, parse(text)
-        self._places: dict[str, int] = {}
-        self._joints: dict[str, Any] = {}
-        self._near: dict[str, float | None] = {}
-        for name in self._tree.names():
-            self._find(name)
-        self._rates: dict[str, Expression] = {
-            name: self._tree.derivative(name) for name in self._tree.names()
-        }
-
-    def _find(self, name: str) -> None:
-        joint, _, own = name.rpartition(".")
-        if name in self._system.joint_coordinates.names:
-            self._joints[name], self._near[name] = self._system.joint(joint)[own], None
-        elif name != "t":
-            self._places[name] = place_of(name, self._system.coordinate_names, self._system.name)
-
-    def _values(self, t: float, q: Array) -> dict[str, float]:
-        values = {"t": t} | {name: float(q[place]) for name, place in self._places.items()}
-        for name, joint in self._joints.items():
-            values[name] = self._near[name] = joint.value(q, self._near[name])
-        return values
-
-    def __call__(self, t: float, q: Array, v: Array) -> float:
-        """Its value."""
-        return float(self._tree.value(self._values(t, q)))
-
-    @property
-    def near(self) -> Array:
-        """The joints' coordinates at the last state asked for; not a number before the first."""
-        return np.array([np.nan if x is None else x for x in self._near.values()])
-
-    @near.setter
-    def near(self, values: Array) -> None:
-        for name, x in zip(self._near, values, strict=True):
-            self._near[name] = None if np.isnan(x) else float(x)
-
-    def near_start(self, coordinates: Array) -> None:
-        """Take all joints' coordinates at the start, with their revolutions."""
-        every = self._system.joint_coordinates
-        self._near = {name: float(coordinates[every.index(name)]) for name in self._near}
-
-    def gradient(self, t: float, q: Array) -> Array:
-        """Its derivative to q (nq,)."""
-        values, result = self._values(t, q), np.zeros(self._system.nq)
-        for name, tree in self._rates.items():
-            if name in self._places:
-                result[self._places[name]] += float(tree.value(values))
-            elif name in self._joints:
-                result += float(tree.value(values)) * self._joints[name].gradient(q).toarray()[0]
-        return result
-
-
 class Watch:
     """One event along one run."""
 
     def __init__(self, system: System, event: Event) -> None:
         self.event = event
         self.function: Any = (
-            Output(system, event.function) if isinstance(event.function, str) else _apart(event.function)
+            EventOutput(system, event.function) if isinstance(event.function, str) else _apart(event.function)
         )
         self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
-        self.output: Any = Output(system, along) if along else self.function
-        self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, Output)]
+        self.output: Any = EventOutput(system, along) if along else self.function
+        self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 
     def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
@@ -218,10 +157,10 @@ class Watch:
         for output in self._counted:
             output.near, values = values[: len(output.near)], values[len(output.near) :]
 
-    def near_start(self, coordinates: Array) -> None:
-        """Take the joints' coordinates at the start, with their revolutions."""
+    def near_start(self, coordinates: Array, memory: Array) -> None:
+        """Take the joints' coordinates at the start, with their revolutions, and what elements remember."""
         for output in self._counted:
-            output.near_start(coordinates)
+            output.near_start(coordinates, memory)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
         """The times of all crossings within the nodes."""
@@ -266,7 +205,7 @@ class Watch:
             return v
         if not isinstance(reset, Impact):
             return self._velocities(reset(t, q.copy(), v.copy()), len(v))
-        s_q = self.output.gradient(t, q)
+        s_q = self.output.gradient(t, q, v)
         w = sampler.pushed(t, q, s_q)
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
 
@@ -309,10 +248,10 @@ class Watches:
     def __bool__(self) -> bool:
         return bool(self._all)
 
-    def near(self, coordinates: Array) -> None:
-        """The joints' coordinates at the start, with their revolutions."""
+    def near(self, coordinates: Array, memory: Array) -> None:
+        """The joints' coordinates at the start, with their revolutions, and what elements remember."""
         for watch in self._all:
-            watch.near_start(coordinates)
+            watch.near_start(coordinates, memory)
 
     def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
         """A start at a state, perhaps after an event."""

@@ -102,7 +102,7 @@ class March:
         try:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
-                self.watches.near(self.winding.values)
+                self.watches.near(self.winding.values, start.memory)
                 self._begin(start.t, start.q, start.v)
                 self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))

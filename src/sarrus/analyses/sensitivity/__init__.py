@@ -1,6 +1,6 @@
 """Sensitivity: exact derivatives of what a simulation gives, forward and backward."""
 
-from ...outputs.outputs import Outputs
+from ...outputs import Outputs
 from .checkpoints import sensitivity_by_checkpoints
 from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
 from .responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response

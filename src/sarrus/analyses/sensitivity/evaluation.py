@@ -12,7 +12,7 @@ import numpy as np
 from ...algebra import Array
 from ...model import announce
 from ...model.tape import Traced
-from ...outputs.outputs import Outputs
+from ...outputs import Outputs
 from ...outputs.recording import Angles
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System

@@ -14,19 +14,20 @@ import numpy as np
 from ...algebra import Array
 from ...model.expression import parse
 from ...model.tape import Tape, Traced
-from ...outputs.outputs import Outputs
+from ...outputs import Level, Outputs, find_output
 from ...outputs.recording import Angles, Key, States, Variable
 from ...results import Turn
 from ...system import System
 
 
 class Slopes(NamedTuple):
-    """Derivatives of some numbers by q (n, nq), v (n, nq), numbers c of joints' coordinates (n, nc), and t (n, 1)."""
+    """Derivatives of some numbers by q and v (n, nq), of joints' coordinates c (n, nc), t (n, 1), b (n, nb)."""
 
     q: Array
     v: Array
     c: Array
     t: Array
+    b: Array
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Copies(Outputs):
     """Outputs of a state that is there several times, each time with numbers of its own."""
 
     def _value(self, kind: str, n: int) -> Any:
-        return np.broadcast_to(super()._value(kind, n), self._states.t.shape)
+        return np.broadcast_to(super()._value(kind, n), self.states.t.shape)
 
 
 def recorded(
@@ -99,7 +100,7 @@ def recorded(
     ValueError
         For Python functions that cannot be recorded.
     """
-    sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1
+    sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1, len(system.b)
     if isinstance(function, str):
         state = _state(system, turn, copies)
         return _of_formula(Copies(system, state, b, _unknown, angles), function, sizes)
@@ -114,6 +115,8 @@ def _state(system: System, turn: Turn, copies: int) -> States:
 
 def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:
     tree = parse(text)
+    for name in tree.names():
+        find_output(outputs.system, name, Level.VELOCITY, "the derivative of an event")
     found = tree.value({name: outputs(name) for name in tree.names()})
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
     return Recorded(outputs.tape, [found], places, sizes, len(outputs.t.value))

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.tape import Traced
-from ...outputs.outputs import Outputs
+from ...outputs import Outputs
 from .panels import Panels
 from .peaks import Peaks, Vertex, vertex_of
 

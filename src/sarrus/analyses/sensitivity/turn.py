@@ -179,7 +179,9 @@ class TurnDerivatives:
     def _change(self, slopes: Slopes, found: State) -> Array:
         """The derivatives of what has these slopes."""
         moved = slopes.q @ found.q + slopes.v @ found.v + slopes.t * found.t
-        return np.asarray(moved if found.q.shape[1] == 1 else moved + self._placed(slopes.c, 2))
+        if found.q.shape[1] == 1:
+            return np.asarray(moved)
+        return np.asarray(moved + self._placed(slopes.b, 1) + self._placed(slopes.c, 2))
 
     def _refuse_grazing(self, psi: Slopes, curved: float, rate: float) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
@@ -203,7 +205,7 @@ class TurnDerivatives:
         f_q, bends = output.slopes.q[0], output.bends
         w, sigma = self._saddle.solve(f_q, np.zeros(system.m))
         p = -(1 + e) * (f_q @ turn.v) / (f_q @ w)
-        curved = bends.q @ found.q + self._placed(bends.c, 2) + bends.t * found.t
+        curved = bends.q @ found.q + self._placed(bends.b, 1) + self._placed(bends.c, 2) + bends.t * found.t
         force = system.M(turn.q, b=self._b) @ found.v + p * curved
         force = force - self._pulled(found, turn.after - turn.v, p * sigma)
         free = self._saddle.solve(force, -self._drifted(found, turn.after))[0]

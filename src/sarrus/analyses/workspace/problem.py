@@ -136,7 +136,9 @@ class Problem:
             placed = one.placed
             if one.kind == "angle":
                 ends = [x for x in self.limits.get(k, (self.fixed.get(k, 0.0),)) if np.isfinite(x)]
-                placed = placed._replace(values=(*placed.values[:4], float(np.mean(ends)) if ends else 0.0))
+                values, memory = list(placed.values), [*placed.element.fields.values()].index("Memory")
+                values[memory] = float(np.mean(ends)) if ends else 0.0
+                placed = placed._replace(values=tuple(values))
             found.append(placed)
         return found
 

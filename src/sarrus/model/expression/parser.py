@@ -6,6 +6,7 @@ atom = number [unit] | path | function(sum {, sum}) | (sum) | ${sum}
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 
 from ..arguments import checked
@@ -20,6 +21,7 @@ DEEPEST = 48  # brackets within brackets
 CLOSING = {"(": ")", "${": "}"}
 POWERS = ("**", "^")
 NAMES = ("name", "quoted")
+NUMBERED = re.compile(r"\.\d+")
 
 
 @checked
@@ -165,10 +167,18 @@ class _Parser:
     def _named(self, token: Token) -> Expression:
         if token.kind == "name" and self._taken("("):
             return self._function(token.text)
-        path = token.text
+        path = token.text + self._steps()
+        return Number(CONSTANTS[path], written=path) if path in CONSTANTS else Name(path)
+
+    def _steps(self) -> str:
+        """The steps of a path, ``.force.x``; the last may be a number, ``.multiplier.1``."""
+        path = ""
         while self._taken("."):
             path += "." + self._step()
-        return Number(CONSTANTS[path], written=path) if path in CONSTANTS else Name(path)
+        if path and self._next.kind == "number" and NUMBERED.fullmatch(self._next.text):
+            path += self._next.text
+            self.at += 1
+        return path
 
     def _step(self) -> str:
         token = self._next
@@ -182,6 +192,8 @@ class _Parser:
         while self._taken(","):
             args.append(self._sum())
         self._expect(")")
+        if steps := self._steps():  # a point of a body, tool(0.1, 0, 0).x
+            return Name(f"{name}({', '.join(f'{arg.value():.17g}' for arg in args)}){steps}")
         own = self.functions.get(name)
         if own and len(args) in own.counts:
             return Call(own, tuple(args))

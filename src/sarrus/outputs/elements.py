@@ -1,0 +1,87 @@
+"""Outputs that elements declare: ``spring.tension``, ``tyre.compression``, ``force.torque.z``, and those of users."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+from typing import Any, cast
+
+import numpy as np
+
+from ..algebra import Array
+from ..elements import Element, ElementError, Primitive
+from ..elements.output import Declared
+from ..model import Placed
+from ..model.coordinates import WIDTH
+from ..system import System
+from ..system.population import Population
+from .output import Level, Output, provides
+
+LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
+
+
+@provides
+def elements(system: System, part: str | None) -> Iterator[Output]:
+    """What the elements of forces and joints declare; of several elements of one part with a number."""
+    several: dict[tuple[str, str], int] = {}
+    found = list(_members(system, part))
+    for p, k, _ in found:
+        for word in p.kind.outputs:
+            several[p.owners[k], word] = several.get((p.owners[k], word), 0) + 1
+    for p, k, number in found:
+        for one in p.kind.outputs.values():
+            name = f"{p.owners[k]}.{one.word}" + f".{number}" * (several[p.owners[k], one.word] > 1)
+            for n, axis in enumerate(one.axes or ("",)):
+                element = partial(_placed, p, k, one, n) if one.arguments == 1 else None
+                full, level = f"{name}.{axis}".rstrip("."), LEVELS[one.arguments]
+                yield Output(full, one.unit, partial(_record, p, k, one, n), level, element=element)
+
+
+def _members(system: System, part: str | None) -> Iterator[tuple[Population, int, int]]:
+    """The elements that have outputs, each with its number among those of its owner; not those of bodies."""
+    count: dict[str, int] = {}
+    for p in system.populations:
+        for k, owner in enumerate(p.owners if p.kind.outputs else ()):
+            if part in (None, owner) and owner not in system.bodies:
+                count[owner] = count.get(owner, 0) + 1
+                yield p, k, count[owner]
+
+
+def _record(p: Population, k: int, one: Declared, n: int, o: Any) -> Any:
+    found = o.scalars(p, k, one.method, one.arguments)
+    if len(found) != (len(one.axes) or 1):
+        wanted = "three numbers" if one.axes else "one number"
+        raise ElementError(
+            f"element {p.kind.__name__}: its output {one.word} must return {wanted}, got {len(found)}."
+        )
+    return found[n]
+
+
+def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placed:
+    """An element that measures an output of another one."""
+    bodies = tuple(0 if slot < 0 else int(p.bodies[k, slot]) // WIDTH + 1 for slot in p.variant.slots)
+    return Placed(_measuring(cast(Any, p.kind), one.method, n), bodies, p.values[k], p.owners[k], one.word)
+
+
+@cache
+def _measuring(kind: Any, method: str, n: int) -> type[Primitive]:
+    """A constraint whose Φ is an output of an element, with all its derivatives."""
+
+    def Phi(self: Any, x: Any) -> Array:
+        own: Any = kind(*(getattr(self, name) for name in kind.fields))
+        return np.ravel(np.array(getattr(own, method)(x), dtype=object))[n : n + 1]
+
+    def remember(self: Any, x: Any) -> Any:
+        own: Any = kind(*(getattr(self, name) for name in kind.fields))
+        return own.remember(x)
+
+    name = f"{kind.__name__}_{method}_{n}"
+    body = {
+        "Phi": Phi,
+        "remember": remember,
+        "__annotations__": dict(kind.fields),
+        "__module__": kind.__module__,
+    }
+    made = type(name, (Primitive,), body, rows=1, bodies=kind.bodies, derivatives="automatic", rare=True)
+    del Element.registry[name]
+    return made

@@ -1,0 +1,47 @@
+"""Outputs that depend on the position alone as functions of q, with all operators of a constraint."""
+
+from __future__ import annotations
+
+from ..model import Placed
+from ..system import System
+from ..system.joints import JointCoordinate, JointCoordinates
+from ..system.once import once
+from .output import Level, Output, UnknownOutput, find_output
+
+
+def measured(system: System, name: str, where: str) -> JointCoordinate:
+    """An output of the position with its derivatives.
+
+    Raises
+    ------
+    UnknownOutput
+        If there is no such output, or it depends on more than the position.
+    """
+    output = find_output(system, name, Level.POSITION, where)
+    if output.name in system.joint_coordinates.names:
+        return JointCoordinate(system.joint_coordinates, output.name)
+    return JointCoordinate(_alone(system, name, where), output.name)
+
+
+@once
+def _alone(system: System, name: str, where: str) -> JointCoordinates:
+    output = find_output(system, name)
+    found = JointCoordinates([placed_of(system, output, where)], len(system.bodies))
+    found.names = (output.name,)
+    return found
+
+
+def placed_of(system: System, output: Output, where: str) -> Placed:
+    """The element that measures an output.
+
+    Raises
+    ------
+    UnknownOutput
+        If there is none.
+    """
+    if output.element is None:
+        raise UnknownOutput(
+            f"{system.name}: {where} cannot use {output.name!r}, which no element measures. Name a coordinate of a "
+            "body or joint, or an output of an element that depends on the position."
+        )
+    return output.element(system)

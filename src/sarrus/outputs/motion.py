@@ -1,0 +1,103 @@
+"""Outputs of a result as plain numbers over time: of a trajectory, an equilibrium, modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..algebra import Array
+from ..model.written import written_numbers
+from ..system import System
+from .energies import Energy
+from .output import Level, find_output
+from .outputs import Outputs
+from .recording import Angles, States
+
+
+@dataclass(frozen=True)
+class Series:
+    """An output over time.
+
+    Attributes
+    ----------
+    name, unit, label : ``slider.x``, m, and both for axes
+    t, values : (nt,)
+    """
+
+    name: str
+    unit: str
+    label: str
+    t: Array = field(repr=False)
+    values: Array = field(repr=False)
+
+
+class MotionOutputs(Outputs):
+    """Outputs whose values alone are wanted, not their derivatives."""
+
+    def _summed(self, energy: Energy) -> Any:
+        (t, q, v, *_), b, found = self.states, self._b.copy(), np.zeros(len(self.states.t))
+        for n in range(len(t)):
+            for place, values in self._memory.items():
+                b[place] = values[n]
+            if energy == "kinetic":
+                found[n] = self.system.kinetic_energy(q[n], v[n], b=b)
+            else:
+                found[n] = self.system.potential_energy(q[n], t[n], b=b)
+        return self.constant(found)
+
+
+def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutputs) -> Outputs:
+    """The outputs of a result that has q, and perhaps t, v, a, lam, revolutions and memory."""
+    states, angles, memory = states_of(result), None, None
+    revolutions = np.asarray(getattr(result, "revolutions", ()))
+    if revolutions.ndim == 2 and len(revolutions) == len(states.t):
+        angles = Angles(system, states, revolutions=revolutions)
+        memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
+    return kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
+
+
+def series(system: System, result: Any, name: str, *, rate: bool = False) -> Series:
+    """An output of a result over time, or its rate of change.
+
+    Raises
+    ------
+    UnknownOutput
+        If there is no such output, or no rate of it.
+    """
+    output = find_output(system, name, Level.VELOCITY if rate else Level.ACCELERATION, "a rate of change")
+    outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
+    found, t = output.record(outputs), np.asarray(outputs.t.value)
+    if not rate:
+        return Series(output.name, output.unit, output.label, t, over(found, t))
+    unit = f"{output.unit}/s"
+    return Series(output.name, unit, f"rate of {output.name} [{unit}]", t, over(_rate(outputs, found), t))
+
+
+def over(found: Any, t: Array) -> Array:
+    """What was recorded as plain numbers, one for each time."""
+    return np.broadcast_to(np.asarray(getattr(found, "value", found), dtype=float), t.shape)
+
+
+def _rate(outputs: Outputs, found: Any) -> Any:
+    """The change with time of what was recorded of positions and velocities."""
+    states, moved = outputs.states, dict[int, Any]({outputs.t.at: 1.0})
+    for (kind, n), variable in outputs.inputs.items():
+        if kind in ("q", "v"):
+            moved[variable.at] = (states.v if kind == "q" else states.a)[:, n]
+    return outputs.tape.along(moved)[found.at]
+
+
+def states_of(result: Any) -> States:
+    """The states of a result; those of an equilibrium are one, at rest."""
+    if np.ndim(result.q) == 1:
+        q, lam = result.q[None], np.asarray(getattr(result, "lam", np.zeros(0)))[None]
+        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
+    q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
+    return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))
+
+
+def parameters_of(system: System) -> dict[str, float]:
+    """The parameters of a model, and those of its file."""
+    return {**written_numbers(system.model), **system.model.parameters}

@@ -1,0 +1,115 @@
+"""What an output is, who provides outputs, and how a name becomes one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from ..model import Placed, SarrusError
+from ..model.show import suggest
+from ..system import System
+
+
+class Level(IntEnum):
+    """What an output depends on, besides the time and parameters."""
+
+    POSITION = 0
+    VELOCITY = 1
+    ACCELERATION = 2  # accelerations, multipliers
+
+
+DEPENDS_ON = {Level.VELOCITY: "velocities", Level.ACCELERATION: "accelerations or reactions"}
+
+
+@dataclass(frozen=True, eq=False)
+class Output:
+    """A number that a system has at every time.
+
+    Attributes
+    ----------
+    name, unit : ``spring.tension`` and N
+    record : its value along a motion, of `Outputs`
+    level : what it depends on
+    place : of a coordinate, its place in q
+    element : of a function of the position, the element that measures it, where there is one
+    """
+
+    name: str
+    unit: str
+    record: Callable[[Any], Any]
+    level: Level = Level.POSITION
+    place: int | None = None
+    element: Callable[[System], Placed] | None = None
+
+    @property
+    def label(self) -> str:
+        """The name with the unit, for axes and columns."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+class UnknownOutput(SarrusError, KeyError):
+    """An output that the system does not have, or that cannot be used where it is named."""
+
+    __str__ = Exception.__str__
+
+
+Provider = Callable[[System, str | None], Iterable[Output]]
+PROVIDERS: list[Provider] = []
+
+
+def provides(provider: Provider) -> Provider:
+    """Register a function ``f(system, part)`` that yields the outputs of one part of a system, or of all for None.
+
+    The part is what is before the first point of a name.
+    """
+    PROVIDERS.append(provider)
+    return provider
+
+
+def outputs_of(system: System, part: str | None = None) -> Iterator[Output]:
+    """All outputs of a system, or those of one part."""
+    return (output for provider in PROVIDERS for output in provider(system, part))
+
+
+def among(names: Iterable[str], part: str | None) -> list[str]:
+    """All names, or the one that is asked for."""
+    return [name for name in names if part in (None, name)]
+
+
+def find_output(system: System, name: str, most: Level = Level.ACCELERATION, where: str = "") -> Output:
+    """The output of a name.
+
+    Parameters
+    ----------
+    most : what it may depend on
+    where : who asks, for messages: "a workspace"
+
+    Raises
+    ------
+    UnknownOutput
+        If there is none, with the nearest name; or if it depends on more.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"an output is given by its name, such as 'slider.x', got {name!r:.60}.")
+    full = name.replace(" ", "").replace(".r.", ".").replace(".p.", ".")
+    part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
+    found = {one.name: one for one in outputs_of(system, part)}
+    alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
+    if full == part and full in {joint.name for joint in system.model.joints} and len(alone) == 1:
+        return alone[0]  # a joint with a single coordinate
+    if full not in found:
+        raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])
+    output = found[full]
+    if output.level > most:
+        raise UnknownOutput(
+            f"{system.name}: {where} cannot use {name!r}, which depends on {DEPENDS_ON[output.level]}. "
+            f"Name an output that depends on {DEPENDS_ON.get(most, 'positions')} at most."
+        )
+    return output
+
+
+def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput:
+    """The error for a name that is not there."""
+    return UnknownOutput(f"{owner} has no output {name!r}; {suggest(name, known)}")

@@ -184,9 +184,7 @@ def test_every_angle_and_travel_can_be_given_its_rate(kind: str) -> None:
         assert found.success, found.message
         assert system.joint("j")[name].rate(found.q, found.v) == pytest.approx(0.7)
     if len(names) > 1:
-        with pytest.raises(
-            KeyError, match="j has no output 'j'; (did you mean|choose from)".replace("j has", f"{kind} has")
-        ):
+        with pytest.raises(KeyError, match=f"{kind} has no output 'j'; (did you|choose)"):
             sr.assemble(system, rates={"j": 0.7})
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from functools import partial
 from typing import Any, cast
@@ -13,11 +12,10 @@ from ..model.pose import GROUND_POSE
 from ..model.show import quote, suggest
 from ..model.solid import GROUND
 from ..system import System
-from .output import Level, Output, UnknownOutput, among, provides
+from .output import POINT, Level, Output, UnknownOutput, among, provides
 
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
-POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)")
 
 
 @provides

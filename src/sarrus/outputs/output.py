@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -10,6 +12,8 @@ from typing import Any
 from ..model import Placed, SarrusError
 from ..model.show import suggest
 from ..system import System
+
+POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 
 
 class Level(IntEnum):
@@ -93,7 +97,7 @@ def find_output(system: System, name: str, most: Level = Level.ACCELERATION, whe
     """
     if not isinstance(name, str):
         raise TypeError(f"an output is given by its name, such as 'slider.x', got {name!r:.60}.")
-    full = name.replace(" ", "").replace(".r.", ".").replace(".p.", ".")
+    full = _spelt(name)
     part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
     found = {one.name: one for one in outputs_of(system, part)}
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
@@ -108,6 +112,17 @@ def find_output(system: System, name: str, most: Level = Level.ACCELERATION, whe
             f"Name an output that depends on {DEPENDS_ON.get(most, 'positions')} at most."
         )
     return output
+
+
+def _spelt(name: str) -> str:
+    """A name in its one spelling: ``slider.x`` for ``slider.r.x``, and ``tool(0.1, 0, 0).x`` whatever the spaces."""
+    point = POINT.fullmatch(name)
+    if point is None:
+        return name.replace(".r.", ".").replace(".p.", ".")
+    with suppress(ValueError):
+        numbers = (repr(float(number)).removesuffix(".0") for number in point["place"].split(","))
+        return f"{point['body']}({', '.join(numbers)}){point['rest']}"
+    return name
 
 
 def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput:

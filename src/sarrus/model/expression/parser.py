@@ -193,7 +193,7 @@ class _Parser:
             args.append(self._sum())
         self._expect(")")
         if steps := self._steps():  # a point of a body, tool(0.1, 0, 0).x
-            return Name(f"{name}({', '.join(f'{arg.value():.17g}' for arg in args)}){steps}")
+            return Name(f"{name}({', '.join(f'{arg.value()!r}' for arg in args)}){steps}")
         own = self.functions.get(name)
         if own and len(args) in own.counts:
             return Call(own, tuple(args))

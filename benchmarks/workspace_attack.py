@@ -28,7 +28,7 @@ import numpy as np
 TURN = 2 * np.pi
 PLACES = 4000  # random ones of every case
 SLACK = 0.01  # by which limits of the sampled oracles are widened before a place counts as out of reach
-LONGEST = 60  # s of the clock for a map, four times as much for a volume
+LONGEST = 100  # s of the clock for a map, four times as much for a volume
 
 
 def within(angle: Any, limits: tuple[float, float], slack: float) -> Any:

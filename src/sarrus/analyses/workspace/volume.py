@@ -68,8 +68,8 @@ def workspace_volume(
     between : lowest and highest value of the third output; by default all that it can reach
     rtol : error of the volume, relative
     most : slices; no more are made, and the error that is left is told
-    samples : random admissible positions, which must lie inside; slices also start from them. With few of them, a part
-        of the volume can be lost without a warning, and its error does not cover that
+    samples : random admissible positions, which must lie inside; slices also start from them, and draw some of their
+        own. A part of the volume that none of them meets is not covered by its error
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
     derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
     progress : True for a line on the terminal, or a function that is called with the number of slices so far

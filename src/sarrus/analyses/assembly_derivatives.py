@@ -41,11 +41,15 @@ class NoDerivative(ArithmeticError):
 
 
 class Adjoint(NamedTuple):
-    """Gradients by the numbers and the guess; adjoint variables of the conditions for q and Φ, for v and its rows."""
+    """Gradients by the parameters, the guess and the joints' parameters; adjoint variables of the conditions.
+
+    x1 and y1 are those for q and Φ, x2 and y2 those for v and its rows.
+    """
 
     b: Array
     q: Array
     v: Array
+    c: Array
     x1: Array
     y1: Array
     x2: Array
@@ -68,7 +72,7 @@ class AssemblyDerivatives:
     Notes
     -----
     The derivatives are those of a smooth branch: the nearest point jumps where two points are equally near. The
-    metric, the values of `rates` and the axes about which joints read their rates are held fixed.
+    metric and the values of `rates` are held fixed.
     """
 
     def __init__(self, system: System, found: Assembly) -> None:
@@ -78,7 +82,7 @@ class AssemblyDerivatives:
             )
         system = system.with_memory(found.memory)
         self._system, self._found, self._asked = system, found, found.asked
-        self._rates = Rates(system, self._asked.rates)
+        self.rates = Rates(system, self._asked.rates)
         numbers = self._evaluated()
         J, H = (system.matrix(name, numbers.views[name]) for name in ("Phi_q", "Phi_qT_lam_q"))
         self._position = _Block(self._asked, H, J)
@@ -97,7 +101,7 @@ class AssemblyDerivatives:
         return numbers
 
     def _with_rates(self, J: csr_array) -> csr_array:
-        return csr_array(vstack([J, self._rates.rows(self._found.q)])) if self._asked.rates else J
+        return csr_array(vstack([J, self.rates.rows(self._found.q)])) if self._asked.rates else J
 
     def _join(self, numbers: Numbers) -> None:
         """The right sides: of q and λ by the numbers, of v and μ by q and the numbers."""
@@ -110,7 +114,8 @@ class AssemblyDerivatives:
         self._first = Joined(numbers, first, size, 0, width, curved[:2])
         self._second = Joined(numbers, second, size, nq, nq + width, curved[2:])
         if self._asked.rates:
-            self._turned = self._rates.curvature(q, found.nu), self._rates.rows_xi_q(q, found.v)
+            self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
+            self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
 
     def _curved(self) -> list[Curved]:
         """The same by numbers of curves."""
@@ -127,24 +132,26 @@ class AssemblyDerivatives:
         velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
         return [*position, *velocity, part("Phi_t", nq, m)]
 
-    def along(self, db: Any = None, *, dq: Any = None, dv: Any = None) -> tuple[Array, Array]:
+    def along(self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None) -> tuple[Array, Array]:
         """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
 
         Parameters
         ----------
         db : (len(system.b),) or (len(system.b), k) change of the numbers
         dq, dv : (nq,) or (nq, k) change of the guess `found.asked.q`, `found.asked.v`
+        dc : change of the parameters of `system.joint_coordinates`, which given rates of joints depend on; more
+            rows are of something else
 
         Raises
         ------
         NoDerivative
             If dependent equations would contradict each other.
         """
-        q_dot, _, v_dot, _ = self.whole_along(db, dq=dq, dv=dv)
+        q_dot, _, v_dot, _ = self.whole_along(db, dq=dq, dv=dv, dc=dc)
         return q_dot, v_dot
 
     def whole_along(
-        self, db: Any = None, *, dq: Any = None, dv: Any = None
+        self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None
     ) -> tuple[Array, Array, Array, Array]:
         """As `along`, with the multipliers of both: q', λ', v', and μ' with ν' behind it."""
         db, dq, dv = self._directions(db, dq, dv)
@@ -157,7 +164,7 @@ class AssemblyDerivatives:
                 f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
                 "together what keeps them consistent"
             )
-        v_dot, mu_dot = self._velocity_along(db, dv, q_dot)
+        v_dot, mu_dot = self._velocity_along(db, dv, q_dot, dc)
         return q_dot, lam_dot, v_dot, mu_dot
 
     def opens(self, db: Array) -> Array:
@@ -187,11 +194,17 @@ class AssemblyDerivatives:
                 raise ValueError(f"a direction must have shape {(size, *columns)}, but has {x.shape}")
         return found[0], found[1], found[2]
 
-    def _velocity_along(self, db: Array, dv: Array, q_dot: Array) -> tuple[Array, Array]:
+    def _velocity_along(
+        self, db: Array, dv: Array, q_dot: Array, dc: Array | None = None
+    ) -> tuple[Array, Array]:
         f2, g2 = self._parts(self._second @ np.concatenate([q_dot, db]))
         if self._asked.rates:
             curvature, rows = self._turned
             f2, g2 = f2 - curvature @ q_dot, np.concatenate([g2, -(rows @ q_dot)])
+        if self._asked.rates and dc is not None:
+            axes, by_axes = self._axes
+            own, m = np.asarray(dc)[: axes.shape[1]], self._system.m
+            f2, g2 = f2 - axes @ own, np.concatenate([g2[:m], g2[m:] - by_axes @ own])
         return self._velocity.solve(f2, g2, dv)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
@@ -246,7 +259,11 @@ class AssemblyDerivatives:
             through = through - curvature @ x2 - rows.T @ y2[m:]
         x1, y1, by_q = self._position.transposed(through, -c_lam)
         by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:]
-        return Adjoint(by_b, by_q, by_v, x1, y1, x2, y2)
+        by_c = np.zeros(len(self._system.joint_coordinates.b))
+        if self._asked.rates:
+            axes, by_axes = self._axes
+            by_c = -(axes.T @ x2) - by_axes.T @ y2[m:]
+        return Adjoint(by_b, by_q, by_v, by_c, x1, y1, x2, y2)
 
 
 class _Block:

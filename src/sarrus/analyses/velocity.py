@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, vstack
 from ..algebra import Array
 from ..model.arguments import Number, real
 from ..system import System
-from .joint_rate import Rate, rate
+from .joint_rate import JointRate, Rate, rate
 from .kkt import KKT
 from .length import lever, scaled, units
 from .rank import row_lengths
@@ -47,9 +47,26 @@ class Rates:
     """The rows C(q) and the values of rates given by name, C(q) v = values."""
 
     def __init__(self, system: System, given: Mapping[str, float]) -> None:
-        self.size = system.nq
+        self.size, self._joints = system.nq, system.joint_coordinates
         self.rates: list[Rate] = [rate(system, name) for name in given]
         self.values = np.array([_finite(name, value) for name, value in given.items()])
+
+    @property
+    def selection(self) -> Array:
+        """Which joint coordinate each rate is of (number of rates, nc): 1 there, rows of zeros for coordinates."""
+        found = np.zeros((len(self.rates), self._joints.m))
+        for n, one in enumerate(self.rates):
+            if isinstance(one, JointRate):
+                found[n, self._joints.index(one.coordinate.name)] = 1.0
+        return found
+
+    def rows_xi_c(self, q: Array, xi: Array) -> Array:
+        """(C ξ)_c by the parameters of the joints' coordinates (number of rates, len(c))."""
+        return np.asarray(self.selection @ self._joints.Phi_q_xi_b(q, xi).toarray())
+
+    def curvature_c(self, q: Array, nu: Array) -> Array:
+        """(Cᵀν)_c (nq, len(c))."""
+        return np.asarray(self._joints.Phi_qT_lam_b(q, nu @ self.selection).toarray())
 
     def rows(self, q: Array) -> csr_array:
         """C (number of rates, nq)."""

@@ -106,9 +106,9 @@ class Chain:
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
 
-        dc are those of the numbers of the joints' coordinates, which matter to events only.
+        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only.
         """
-        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv), db)
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db)
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
@@ -119,7 +119,7 @@ class Chain:
 
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states are given; those of states are not kept."""
-        found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv), db, [len(self.steps)])
+        found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, [len(self.steps)])
         return found[0]
 
     def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
@@ -154,8 +154,8 @@ class Chain:
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
         by_q, by_v, by_b = self.by_start(given)
-        b, q, v = through(self.assembly, by_q, by_v)
-        return Gradients(by_b + b, q, v)
+        b, q, v, c = through(self.assembly, by_q, by_v)
+        return Gradients(by_b + b, q, v, c)
 
     def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
@@ -174,6 +174,6 @@ class Chain:
 
 
 def through(assembly: AssemblyDerivatives, by_q: Array, by_v: Array) -> list[Array]:
-    """Gradients by the numbers, and by the guess q₀, v₀, of those by the assembled state (nq, k)."""
-    found = [assembly.gradient(*pair) for pair in zip(by_q.T, by_v.T, strict=True)]
-    return [np.array([one[n] for one in found]).T for n in range(3)]
+    """Gradients by the parameters, the guess q₀, v₀ and the joints' parameters of those by the assembled state."""
+    found = [assembly.adjoint(*pair) for pair in zip(by_q.T, by_v.T, strict=True)]
+    return [np.array([one[n] for one in found]).T for n in range(4)]

@@ -299,7 +299,8 @@ class LongGradient:
                 values[r] = response.value(g, samples.where.t)
         titles = told_apart(response.title for response in self._responses)
         refuse_undefined(titles, values)
-        b, q, v = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
+        b, q, v, c = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
+        back.c[: len(c)] += c
         by = Gradients(back.b + b, q, v)
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + back.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)

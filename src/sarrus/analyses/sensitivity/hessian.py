@@ -57,10 +57,6 @@ class Curvature:
         self._way: CurvedSteps = (
             RadauCurvedSteps(chain) if isinstance(chain, RadauChain) else AlphaCurvedSteps(chain)
         )
-        if len(chain.steps.start.asked.rates):
-            raise ValueError(
-                "second derivatives through given rates of an assembly are not there; give velocities"
-            )
 
     @cached_property
     def _first(self) -> Adjoined:
@@ -71,7 +67,7 @@ class Curvature:
         explicit_b, explicit_c = explicit.b[:, r], explicit.c[:, r]
         adjoint, b = self._backward(nodes, None, None)
         assembly = adjoint.assembly
-        whole = np.concatenate([b + explicit_b, assembly.q, assembly.v, explicit_c])
+        whole = np.concatenate([b + explicit_b, assembly.q, assembly.v, _joined(explicit_c, assembly.c)])
         return adjoint._replace(whole=whole)
 
     def _backward(
@@ -83,15 +79,20 @@ class Curvature:
         change = None
         if changes:
             rate, place = changes["rate"], changes["place"]
-            change = (rate.q + place.q, place.lam, rate.eta, rate.lam)
+            axes, own = changes["axes"], self._chain.assembly.rates.selection
+            change = (
+                rate.q + place.q + axes.q, place.lam, rate.eta + axes.eta, np.concatenate([rate.lam, own @ axes.lam])
+            )  # fmt: skip
             b_bar = b_bar - (rate.b + place.b)[:, None]
         assembly = self._chain.assembly.adjoint(q_bar[:, 0], v_bar[:, 0], change)
+        if changes:
+            assembly = assembly._replace(c=assembly.c - changes["axes"].b)
         return Adjoined(solved, assembly, np.zeros(0)), b_bar[:, 0] + assembly.b
 
     def _along(self, direction: Array) -> Moved:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
-        assembly, nodes = self._chain.assembly.whole_along(b, dq=q, dv=v), Nodes.zeros(self._steps, 1)
+        assembly, nodes = self._chain.assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
         solved = self._way.along(b, assembly[0], assembly[2], nodes)
         return Moved(b, c, nodes, assembly, solved)
 
@@ -103,7 +104,8 @@ class Curvature:
         changes, by_b = self._way.turned(moved.b[:, 0], moved.nodes, moved.solved, first.solved)
         second, b = self._backward(nodes, changes, self._changes(moved, first))
         assembly = second.assembly
-        turned = np.concatenate([b - by_b + explicit.b[:, 0], assembly.q, assembly.v, explicit.c[:, 0]])
+        by_c = _joined(explicit.c[:, 0], assembly.c)
+        turned = np.concatenate([b - by_b + explicit.b[:, 0], assembly.q, assembly.v, by_c])
         found = self._parameters.gradient_along(first.whole, turned, direction)
         own_part = [explicit.named[0].get(name, 0.0) for name in self._parameters.names]
         return np.asarray(found + np.array(own_part))
@@ -114,8 +116,8 @@ class Curvature:
         b, b_dot, t = remembered(steps, 0), moved.b[:, 0], float(steps.t[0])
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         rate = change_at(
-            system, "rate", t, b, b_dot, found.mu, -adjoint.y2, mu_dot, q=found.q, eta=found.v, xi=adjoint.x2,
-            q_dot=q_dot, eta_dot=v_dot,
+            system, "rate", t, b, b_dot, found.mu, -adjoint.y2[: system.m], mu_dot[: system.m],
+            q=found.q, eta=found.v, xi=adjoint.x2, q_dot=q_dot, eta_dot=v_dot,
         )  # fmt: skip
         place = change_at(
             system,
@@ -130,4 +132,25 @@ class Curvature:
             q_dot=q_dot,
             xi=adjoint.x1,
         )
-        return {"rate": rate, "place": place}
+        return {"rate": rate, "place": place, "axes": self._axes_change(moved, first)}
+
+    def _axes_change(self, moved: Moved, first: Adjoined) -> Change:
+        """The changes of the rows of given rates of joints."""
+        joints: Any = self._system.joint_coordinates  # they have the structure of a system's constraints
+        own, found, adjoint = self._chain.assembly.rates.selection, self._steps.start, first.assembly
+        if not own.any():
+            none = np.zeros(self._system.nq)
+            return Change(none, none, none, none, np.zeros(joints.m), np.zeros(len(joints.b)))
+        q_dot, _, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
+        m = self._system.m
+        return change_at(
+            joints, "rate", 0.0, joints.b, moved.c[: len(joints.b), 0], found.nu @ own, -adjoint.y2[m:] @ own,
+            mu_dot[m:] @ own, q=found.q, eta=found.v, xi=adjoint.x2, q_dot=q_dot, eta_dot=v_dot,
+        )  # fmt: skip
+
+
+def _joined(explicit: Array, own: Array) -> Array:
+    """Gradients by the parameters of joints, and of restitutions behind them."""
+    found = explicit.copy()
+    found[: len(own)] += own
+    return found

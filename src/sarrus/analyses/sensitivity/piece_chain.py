@@ -89,7 +89,7 @@ class PieceChain:
         """Over one stretch after another; the changes of the times at which they begin, and of the end."""
         nq, shift = self.system.nq, np.zeros((len(self._chains) + 1, db.shape[1]))
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
-        q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv)
+        q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv, dc=held)
         for p, chain in enumerate(self._chains):
             moving = chain.curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
@@ -104,7 +104,8 @@ class PieceChain:
         stretches = stretches_of(self.system, type(self.steps.pieces[0]), given.q.shape[2])
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
         back.over(self.steps, given, self._turns.__getitem__)
-        by_b, by_q, by_v = through(self._chains[0].assembly, back.q, back.v)
+        by_b, by_q, by_v, by_c = through(self._chains[0].assembly, back.q, back.v)
+        back.c[: len(by_c)] += by_c
         return Gradients(back.b + by_b, by_q, by_v, back.c)
 
 

@@ -30,7 +30,7 @@ class RadauChain:
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k)."""
-        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv), db)
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db)
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
@@ -42,7 +42,7 @@ class RadauChain:
 
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states are given."""
-        return self.weighed_from(given, *self.assembly.along(db, dq=dq, dv=dv), db)[0]
+        return self.weighed_from(given, *self.assembly.along(db, dq=dq, dv=dv, dc=dc), db)[0]
 
     def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
         """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""
@@ -54,8 +54,8 @@ class RadauChain:
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
         by_q, by_v, by_b = self.by_start(given)
-        b, q, v = through(self.assembly, by_q, by_v)
-        return Gradients(by_b + b, q, v)
+        b, q, v, c = through(self.assembly, by_q, by_v)
+        return Gradients(by_b + b, q, v, c)
 
     def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""

@@ -22,7 +22,7 @@ from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events import restitutions_of, with_restitutions
 from ..dynamics.stepper import Trouble
 from ..progress import TimeLimit, duration, refuse_time_limit
-from ..sensitivity.chain import FIELDS, Nodes
+from ..sensitivity.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
@@ -461,7 +461,9 @@ class Point:
         nodes, explicit = evaluation.gradients()
         column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
         by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
-        found = parameters.gradient(replace(by, b=by.b + explicit.b @ column), explicit.c @ column + by.c)
+        found = parameters.gradient(
+            replace(by, b=by.b + explicit.b @ column), by_joints(explicit.c @ column, by.c)
+        )
         return self._known((found.T + column.T @ own_parts(explicit, parameters))[0])
 
     def curved(self, direction: Array, response: int = 0) -> Array:

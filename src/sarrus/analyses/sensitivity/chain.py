@@ -17,6 +17,7 @@ from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Bars, Given, Sources
 
+NONE = np.zeros((0, 1))
 FIELDS = ("q", "v", "a", "lam", "shift")
 
 
@@ -68,12 +69,15 @@ class Nodes:
 
 @dataclass(frozen=True)
 class Gradients:
-    """Gradients of k responses by the numbers (len(system.b), k), and by the guess of the assembly (nq, k)."""
+    """Gradients of k responses by the numbers (len(system.b), k), and by the guess of the assembly (nq, k).
+
+    `c` are those by the parameters of the joints' coordinates, on which events and given rates depend.
+    """
 
     b: Array
     q: Array
     v: Array
-    c: Array | float = 0.0  # by the numbers of the joints' coordinates, on which events depend
+    c: Array = NONE
 
 
 class Chain:
@@ -171,6 +175,13 @@ class Chain:
         solved = self.start.adjoint(bars.a + bars.x + given.a[0], given.lam[0])
         by_q, by_v, by_b = self.start.transposed(*solved)
         return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b + bars.b
+
+
+def by_joints(explicit: Array, own: Array) -> Array:
+    """Gradients by the parameters of joints' coordinates, and of restitutions behind these."""
+    found = explicit.copy()
+    found[: len(own)] += own
+    return found
 
 
 def through(assembly: AssemblyDerivatives, by_q: Array, by_v: Array) -> list[Array]:

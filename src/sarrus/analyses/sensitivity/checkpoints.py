@@ -26,7 +26,7 @@ from ..dynamics.tolerance import Given, Tolerances
 from ..progress import Progress, TimeLimit, monitor
 from ..starts import Start, start_of
 from ..threads import one_thread_if_small
-from .chain import FIELDS, Gradients, Nodes, through
+from .chain import FIELDS, Gradients, Nodes, by_joints, through
 from .corners import corners
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
 from .evaluation import Evaluation, Explicit, where_of
@@ -300,9 +300,8 @@ class LongGradient:
         titles = told_apart(response.title for response in self._responses)
         refuse_undefined(titles, values)
         b, q, v, c = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
-        back.c[: len(c)] += c
-        by = Gradients(back.b + b, q, v)
-        matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + back.c).T
+        by = Gradients(back.b + b, q, v, by_joints(back.c, c))
+        matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
         matrix[:, missing] = np.nan
         return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)

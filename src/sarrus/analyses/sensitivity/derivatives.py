@@ -15,6 +15,7 @@ from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, 
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from ..threads import one_thread_if_small
+from .chain import by_joints
 from .chains import AnyChain, chain_of, curved_chain
 from .corners import corners
 from .evaluation import Evaluation, Explicit
@@ -278,7 +279,7 @@ def _curvature(
 def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
     nodes, explicit = evaluation.gradients()
     by = chain.gradients(nodes)
-    through = parameters.gradient(replace(by, b=by.b + explicit.b), explicit.c + by.c)
+    through = parameters.gradient(replace(by, b=by.b + explicit.b), by_joints(explicit.c, by.c))
     return np.asarray(through.T + own_parts(explicit, parameters))
 
 

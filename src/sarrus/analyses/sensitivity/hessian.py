@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from .chain import FIELDS, Chain, Nodes
+from .chain import FIELDS, Chain, Nodes, by_joints
 from .curved_steps import AlphaCurvedSteps, CurvedSteps, remembered
 from .evaluation import Evaluation
 from .lagrangian import Change, change_at
@@ -67,7 +67,7 @@ class Curvature:
         explicit_b, explicit_c = explicit.b[:, r], explicit.c[:, r]
         adjoint, b = self._backward(nodes, None, None)
         assembly = adjoint.assembly
-        whole = np.concatenate([b + explicit_b, assembly.q, assembly.v, _joined(explicit_c, assembly.c)])
+        whole = np.concatenate([b + explicit_b, assembly.q, assembly.v, by_joints(explicit_c, assembly.c)])
         return adjoint._replace(whole=whole)
 
     def _backward(
@@ -104,7 +104,7 @@ class Curvature:
         changes, by_b = self._way.turned(moved.b[:, 0], moved.nodes, moved.solved, first.solved)
         second, b = self._backward(nodes, changes, self._changes(moved, first))
         assembly = second.assembly
-        by_c = _joined(explicit.c[:, 0], assembly.c)
+        by_c = by_joints(explicit.c[:, 0], assembly.c)
         turned = np.concatenate([b - by_b + explicit.b[:, 0], assembly.q, assembly.v, by_c])
         found = self._parameters.gradient_along(first.whole, turned, direction)
         own_part = [explicit.named[0].get(name, 0.0) for name in self._parameters.names]
@@ -147,10 +147,3 @@ class Curvature:
             joints, "rate", 0.0, joints.b, moved.c[: len(joints.b), 0], found.nu @ own, -adjoint.y2[m:] @ own,
             mu_dot[m:] @ own, q=found.q, eta=found.v, xi=adjoint.x2, q_dot=q_dot, eta_dot=v_dot,
         )  # fmt: skip
-
-
-def _joined(explicit: Array, own: Array) -> Array:
-    """Gradients by the parameters of joints, and of restitutions behind them."""
-    found = explicit.copy()
-    found[: len(own)] += own
-    return found

@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.time_derivatives import timed
-from .chain import Chain, Gradients, Nodes, through
+from .chain import Chain, Gradients, Nodes, by_joints, through
 from .pieces import angles_of
 from .radau_chain import RadauChain
 from .stretches import Stretches, stretches_of
@@ -105,8 +105,7 @@ class PieceChain:
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
         back.over(self.steps, given, self._turns.__getitem__)
         by_b, by_q, by_v, by_c = through(self._chains[0].assembly, back.q, back.v)
-        back.c[: len(by_c)] += by_c
-        return Gradients(back.b + by_b, by_q, by_v, back.c)
+        return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
 
 
 class Backward:

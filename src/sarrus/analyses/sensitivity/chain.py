@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,6 @@ from .start import Start
 from .sweep import Sweep
 from .sweep_loop import Bars, Given, Sources
 
-NONE = np.zeros((0, 1))
 FIELDS = ("q", "v", "a", "lam", "shift")
 
 
@@ -77,7 +76,7 @@ class Gradients:
     b: Array
     q: Array
     v: Array
-    c: Array = NONE
+    c: Array = field(default_factory=lambda: np.zeros((0, 1)))
 
 
 class Chain:

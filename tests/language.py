@@ -43,7 +43,15 @@ RETIRED = {
 }
 
 # folders and files without retired words; add a folder when it has been cleaned
-CLEAN = ("README.md", "CONTRIBUTING.md", "docs", "src/sarrus/system")
+CLEAN = (
+    "README.md",
+    "CONTRIBUTING.md",
+    "docs",
+    "src/sarrus/system",
+    "src/sarrus/io",
+    "src/sarrus/bridges",
+    "src/sarrus/cli",
+)
 
 # expressions that may contain a retired word: the only exceptions
 ALLOWED = {

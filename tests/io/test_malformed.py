@@ -52,7 +52,7 @@ DOCTYPE = '<!DOCTYPE robot [<!ENTITY a "x"><!ENTITY b "&a;&a;">]>\n<robot name="
 MIMIC = '<axis xyz="0 1 0"/><mimic joint="shulder"/>\n  </joint>\n</robot>'
 
 WRONG = {
-    "no end": Wrong("</robot>", "", 24, ("not well-formed", "mend")),
+    "no end": Wrong("</robot>", "", 24, ("not well-formed", "fix it")),
     "mismatch": Wrong(
         '</link>\n  <link name="lower"', '</lnk>\n  <link name="lower"', 9, ("mismatched tag",)
     ),

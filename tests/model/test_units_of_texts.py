@@ -71,7 +71,7 @@ forces: {s: {type: tsda, k: 5 kg * x, length: 0.5, points: [[ground, 0, 0], [bal
         sr.load(tmp_path / "m.yaml")
     with pytest.raises(sr.ModelError) as of_python:
         sr.System(tsda(k="5 kg * x"))
-    assert of_file.value.sentence.split("expects")[1] == of_python.value.sentence.split("expects")[1]
+    assert of_file.value.message.split("expects")[1] == of_python.value.message.split("expects")[1]
 
 
 @pytest.mark.parametrize("kind", [*Force.kinds.values(), *Driver.kinds.values()])

@@ -47,7 +47,7 @@ def test_gears_touch_and_have_the_ratio_of_their_angles() -> None:
     assert (one.body, other.body) == (1, 2)
     assert radius(one) + radius(other) == pytest.approx(0.3, rel=0.05)  # with both heights of teeth
     assert radius(one) / radius(other) == pytest.approx(2.0, rel=0.05)
-    assert one.told == "gear, angle of B = -2 times that of A"
+    assert one.description == "gear, angle of B = -2 times that of A"
 
 
 def test_wheels_of_the_same_sense_do_not_touch() -> None:
@@ -68,7 +68,7 @@ def test_a_rack_lies_where_the_pinion_moves_it_its_own_way(size: float) -> None:
 def test_what_a_coupler_joins_is_marked_on_both_joints() -> None:
     found = parts(model(), "coupler")
     assert {part.body for part in found} == {1, 4}
-    assert "0.5 times" in found[0].told
+    assert "0.5 times" in found[0].description
 
 
 def test_a_body_that_is_a_wheel_has_a_hub_and_no_block() -> None:

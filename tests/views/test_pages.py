@@ -82,7 +82,7 @@ def test_arrows_are_applied_forces() -> None:
     x, v = run()["slider"].position[:, 0], run()["slider"].velocity[:, 0]
     tension = 10 * (x - 5) + v
     assert parts.array(spring["d"])[:, 0] == pytest.approx(-tension, rel=1e-5, abs=1e-4)
-    assert spring["told"] == "force of spring on slider"
+    assert spring["description"] == "force of spring on slider"
 
 
 def test_weights_are_arrows_on_request(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_weights_are_arrows_on_request(tmp_path: Path) -> None:
     moved = sr.kinematics(system, np.linspace(0.0, 1.0, 5))
     for shown, count in ((False, 0), (True, 3)):
         parts = read(moved.animate(tmp_path / "page.html", count=5, weights=shown))
-        found = [one for one in parts.told["runs"][0]["arrows"] if one["told"].startswith("weight of")]
+        found = [one for one in parts.told["runs"][0]["arrows"] if one["description"].startswith("weight of")]
         assert len(found) == count
     (rod,) = [one for one in found if one["name"] == "rod"]
     mass = next(body.mass for body in system.model.bodies if body.name == "rod")

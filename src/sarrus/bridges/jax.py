@@ -30,7 +30,7 @@ def jax_function(problem: Problem) -> Callable[[Any], Any]:
         ``jax.jacrev(jax.grad(...))`` (``jax.hessian`` goes forwards, which functions with a derivative of their own
         refuse). JAX computes with single precision unless ``jax_enable_x64`` is set: simulations are in double
         precision all the same, their results are rounded. Whole numbers are taken for floating ones. A design that
-        cannot be simulated is JAX's own error, with the sentence in it.
+        cannot be simulated is an error of JAX that contains the message.
 
     Raises
     ------

@@ -46,11 +46,11 @@ class MechanismComponent(om.ExplicitComponent):
         self.declare_partials("*", "*")
 
     def compute(self, inputs: Any, outputs: Any) -> None:
-        """Simulate; an AnalysisError tells drivers to step back."""
+        """Simulate; an AnalysisError makes drivers step back."""
         try:
             values = self.options["problem"].values(self._design(inputs))
-        except Infeasible as trouble:
-            raise om.AnalysisError(str(trouble)) from None
+        except Infeasible as error:
+            raise om.AnalysisError(str(error)) from None
         for name, value in zip(self.outputs_of, values, strict=True):
             outputs[name] = value
 

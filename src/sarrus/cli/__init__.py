@@ -1,7 +1,7 @@
 """The command line: one verb, one analysis.
 
-A verb is a module with ``EXAMPLES``, lines for its help; ``arguments(parser)``; and ``run(chosen, answer)``, which says
-and puts what it found and returns the exit code. What it imports at the top is light; all else it imports in ``run``.
+A verb is a module with ``EXAMPLES``, lines for its help; ``arguments(parser)``; and ``run(chosen, answer)``, which
+prints and stores the results and returns the exit code. Slow imports are inside ``run``.
 """
 
 from __future__ import annotations
@@ -52,12 +52,12 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
         return STOPPED
     except BrokenPipeError:
         return NO_READER
-    except Exception as trouble:
+    except Exception as error:
         if chosen.debug:
-            traceback.print_exception(trouble)
-        sentence, code = _told(trouble)
-        answer.put(error=sentence)
-        return _refuse(sentence, code)
+            traceback.print_exception(error)
+        message, code = _message(error)
+        answer.put(error=message)
+        return _refuse(message, code)
 
 
 def _closed(answer: Answer, code: int) -> int:
@@ -72,23 +72,23 @@ def _closed(answer: Answer, code: int) -> int:
     return code
 
 
-def _told(trouble: Exception) -> tuple[str, int]:
-    """One sentence for an error, and the exit code."""
+def _message(error: Exception) -> tuple[str, int]:
+    """One message for an error, and the exit code."""
     from ..model.errors import SarrusError
 
-    if isinstance(trouble, SarrusError | ImportError):
-        return str(trouble), WRONG
-    if isinstance(trouble, MemoryError):
+    if isinstance(error, SarrusError | ImportError):
+        return str(error), WRONG
+    if isinstance(error, MemoryError):
         return "there is not enough memory; ask for fewer --steps, or take a smaller model", WRONG
-    if isinstance(trouble, OSError) and trouble.strerror:
-        told = f"{trouble.filename}: " if trouble.filename else ""
-        return f"{told}{trouble.strerror.lower()}; check the path, its permissions and the space left", WRONG
-    if isinstance(trouble, ValueError | OSError):
-        return f"{trouble} (--debug shows where)", WRONG
-    told = f"unexpected {type(trouble).__name__}: {trouble}"
-    return f"{told}; this is a defect of Sarrus, please report it with what --debug shows", DEFECT
+    if isinstance(error, OSError) and error.strerror:
+        file = f"{error.filename}: " if error.filename else ""
+        return f"{file}{error.strerror.lower()}; check the path, its permissions and the space left", WRONG
+    if isinstance(error, ValueError | OSError):
+        return f"{error} (--debug shows where)", WRONG
+    unexpected = f"unexpected {type(error).__name__}: {error}"
+    return f"{unexpected}; this is a defect of Sarrus, please report it with what --debug shows", DEFECT
 
 
-def _refuse(told: str, code: int) -> int:
-    print(f"{painted('sarrus:', 'red', sys.stderr)} {told}", file=sys.stderr)
+def _refuse(message: str, code: int) -> int:
+    print(f"{painted('sarrus:', 'red', sys.stderr)} {message}", file=sys.stderr)
     return code

@@ -1,4 +1,4 @@
-"""What a verb answers: lines for people, or with ``--json`` one object for programs."""
+"""The output of a verb: lines for people, or with ``--json`` one object for programs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ log = logging.getLogger("sarrus.cli")
 class Answer:
     """The standard output of one verb.
 
-    ``say`` is for people, ``put`` for programs; a verb does both, and one of them is heard.
+    ``show`` is for people, ``put`` for programs; a verb does both, and one of them is heard.
     """
 
     def __init__(self, verb: str, *, as_json: bool = False) -> None:
@@ -26,7 +26,7 @@ class Answer:
         self._files: list[str] = []
         self.warnings: list[str] = []
 
-    def say(self, text: object = "") -> None:
+    def show(self, text: object = "") -> None:
         """Print a line at once, unless the answer is JSON; a result without its warnings, which `warn` has."""
         if not self.as_json:
             print(text.summary() if hasattr(text, "summary") else text, flush=True)
@@ -42,12 +42,12 @@ class Answer:
         return new
 
     def wrote(self, file: str | Path) -> None:
-        """Tell that a file was written."""
+        """Record that a file was written."""
         self._files.append(str(file))
         log.info("wrote %s", file)
 
     def draw(self, figure: Any, file: Path) -> None:
-        """Write a figure, and tell it."""
+        """Write a figure, and record its file."""
         from ..results.exported_file import exporting
 
         with exporting(file):

@@ -40,14 +40,14 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     system = System(model)
     start = assemble(system)
     found = mobility(system, start.q).summary() if start.success else start.message
-    told = describe(model)
-    answer.say(f"{told}\n{found}\n")
-    answer.put(model=system.name, description=told, mobility=found, counts=system.counts())
+    description = describe(model)
+    answer.show(f"{description}\n{found}\n")
+    answer.put(model=system.name, description=description, mobility=found, counts=system.counts())
     if chosen.draw:
         _draw(model, chosen.draw, answer)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
-    answer.say(report)
+    answer.show(report)
     answer.put(message=str(report).splitlines()[-1], derivatives_agree=report.ok, derivatives=_table(report))
     return 0 if report.ok else 1
 

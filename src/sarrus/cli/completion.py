@@ -21,7 +21,7 @@ class Option(NamedTuple):
     names: tuple[str, ...]
     takes_value: bool
     choices: tuple[str, ...]
-    told: str
+    description: str
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Print the script."""
     script = {"bash": _bash, "zsh": _zsh, "fish": _fish}[chosen.shell](_options())
-    answer.say(script)
+    answer.show(script)
     answer.put(shell=chosen.shell, script=script)
     return 0
 
@@ -115,9 +115,9 @@ def _zsh_option(option: Option) -> str:
     values = f"({' '.join(option.choices)})" if option.choices else "_files"
     if not option.names:
         return _quoted(f"*:value:{values}")
-    told = option.told.translate(str.maketrans("[]:", "() "))
+    description = option.description.translate(str.maketrans("[]:", "() "))
     tail = f":value:{values}" if option.takes_value else ""
-    return " ".join(_quoted(f"{name}[{told}]{tail}") for name in option.names)
+    return " ".join(_quoted(f"{name}[{description}]{tail}") for name in option.names)
 
 
 def _fish(options: dict[str, list[Option]]) -> str:
@@ -136,7 +136,7 @@ def _fish_option(option: Option) -> str:
     spelled = " ".join(f"-l {n[2:]}" if n.startswith("--") else f"-s {n[1:]}" for n in option.names)
     values = f"-a {_quoted(' '.join(option.choices))}" if option.choices else ""
     follows = "-r" if option.names and option.takes_value else ""
-    return " ".join(part for part in (spelled, follows, values, f"-d {_quoted(option.told)}") if part)
+    return " ".join(part for part in (spelled, follows, values, f"-d {_quoted(option.description)}") if part)
 
 
 def _quoted(text: str) -> str:

@@ -33,7 +33,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     folder = _folder(chosen.output)
     system = System(load(path("slider_crank")))
     counts = system.counts()
-    answer.say(
+    answer.show(
         f"{system.name}: {counts['bodies']} bodies, {counts['coordinates']} coordinates, "
         f"{counts['joint_equations']} + {counts['normalizations']} constraint equations, "
         f"degrees of freedom: {counts['degrees_of_freedom']}"
@@ -41,31 +41,31 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
         system.compile(bar.step)
     start = assemble(system)
-    answer.say(start.message)
+    answer.show(start.message)
     report = system.check_derivatives()
-    answer.say(report)
+    answer.show(report)
     simulated = time.perf_counter()
     with Bar(f"simulating {UNTIL:g} s", UNTIL) as bar:
         motion = simulate(
             system, start, until=UNTIL, method=ODE(), rtol=1e-10, atol=1e-12, progress=bar.reach
         )
     simulated = time.perf_counter() - simulated
-    answer.say(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
-    answer.say(
+    answer.show(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
+    answer.show(
         f"constraints kept to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
     )
-    answer.say(_times(system, start))
+    answer.show(_times(system, start))
     for file in _plots(folder, motion, report):
         answer.wrote(file)
     seconds = time.perf_counter() - began
-    answer.say(f"all in {seconds:.1f} s")
+    answer.show(f"all in {seconds:.1f} s")
     answer.put(model=system.name, counts=counts, message=motion.message, seconds=seconds)
     answer.put(violation=motion.violation.max(), derivatives_agree=report.ok, nsteps=motion.nsteps)
     return 0 if start.success and report.ok and motion.success else 1
 
 
 def _folder(folder: Path) -> Path:
-    """Make the folder for the plots, or say why not, before anything is computed."""
+    """Create the folder for the plots, or raise an error, before anything is computed."""
     from ..model.errors import SarrusError
 
     try:
@@ -98,5 +98,5 @@ def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
             files.append(folder / f"slider_crank_{name}.{ending}")
             with exporting(files[-1]):
                 figure.savefig(files[-1], dpi=130)
-            figure.set_layout_engine(None)  # the layout is found once, and stands for the next file too
+            figure.set_layout_engine(None)  # the layout is computed once, and used for the next file too
     return files

@@ -49,7 +49,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:
         times, limit = np.linspace(0.0, chosen.until, chosen.steps + 1), chosen.time_limit
         motion = kinematics(system, times, progress=bar.reach, time_limit=limit)
-    answer.say(named(system.name, motion.message))
+    answer.show(named(system.name, motion.message))
     answer.put(model=system.name, status=motion.status, message=motion.message)
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))
     _write(chosen, motion, answer)
@@ -64,7 +64,7 @@ def _reactions(motion: Trajectory, answer: Answer) -> dict[str, dict[str, float]
     for joint in motion.system.rows if len(motion.t) else ():
         found = motion.reaction(joint)
         force, torque = (float(np.linalg.norm(x, axis=1).max()) for x in (found.force, found.torque))
-        answer.say(f"  {joint:<24} force up to {force:.6g} N, torque up to {torque:.6g} N m")
+        answer.show(f"  {joint:<24} force up to {force:.6g} N, torque up to {torque:.6g} N m")
         largest[joint] = {"largest_force": force, "largest_torque": torque}
     return largest
 

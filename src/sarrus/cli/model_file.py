@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..model import Expression, Model
 
-WISHES = ("base", "mimic", "inertia", "loops")
+IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,8 +43,8 @@ def read(chosen: argparse.Namespace) -> Model:
     file = chosen.model
     if file in mechanisms.names() and not Path(file).exists():
         file = mechanisms.path(file)
-    wishes = {name: getattr(chosen, name) for name in WISHES}
-    model = load_any(file, **{name: value for name, value in wishes.items() if value is not None})
+    options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS}
+    model = load_any(file, **{name: value for name, value in options.items() if value is not None})
     return _with_rates(model, dict(chosen.rate)) if chosen.rate else model
 
 
@@ -66,5 +66,5 @@ def _rate(text: str) -> tuple[str, Expression]:
         if equals:
             return name.strip(), parse_expression(value)
     except ModelError as error:
-        raise argparse.ArgumentTypeError(f"{text!r}: {error.sentence}") from None
+        raise argparse.ArgumentTypeError(f"{text!r}: {error.message}") from None
     raise argparse.ArgumentTypeError(f"must be JOINT=VALUE, but is {text}")

@@ -26,12 +26,12 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.figure])
     system = System(model_file.read(chosen))
     at = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
-    answer.say(at.message)
+    answer.show(at.message)
     answer.put(model=system.name, equilibrium=at.message, message=at.message)
     if not at.success:
         return 1
     found = modes(system, at.q, t=chosen.time)
-    answer.say(found)
+    answer.show(found)
     answer.put(message=found.message, stability=found.stability, eigenvalues=found.eigenvalues)
     answer.put(frequencies=found.frequencies, damping_ratios=found.damping_ratios)
     if chosen.figure:

@@ -1,4 +1,4 @@
-"""``sarrus optimize FILE``: the best numbers of a model, or those with which it follows measurements."""
+"""``sarrus optimize FILE``: the optimal parameters of a model, or estimates from measurements."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     most = int(sought.options.get("iterations", 100))
     with Bar(f"{sought.name}: simulations", most) as bar:
         found = sought.solved(lambda count, value: bar.reach(min(count, most)), chosen.total_time_limit)
-    answer.say(found)
+    answer.show(found)
     answer.put(status=found.status, optimality=found.optimality)
     answer.put(study=sought.name, message=found.message, objective=found.value, objective_before=found.value0)
     answer.put(numbers=dict(zip(found.names, found.x, strict=True)), constraints=found.constraints)

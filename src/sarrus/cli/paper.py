@@ -31,5 +31,5 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
             bar.step(name)
             found[name] = experiment(System(load(path(name))), seed=chosen.seed)
     answer.put(**{name: one.as_json() for name, one in found.items()})
-    answer.say(paper_tables(list(found.values()), STEPS))
+    answer.show(paper_tables(list(found.values()), STEPS))
     return 0

@@ -10,15 +10,15 @@ from typing import Any, NoReturn
 VERBS = {
     "demo": "assemble, check, simulate and plot the shipped slider-crank",
     "run": "assemble and simulate a model file",
-    "kinematics": "follow the drivers of a model file, with the forces that this takes",
-    "statics": "find where a model file comes to rest, and what its joints bear",
-    "modes": "print the vibration modes of a model file about its rest",
+    "kinematics": "compute the motion that the drivers of a model file prescribe, and its forces",
+    "statics": "find an equilibrium of a model file, with its stability and joint reactions",
+    "modes": "print the vibration modes of a model file about its equilibrium",
     "workspace": "map what two outputs of a model can reach, its boundary and barriers",
     "view": "show a model file, or its motion, in the browser",
-    "study": "run a model for many values of its numbers, and tabulate the responses",
-    "sensitivity": "rank the numbers of a model by their influence on responses of its motion",
-    "optimize": "find the best numbers of a model, or those with which it follows measurements",
-    "check": "explain a model in words, and compare every derivative with an independent one",
+    "study": "run a model for many values of its parameters, and tabulate the responses",
+    "sensitivity": "rank the parameters of a model by their influence on responses of its motion",
+    "optimize": "find the optimal parameters of a model, or estimate them from measurements",
+    "check": "describe a model in words, and compare every derivative with an independent one",
     "paper": "print the numerical experiments of the paper, Tables 1 to 6",
     "schema": "print the JSON Schema of the model file",
     "completion": "print a script that completes verbs and options in a shell",
@@ -29,10 +29,10 @@ ENDING = """examples:
   sarrus run --help
 
 exit codes:
-  0  all went well
-  1  an analysis failed, and the answer says why
+  0  success
+  1  an analysis failed, and its message gives the reason
   2  the command line, a file or the model is wrong
-  3  an error of the program itself
+  3  an internal error of Sarrus
   130 stopped by Ctrl-C
 """
 
@@ -42,7 +42,7 @@ class Misuse(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, like everything else; an option of several values may stand several times."""
+    """A parser that raises `Misuse` with one message; options of several values may be repeated."""
 
     def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
         """The same, but that values of a second ``--response`` are added to those of the first."""
@@ -51,7 +51,7 @@ class Parser(argparse.ArgumentParser):
         return super().add_argument(*names, **options)
 
     def error(self, message: str) -> NoReturn:
-        """Raise the sentence, with the way to the help."""
+        """Raise the message, with a reference to the help."""
         raise Misuse(f"{message.replace('argument ', '', 1)}; see {self.prog} --help")
 
 
@@ -67,11 +67,11 @@ def build(wanted: Container[str]) -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"sarrus {__version__}")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    for verb, told in VERBS.items():
+    for verb, purpose in VERBS.items():
         child = verbs.add_parser(
             verb,
-            help=told,
-            description=told.capitalize() + ".",
+            help=purpose,
+            description=purpose.capitalize() + ".",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         if verb in wanted:
@@ -88,7 +88,7 @@ def _common(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--strict", action="store_true", help="end with exit code 1 if there are warnings")
     level = group.add_mutually_exclusive_group()
     level.add_argument(
-        "-v", "--verbose", dest="level", action="store_const", const=1, default=0, help="tell more"
+        "-v", "--verbose", dest="level", action="store_const", const=1, default=0, help="more details"
     )
     level.add_argument(
         "-q", "--quiet", dest="level", action="store_const", const=-1, help="no progress and no notes"

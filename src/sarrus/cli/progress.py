@@ -10,7 +10,7 @@ from types import TracebackType
 from .terminal import is_quiet
 
 WIDTH = 28
-PATIENCE = 3.0  # [s] without progress, before it is told why that may be
+PATIENCE = 3.0  # [s] without progress, before a message explains the possible reason
 FIRST = "the first run of a kind compiles what it needs, which is kept for the next"
 
 
@@ -60,7 +60,7 @@ class Bar:
             self._show("")
 
     def _explain(self) -> None:
-        """Tell why nothing is seen to happen."""
+        """Explain why there is no visible progress."""
         if self._live:
             self._show(FIRST)
         elif not self._quiet:

@@ -56,7 +56,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     _refuse_unknown(chosen, system)
     start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
-    answer.say(start.message)
+    answer.show(start.message)
     if not start.success:
         return 1
     began = time.perf_counter()
@@ -68,22 +68,22 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
             system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings, **limits
         )
     seconds = time.perf_counter() - began
-    answer.say(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
+    answer.show(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
-    _tell_end(motion, answer)
+    _report_end(motion, answer)
     _write(chosen, motion, answer)
     return 0 if motion.success else 1
 
 
-def _tell_end(motion: Trajectory, answer: Answer) -> None:
+def _report_end(motion: Trajectory, answer: Answer) -> None:
     """Where the bodies are at the last time that was reached; nowhere, if it failed at the start."""
     import numpy as np
 
     for body in motion.bodies if len(motion.t) else ():
         x, y, z = motion[body].position[-1]
-        answer.say(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+        answer.show(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
     if len(motion.t) > 1 and np.ptp(np.asarray(motion.q), axis=0).max() < STILL:
-        answer.say("  nothing moved: it rests, or has no freedom; sarrus check says which")
+        answer.show("  nothing moved: it rests, or has no freedom; see sarrus check")
     names = ("position", "euler", "velocity", "angular_velocity")
     end = {
         body: {name: getattr(motion[body], name)[-1] for name in names}

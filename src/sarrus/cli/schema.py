@@ -18,5 +18,5 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ..model.file.schema import schema, schema_text
 
     answer.put(schema=schema())
-    answer.say(schema_text().rstrip())
+    answer.show(schema_text().rstrip())
     return 0

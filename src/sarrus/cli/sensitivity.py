@@ -1,4 +1,4 @@
-"""``sarrus sensitivity MODEL``: how responses of a motion change with the numbers of a model, ranked by influence."""
+"""``sarrus sensitivity MODEL``: derivatives of responses of a motion, with the parameters ranked by influence."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
     problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, **settings)
     try:
-        with np.errstate(invalid="ignore", divide="ignore"):  # what comes of it is told below
+        with np.errstate(invalid="ignore", divide="ignore"):  # reported below
             found = problem.gradient(problem.x0)
-    except Infeasible as trouble:
-        answer.say(trouble)
-        answer.put(model=system.name, message=str(trouble))
+    except Infeasible as error:
+        answer.show(error)
+        answer.put(model=system.name, message=str(error))
         return 1
     for row in range(len(found.responses)):
-        answer.say(found.table(row, chosen.most))
+        answer.show(found.table(row, chosen.most))
     answer.put(model=system.name, message=f"responses: {len(found.responses)}, numbers: {len(found.names)}")
     answer.put(names=found.names, at=found.at)
     answer.put(

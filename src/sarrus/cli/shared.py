@@ -89,14 +89,14 @@ def rest(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--nearest", action="store_true", help="the nearest equilibrium, be it stable or not")
 
 
-def seed(parser: argparse.ArgumentParser, told: str, default: int = 0) -> None:
+def seed(parser: argparse.ArgumentParser, contents: str, default: int = 0) -> None:
     """``--seed``: of what is random."""
-    parser.add_argument("--seed", type=natural, default=default, help=f"of the random {told} ({default})")
+    parser.add_argument("--seed", type=natural, default=default, help=f"of the random {contents} ({default})")
 
 
-def table(parser: argparse.ArgumentParser, told: str) -> None:
+def table(parser: argparse.ArgumentParser, contents: str) -> None:
     """``--csv``: a file for what can be put in a table."""
-    parser.add_argument("--csv", type=Path, metavar="FILE", help=f"file for {told} as a table")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help=f"file for {contents} as a table")
 
 
 def motion_table(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +111,7 @@ def motion_table(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def figure(parser: argparse.ArgumentParser, told: str, default: str | None = None) -> None:
+def figure(parser: argparse.ArgumentParser, contents: str, default: str | None = None) -> None:
     """``--figure``: a file for a picture."""
     ending = f" ({default})" if default else ""
     parser.add_argument(
@@ -119,5 +119,5 @@ def figure(parser: argparse.ArgumentParser, told: str, default: str | None = Non
         type=figure_file,
         default=default,
         metavar="FILE",
-        help=f"file for {told}, .png, .svg or .pdf{ending}",
+        help=f"file for {contents}, .png, .svg or .pdf{ending}",
     )

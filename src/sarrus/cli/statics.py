@@ -28,7 +28,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     system = System(model_file.read(chosen))
     found = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
-    answer.say(found.message)
+    answer.show(found.message)
     answer.put(model=system.name, message=found.message, stability=found.stability)
     answer.put(bodies=_poses(system, found, answer))
     answer.put(reactions=_reactions(system, found, chosen.time, answer) if found.success else {})
@@ -40,7 +40,7 @@ def _poses(system: System, found: Equilibrium, answer: Answer) -> dict[str, Any]
     for body in system.bodies:
         pose = found.q[system.coordinates_of(body)]
         x, y, z = pose[:3]
-        answer.say(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+        answer.show(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
         poses[body] = {"position": pose[:3], "euler": pose[3:]}
     return poses
 
@@ -52,6 +52,6 @@ def _reactions(system: System, found: Equilibrium, t: float, answer: Answer) -> 
     for joint in system.rows:
         action = system.reaction(joint, found.q, found.lam, t)
         force, torque = np.linalg.norm(action.force), np.linalg.norm(action.torque)
-        answer.say(f"  {joint:<24} force {force:.6g} N, torque {torque:.6g} N m")
+        answer.show(f"  {joint:<24} force {force:.6g} N, torque {torque:.6g} N m")
         reactions[joint] = {"force": action.force, "torque": action.torque}
     return reactions

@@ -65,7 +65,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         log.info("%s holds the cases that are done; the same command goes on with the others", folder)
     if table.status == "stopped":
         raise KeyboardInterrupt
-    answer.say(table)
+    answer.show(table)
     answer.put(study=table.name, message=table.summary().splitlines()[0], folder=folder, cases=len(table))
     answer.put(statistics=table.statistics(), failures=table.failures, columns=table.columns)
     answer.wrote(folder)
@@ -80,7 +80,7 @@ def _linear(asked: Asked, answer: Answer) -> None:
     from ..studies.first_order import uncertainty_of
 
     found = uncertainty_of(asked)
-    answer.say(f"\nto first order, by one run and its derivatives:\n{found.summary()}")
+    answer.show(f"\nto first order, by one run and its derivatives:\n{found.summary()}")
     spread = zip(found.responses, found.values, found.std, strict=True)
     answer.put(linear={name: {"mean": mean, "std": std} for name, mean, std in spread})
 

@@ -1,4 +1,4 @@
-"""How the command line speaks on standard error: log levels, and colours where there is a terminal."""
+"""Output of the command line on standard error: log levels, and colours on a terminal."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def listen(level: int) -> None:
 
 @contextmanager
 def warnings_to(note: Callable[[str], bool]) -> Iterator[None]:
-    """Print warnings of analyses on standard error, in place of Python; `note` tells whether one is new."""
+    """Print warnings of analyses on standard error, instead of Python; `note` returns whether one is new."""
     from ..model.errors import SarrusWarning
 
     with warnings.catch_warnings():
@@ -55,7 +55,7 @@ def is_quiet() -> bool:
 
 
 def painted(text: str, colour: str, stream: TextIO) -> str:
-    """The text in a colour, if the stream is a terminal and the user did not say NO_COLOR."""
+    """The text in a colour, if the stream is a terminal and NO_COLOR is not set."""
     return f"\033[{COLOURS[colour]}m{text}\033[0m" if _has_colours(stream) else text
 
 

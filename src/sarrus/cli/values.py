@@ -1,4 +1,4 @@
-"""What may stand behind an option: checked while the command line is read, before anything is computed."""
+"""Types of option values: checked while the command line is parsed, before anything is computed."""
 
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ def _whole(text: str, least: int, most: int | None) -> int:
     except ValueError:
         value = least - 1
     if value < least or (most is not None and value > most):
-        told = (
+        wanted = (
             f"a whole number of at least {least}"
             if most is None
             else f"a whole number from {least} to {most}"
         )
-        raise argparse.ArgumentTypeError(f"must be {told}, but is {text}")
+        raise argparse.ArgumentTypeError(f"must be {wanted}, but is {text}")
     return value
 
 

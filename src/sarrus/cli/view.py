@@ -51,7 +51,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.output])
     if chosen.output and chosen.output.suffix.lower() in FILMS and not chosen.until:
-        raise SarrusError(f"{chosen.output}: a film needs a motion; say how long it lasts with --until")
+        raise SarrusError(f"{chosen.output}: a film needs a motion; give its duration with --until")
     model = model_file.read(chosen)
     return _motion(model, chosen, answer) if chosen.until else _still(model, chosen, answer)
 
@@ -62,11 +62,11 @@ def _still(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     from ..views import view
 
     start = assemble(System(model)) if chosen.assemble else None
-    answer.put(model=model.name, message="drawn as the file says it")
+    answer.put(model=model.name, message="drawn in the position of the file")
     if start is not None:
-        answer.say(start.message)
+        answer.show(start.message)
         answer.put(message=start.message)
-    _tell(view(model, chosen.output, q=None if start is None else start.q, names=chosen.names), answer)
+    _report(view(model, chosen.output, q=None if start is None else start.q, names=chosen.names), answer)
     return 0 if start is None or start.success else 1
 
 
@@ -78,15 +78,15 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     system = System(model)
     _refuse_unknown(chosen.trace, system)
     start = assemble(system)
-    answer.say(start.message)
+    answer.show(start.message)
     answer.put(model=system.name, message=start.message)
     if not start.success:
         return 1
     with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
         motion = simulate(system, start, until=chosen.until, progress=bar.reach)
-    answer.say(named(system.name, motion.message))
+    answer.show(named(system.name, motion.message))
     answer.put(message=motion.message)
-    _tell(animate(motion, chosen.output, traces=chosen.trace, names=chosen.names), answer)
+    _report(animate(motion, chosen.output, traces=chosen.trace, names=chosen.names), answer)
     return 0 if motion.success else 1
 
 
@@ -101,7 +101,7 @@ def _refuse_unknown(names: list[str], system: System) -> None:
             raise SarrusError(unknown.args[0]) from None
 
 
-def _tell(shown: Page | Path, answer: Answer) -> None:
-    """Tell which file was written; a page was opened in the browser."""
+def _report(shown: Page | Path, answer: Answer) -> None:
+    """Report the written file; a page was opened in the browser."""
     if isinstance(shown, Path):
         answer.wrote(shown)

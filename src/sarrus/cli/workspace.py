@@ -111,9 +111,9 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     }
     by_count: dict[int, Any] = {1: _interval, 2: _area, 3: _volume}
     found = by_count.get(len(chosen.output), _area)(system, chosen, answer, **given)
-    answer.say(found)
+    answer.show(found)
     answer.put(model=system.name, status=found.status, message=found.message)
-    told, shown = [str(found)], found
+    texts, shown = [str(found)], found
     if found.status in ENDED and (chosen.field or chosen.singular):
         announce(
             [f"{system.name}: --field and --singular are left out, since the map ended before its time."]
@@ -121,15 +121,15 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         chosen.field = chosen.singular = None
     if chosen.field:
         shown = _field(found, chosen, answer, given["clock"])
-        told.append(str(shown))
+        texts.append(str(shown))
     lost = _singular(system, chosen, answer, **given) if chosen.singular else []
-    told += [str(one) for one in lost]
+    texts += [str(one) for one in lost]
     if len(chosen.output) > 1:
         answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
     _write(chosen, shown, answer)
     if chosen.report:
         with exporting(chosen.report):
-            chosen.report.write_text("\n\n".join(told) + "\n", encoding="utf-8")
+            chosen.report.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
         answer.wrote(chosen.report)
     return 0 if all(one.success for one in (found, shown, *lost)) else 1
 
@@ -155,7 +155,7 @@ def _refuse_options(chosen: argparse.Namespace) -> None:
         raise SarrusError("--turn is for --field turn; add it")
     if chosen.field == "turn" and not chosen.turn:
         raise SarrusError(
-            "--field turn needs to know what turns; add --turn NAME, e.g. --turn platform.turn_z"
+            "--field turn needs the name of a rotation; add --turn NAME, e.g. --turn platform.turn_z"
         )
     if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
         raise SarrusError(f"--field {chosen.field} needs to know what drives it; add --inputs NAME ...")
@@ -200,7 +200,7 @@ def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer, clock: 
         field = workspace_field(
             found, chosen.inputs, turn=chosen.turn, seed=chosen.seed, time_limit=clock.left()
         )
-    answer.say(f"\n{field.summary()}")
+    answer.show(f"\n{field.summary()}")
     answer.put(positions=field.positions, missed=field.missed)
     return field
 
@@ -208,16 +208,16 @@ def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer, clock: 
 def _singular(
     system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
 ) -> list[InputSingularities]:
-    """Both kinds of singular positions, drawn over the inputs."""
+    """Both kinds of singular configurations, drawn over the inputs."""
     from ..analyses import input_singularities
 
     found, ax = [], None
     for lost in LOST:
-        with Bar(f"singular positions of {lost}", 1):
+        with Bar(f"singular configurations of {lost}", 1):
             given["time_limit"] = clock.left()
             found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
         ax = found[-1].plot(ax, over="inputs")
-        answer.say(f"\n{found[-1].summary()}")
+        answer.show(f"\n{found[-1].summary()}")
     answer.draw(ax.figure if ax else None, chosen.singular)
     return found
 
@@ -318,5 +318,5 @@ def _number(text: str) -> float | None:
         return None
     try:
         return float(parse_expression(text).value())
-    except ModelError as trouble:
-        raise argparse.ArgumentTypeError(f"{text!r}: {trouble.sentence}") from None
+    except ModelError as error:
+        raise argparse.ArgumentTypeError(f"{text!r}: {error.message}") from None

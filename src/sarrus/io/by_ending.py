@@ -1,4 +1,4 @@
-"""Which reader a file needs, told by its ending."""
+"""Choice of the reader of a model by the file extension."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from ..model.show import suggest
 
 
 @checked
-def load_any(path: str | os.PathLike[str], **wishes: Any) -> Model:
+def load_any(path: str | os.PathLike[str], **options: Any) -> Model:
     """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf) or an MJCF (.xml).
 
     Parameters
     ----------
     path
         The file. An ``.xml`` whose first element is ``<robot>`` is a URDF too.
-    wishes
+    options
         Handed to `load_urdf` or `load_mjcf`; a model file takes none.
 
     Raises
     ------
     ModelError
-        For anything that is wrong with the file, or a wish that its reader does not have.
+        For anything that is wrong with the file, or an option that its reader does not have.
     """
     read = _reader(Path(path))
-    _refuse_unknown(read, wishes, str(path))
-    model: Model = read(path, **wishes)
+    _refuse_unknown(read, options, str(path))
+    model: Model = read(path, **options)
     return model
 
 
@@ -48,9 +48,9 @@ def _reader(path: Path) -> Callable[..., Model]:
     return load
 
 
-def _refuse_unknown(read: Callable[..., Model], wishes: Mapping[str, Any], file: str) -> None:
+def _refuse_unknown(read: Callable[..., Model], options: Mapping[str, Any], file: str) -> None:
     known = [name for name in inspect.signature(read).parameters if name != "path"]
-    for name in wishes:
+    for name in options:
         if name not in known:
             raise ModelError(
                 f"is read without the option {name}; {suggest(name, known)}", part="file", where=file
@@ -58,7 +58,7 @@ def _refuse_unknown(read: Callable[..., Model], wishes: Mapping[str, Any], file:
 
 
 def _is_urdf(path: Path) -> bool:
-    """Whether an XML file begins as a robot; one that cannot be read is told of by its reader."""
+    """Whether an XML file begins as a robot; its reader reports one that cannot be read."""
     from .urdf.element import read_xml
 
     try:

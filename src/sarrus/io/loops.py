@@ -61,8 +61,8 @@ def _check_sections(document: Document) -> None:
         raise ModelError("must be a mapping with the key joints; add it", part="file", where=where)
     for key in document.data:
         if key not in SECTIONS:
-            told = f"a side file has no key {quote(key)}; {suggest(key, SECTIONS[:2])}"
-            raise ModelError(told, part="file", where=document.origin.where((key,)))
+            message = f"a side file has no key {quote(key)}; {suggest(key, SECTIONS[:2])}"
+            raise ModelError(message, part="file", where=document.origin.where((key,)))
 
 
 def _built(

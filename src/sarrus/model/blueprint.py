@@ -83,7 +83,7 @@ def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
         _check_bodies(element, bodies, index)
         _check_values(element, values)
     except ModelError as wrong:
-        told = f"its element {element.__name__} ({label}) {wrong.sentence}"
+        told = f"its element {element.__name__} ({label}) {wrong.message}"
         part = part_name((_section(piece.owner, model), piece.owner))
         raise ModelError(told, part=part, field=wrong.field, where=model.where(piece.owner)) from None
     return Placed(element, tuple(index[name] for name in bodies), values, piece.owner, label)

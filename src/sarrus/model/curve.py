@@ -74,7 +74,7 @@ class Curve:
             xs, ys = _columns(pairs, field)
             return replace(_continued(*_spline(xs, ys, field)), pairs=tuple(zip(xs, ys, strict=True)))
         except ModelError as wrong:
-            raise ModelError(wrong.sentence, part="curve", field=wrong.field) from None
+            raise ModelError(wrong.message, part="curve", field=wrong.field) from None
 
     def numbers(self) -> tuple[float, ...]:
         """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment)."""

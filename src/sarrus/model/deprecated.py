@@ -1,4 +1,4 @@
-"""Deprecated spellings of public keywords: accepted for one release, with a DeprecationWarning."""
+"""Deprecated spellings of public names: accepted for one release, with a DeprecationWarning."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ R = TypeVar("R")
 RENAMED = {"keep_steps": "store_steps"}  # old keyword: new keyword, in every function that has the new one
 
 
+def warn_deprecated(old: str, new: str) -> None:
+    """Warn the caller of the function that calls this one."""
+    warnings.warn(f"{old} is deprecated. Use {new}.", DeprecationWarning, stacklevel=3)
+
+
 def accepts_deprecated_keywords(function: Callable[P, R]) -> Callable[P, R]:
     """Decorate a public function that also accepts the old spellings of its keywords."""
 
@@ -22,7 +27,7 @@ def accepts_deprecated_keywords(function: Callable[P, R]) -> Callable[P, R]:
             new = RENAMED[old]
             if new in kwargs:
                 raise TypeError(f"{old} is the old spelling of {new}. Give {new} only.")
-            warnings.warn(f"{old} is deprecated. Use {new}.", DeprecationWarning, stacklevel=2)
+            warn_deprecated(old, new)
             kwargs[new] = kwargs.pop(old)
         return function(*args, **kwargs)
 

@@ -2,41 +2,49 @@
 
 from __future__ import annotations
 
+from .deprecated import warn_deprecated
+
 
 class SarrusError(Exception):
     """Base of every error that this library raises on purpose."""
 
 
 class ModelError(SarrusError, ValueError):
-    """A model that cannot be meant, said in one sentence.
+    """An invalid model, described by one message.
 
-    Parameters
-    ----------
-    sentence
-        What is wrong, and what to do instead.
-    part
-        The part it is about, for example ``body "rod"``.
-    field
-        The name of the wrong entry of that part, for example ``mass``.
-    where
-        File and line, ``model.yaml:6``, when the model came from a file.
-    more
-        How many further errors were found beside this one.
+       Parameters
+       ----------
+       sentence
+    is wrong, and what to do instead.
+       part
+           The part it is about, for example ``body "rod"``.
+       field
+           The name of the wrong field of that part, for example ``mass``.
+       where
+           File and line, ``model.yaml:6``, when the model came from a file.
+       more
+           How many further errors were found beside this one.
     """
 
     def __init__(
-        self, sentence: str, *, part: str = "", field: str = "", where: str = "", more: int = 0
+        self, message: str, *, part: str = "", field: str = "", where: str = "", more: int = 0
     ) -> None:
-        super().__init__(sentence)
-        self.sentence = sentence
+        super().__init__(message)
+        self.message = message
         self.part = part
         self.field = field
         self.where = where
         self.more = more
 
     def __str__(self) -> str:
-        told = ": ".join(text for text in (self.where, self.part, self.sentence) if text)
-        return f"{told} (and {self.more} more)" if self.more else told
+        text = ": ".join(piece for piece in (self.where, self.part, self.message) if piece)
+        return f"{text} (and {self.more} more)" if self.more else text
+
+    @property
+    def sentence(self) -> str:
+        """The deprecated name of `message`."""
+        warn_deprecated("sentence", "message")
+        return self.message
 
 
 class SarrusWarning(UserWarning):

@@ -48,7 +48,7 @@ class Findings:
 
     def _placed(self, error: ModelError, path: Path) -> ModelError:
         where = self.origin.of_field(path, error.field) if self.origin else ""
-        return ModelError(error.sentence, part=part_name(path), field=error.field, where=where)
+        return ModelError(error.message, part=part_name(path), field=error.field, where=where)
 
     def raise_first(self) -> None:
         """Raise the first error that was kept, if any."""

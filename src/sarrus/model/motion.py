@@ -46,7 +46,7 @@ class Motion(ABC):
     def twists(self, frame: Pose, values: Array) -> list[Twist]:
         """Return the twist of each freedom; ``frame`` is that before the motion."""
 
-    def said_in(self, frame: Pose) -> Motion | None:
+    def expressed_in(self, frame: Pose) -> Motion | None:
         """Return the same motion in the axes of ``frame``, which is given in the present axes and moves along.
 
         None where other axes would need other coordinates.
@@ -69,7 +69,7 @@ class Turn(Motion):
         """Return ω along the axis."""
         return [Twist(frame.A @ self.axis, frame.global_point(self.point), np.zeros(3))]
 
-    def said_in(self, frame: Pose) -> Motion:
+    def expressed_in(self, frame: Pose) -> Motion:
         """Return the turn in other axes."""
         return Turn(self.name, frame.local_vector(self.axis), frame.local_point(self.point))
 
@@ -88,7 +88,7 @@ class Slide(Motion):
         """Return the velocity along the axis."""
         return [Twist(np.zeros(3), np.zeros(3), frame.A @ self.axis)]
 
-    def said_in(self, frame: Pose) -> Motion:
+    def expressed_in(self, frame: Pose) -> Motion:
         """Return the slide in other axes."""
         return Slide(self.name, frame.local_vector(self.axis))
 

@@ -113,4 +113,4 @@ def _about(field: str, check: Any, value: Any, entry: str) -> Any:
     try:
         return check(value, f"{field} {entry}")
     except ModelError as error:
-        raise ModelError(error.sentence, field=field) from None
+        raise ModelError(error.message, field=field) from None

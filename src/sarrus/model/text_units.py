@@ -94,7 +94,7 @@ def check_texts(part: Any) -> None:
             try:
                 check_function_unit(tree, str(given), measure)
             except ModelError as error:
-                raise ModelError(f"{field} {error.sentence}", field=field) from None
+                raise ModelError(f"{field} {error.message}", field=field) from None
 
 
 def _laws(part: Any) -> dict[str, In]:

@@ -183,7 +183,7 @@ def number(given: Any) -> float:
     try:
         found = parse_expression(given).value() if isinstance(given, str) else given
     except ModelError as wrong:
-        raise SarrusError(f"{given!r} {wrong.sentence}") from None
+        raise SarrusError(f"{given!r} {wrong.message}") from None
     if isinstance(found, bool) or not isinstance(found, int | float | np.number):
         raise SarrusError(f"a number is expected, but {show(given)} is given; write it as in 1.5e-3 or 20 mm")
     try:

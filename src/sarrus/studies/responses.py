@@ -69,7 +69,7 @@ class Response:
         try:
             return parse(str(self.of), functions=reductions(t))
         except ModelError as wrong:
-            raise SarrusError(f"response {self.name!r} {wrong.sentence}") from None
+            raise SarrusError(f"response {self.name!r} {wrong.message}") from None
 
     def times(self) -> tuple[float, ...]:
         """The times [s] at which it asks for a value."""

@@ -1,4 +1,4 @@
-"""What a force element does to its bodies over the frames of a run."""
+"""The forces of a force element on its bodies over the frames of a run."""
 
 from __future__ import annotations
 

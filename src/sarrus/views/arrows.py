@@ -17,7 +17,7 @@ from .frames import Frames, interpolated
 # Percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
 LONG = 90
 SMALL = 1e-9  # of the largest: what is smaller all the time is not drawn
-FEW = 12  # joints, of which all reactions are shown if nobody says which
+FEW = 12  # joints, of which all reactions are shown by default
 
 
 class Arrow(NamedTuple):
@@ -25,7 +25,7 @@ class Arrow(NamedTuple):
 
     name: str
     kind: Literal["reaction", "force"]
-    told: str
+    description: str
     turning: bool
     points: Array
     ways: Array
@@ -72,9 +72,9 @@ def _reaction(run: Trajectory, at: Frames, name: str) -> Iterator[Arrow]:
     points, forces, torques = (
         np.array([getattr(w, key) for w in found]) for key in ("point", "force", "torque")
     )
-    told = f"reaction of {name} on its second body"
-    yield Arrow(name, "reaction", told, False, points, forces)
-    yield Arrow(name, "reaction", told.replace("reaction", "reaction torque"), True, points, torques)
+    description = f"reaction of {name} on its second body"
+    yield Arrow(name, "reaction", description, False, points, forces)
+    yield Arrow(name, "reaction", description.replace("reaction", "reaction torque"), True, points, torques)
 
 
 def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Arrow]:
@@ -87,8 +87,8 @@ def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Ar
             weighing = label == "gravity"
             for load in loads(system, p, k, at) if (weights if weighing else forces) else ():
                 if weighing:
-                    told = f"weight of {load.body}"
-                    found.append(Arrow(load.body, "force", told, False, load.points, load.forces))
+                    description = f"weight of {load.body}"
+                    found.append(Arrow(load.body, "force", description, False, load.points, load.forces))
                     continue
                 on = f"{owner} on {load.body}"
                 found.append(Arrow(owner, "force", f"force of {on}", False, load.points, load.forces))

@@ -1,4 +1,4 @@
-"""Where a picture is taken from, and where points of space are in it."""
+"""The camera of a picture, and the projection of points onto it."""
 
 from __future__ import annotations
 

@@ -110,9 +110,22 @@ def _gif(images: Iterator[Any], file: Path) -> None:
 
 def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
     size, rate = f"{SIZE[0]}x{SIZE[1]}", str(RATE[".mp4"])
-    told = [ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate]
-    told += ["-i", "-", "-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
-    process = subprocess.Popen(told, stdin=subprocess.PIPE)
+    command = [
+        ffmpeg,
+        "-y",
+        "-loglevel",
+        "error",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        size,
+        "-r",
+        rate,
+    ]
+    command += ["-i", "-", "-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE)
     with suppress(BrokenPipeError), process:
         assert process.stdin is not None  # the pipe breaks where ffmpeg cannot go on
         for image in images:
@@ -123,7 +136,7 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
 
 
 class _Studio:
-    """Runs in front of a camera that stands still."""
+    """Runs in front of a fixed camera."""
 
     def __init__(self, shown: Sequence[Shown], size: tuple[int, int], view: str | None) -> None:
         self.shown, self.size = shown, size

@@ -47,16 +47,16 @@ class _Writer:
 
     def bytes(self) -> bytes:
         """The whole file."""
-        told = json.dumps(self._told(), separators=(",", ":")).encode()
-        told += b" " * (-len(told) % 4)
+        text = json.dumps(self._document(), separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
         body = bytes(self.data) + b"\0" * (-len(self.data) % 4)
         chunks = (
-            struct.pack("<I4s", len(told), b"JSON") + told + struct.pack("<I4s", len(body), b"BIN\0") + body
+            struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(body), b"BIN\0") + body
         )
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
-    def _told(self) -> dict[str, Any]:
-        told: dict[str, Any] = {
+    def _document(self) -> dict[str, Any]:
+        document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "Sarrus"},
             "scene": 0,
             "scenes": [{"name": self.sketch.name, "nodes": [0]}],
@@ -68,13 +68,13 @@ class _Writer:
             "buffers": [{"byteLength": len(self.data) + -len(self.data) % 4}],
         }
         if self.channels:
-            told["animations"] = [
+            document["animations"] = [
                 {"name": self.shown.name, "channels": self.channels, "samplers": self.samplers}
             ]
-        return told
+        return document
 
     def _fill(self) -> None:
-        """The root turns up into y; below it the ground, the bodies, and what spans them."""
+        """The root rotates z up into y up; below it the ground, the bodies, and the spans between them."""
         turn = np.array([1.0, 0, 0, 0]) if self.sketch.up[1] > 0.99 else _to_y(self.sketch.up)
         self._node(self.sketch.name, rotation=_xyzw(turn), children=[])
         for number, name in enumerate(("ground", *self.sketch.bodies)):

@@ -31,9 +31,9 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     if len(ranked) > most:
         lines.append(f"  and {len(ranked) - most} more of less influence")
     if undefined:
-        told = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
+        text = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
         many = "has" if len(undefined) == 1 else "have"
-        lines.append(f"  {len(undefined)} {many} no derivative, see Gradient.undefined: {told}")
+        lines.append(f"  {len(undefined)} {many} no derivative, see Gradient.undefined: {text}")
     return "\n".join(lines)
 
 
@@ -76,14 +76,14 @@ def optimum_table(found: Optimum) -> str:
         if fitted:
             low, high = found.interval(name)
             wide = found.deviations[k] > WIDE * max(abs(found.x[k]), abs(found.x0[k]) or 1.0)
-            told = "not determined" if wide else f"{low:.6g} to {high:.6g}"
-            line += f"{found.deviations[k]:>12.3g}{told:>28}"
+            text = "not determined" if wide else f"{low:.6g} to {high:.6g}"
+            line += f"{found.deviations[k]:>12.3g}{text:>28}"
         lines.append(line)
     lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
     for one in found.start_reports:
         value = "no value" if np.isnan(one.value) else f"{one.value:.6g}"
         lines.append(f"  start {one.number}: {value}, {one.message}")
-    return "\n".join([*lines, *(f"  hardly determined: {told}" for told in found.poor)])
+    return "\n".join([*lines, *(f"  hardly determined: {text}" for text in found.poor)])
 
 
 def plot_convergence(found: Optimum, ax: Any = None) -> Any:

@@ -1,4 +1,4 @@
-"""A run over time and in the phase plane: coordinates, joint angles and travels, energies, violation, step lengths."""
+"""A run over time and in the phase plane: coordinates, angles and displacements, energies, violation, step sizes."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
     """Draw how far constraints are violated over time, on a logarithmic scale: positions, and velocities if known.
 
     A method that solves the index-3 equations keeps positions to its tolerance and lets velocities be off by more; the
-    stabilized ones and those that project keep both. A curve that climbs says that the run is not to be trusted there.
+    stabilized ones and those that project keep both. An increasing curve shows that the run is unreliable there.
 
     Parameters
     ----------
@@ -146,10 +146,10 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
 
 
 def plot_steps(run: Trajectory, ax: Any = None) -> Any:
-    """Draw the length of every step that was accepted, over time, on a logarithmic scale.
+    """Draw the size of every accepted step over time, on a logarithmic scale.
 
-    Where it falls by orders of magnitude, a force is stiff or jumps, or the mechanism passes a singular position; the
-    title has the number of steps that were tried in vain.
+    If it decreases by orders of magnitude, a force is stiff or jumps, or the mechanism passes a singular configuration.
+    The title has the number of rejected steps.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ STYLES: dict[Lost, dict[str, Any]] = {
     "inputs": {"color": RED, "linewidth": 1.4, "linestyle": (0, (4, 2))},
     "outputs": {"color": BLUE, "linewidth": 1.6},
 }
-TOLD: dict[Lost, str] = {"inputs": "lose control", "outputs": "lose a direction"}
+DESCRIPTIONS: dict[Lost, str] = {"inputs": "lose control", "outputs": "lose a direction"}
 DOT = 1e-6  # of a turn or a metre: a curve that is a point of the inputs
 
 
@@ -55,7 +55,7 @@ def plot_input_singularities(
         if over == "inputs":
             _limit(ax, found, columns)
     names = found.inputs if found.lost == "inputs" else found.outputs
-    label = f"{', '.join(names)} {TOLD[found.lost]}"
+    label = f"{', '.join(names)} {DESCRIPTIONS[found.lost]}"
     for n, curve in enumerate(found.curves):
         line = _wrapped(found, curve, columns) if over == "inputs" else curve.line
         point = np.ptp(line[np.isfinite(line[:, 0])], axis=0).max() < DOT
@@ -84,7 +84,7 @@ def _name(ax: Any, found: InputSingularities, over: Lost, columns: list[int]) ->
     ax.set_ylabel(f"{names[columns[1]]} [{units[columns[1]]}]")
     if units[columns[0]] == units[columns[1]]:
         ax.set_aspect("equal", adjustable="datalim")
-    ax.set_title(f"{found.name}: singular positions", loc="left", fontsize=10)
+    ax.set_title(f"{found.name}: singular configurations", loc="left", fontsize=10)
 
 
 def _limit(ax: Any, found: InputSingularities, columns: list[int]) -> None:

@@ -21,7 +21,7 @@ MOST_NAMES = 16  # of joints and forces
 MARGIN = 0.05  # of the largest extent, around the drawing
 FLAT = 1e-6  # of the largest extent: what is thinner is drawn from the front
 FRONT = {0: (0, 0), 1: (0, -90), 2: (90, -90)}  # elevation and azimuth [deg] of a view along x, y, z
-SHORT = 0.4  # of the largest extent: axes that have room for few numbers
+SHORT = 0.4  # of the largest extent: axes with space for few tick labels
 ORIGIN = (0.0, 0.0, 0.0)
 
 

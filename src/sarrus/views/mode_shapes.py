@@ -15,7 +15,7 @@ from .looks import sketch
 from .shows import animate
 
 FRAMES = 121
-SHARE = 0.12  # of the size of the drawing: how far the largest coordinate swings, unless said otherwise
+SHARE = 0.12  # of the size of the drawing: the default amplitude of the largest coordinate
 LASTS = 2.0  # [s] that one swing takes in the page, however quick the mode is
 
 
@@ -52,10 +52,10 @@ def animate_mode(
     period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else LASTS
     phase = np.linspace(0.0, 2 * np.pi, FRAMES)
     q, v = (_swing(found.q, shape, phase), _rates(shape, phase, 2 * np.pi / period))
-    told = f"{found.name}: mode {mode}, {found.frequencies[mode]:.4g} Hz"
+    title = f"{found.name}: mode {mode}, {found.frequencies[mode]:.4g} Hz"
     empty = np.zeros((FRAMES, 0))
     run = Trajectory(
-        name=told,
+        name=title,
         bodies=found.bodies,
         coordinate_names=(),
         t=phase / (2 * np.pi) * period,
@@ -67,7 +67,7 @@ def animate_mode(
         system=system,
     )
     options: dict[str, Any] = {"reactions": [], "forces": False, "speed": period / LASTS}
-    return animate(run, file, labels=[told], count=FRAMES, **options)
+    return animate(run, file, labels=[title], count=FRAMES, **options)
 
 
 def _swing(q: Array, shape: Array, phase: Array) -> Array:

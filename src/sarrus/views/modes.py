@@ -16,7 +16,7 @@ NOTICED = 0.05  # of the largest share
 def modes_table(found: Modes) -> str:
     """One line per mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
 
-    Up to three bodies are named, those with the largest parts of the kinetic energy; ``free`` stands for a motion that
+    Up to three bodies are named, those with the largest parts of the kinetic energy; ``free`` is a motion that
     nothing brings back.
 
     Parameters

@@ -57,8 +57,8 @@ def view(
     ValueError
         If the file has an ending that cannot be written, or q the wrong length.
     """
-    said = model.model if isinstance(model, System) else model
-    return put(still(said, q), file, names=names, frames=frames)
+    described = model.model if isinstance(model, System) else model
+    return put(still(described, q), file, names=names, frames=frames)
 
 
 def still(model: Model, q: Array | None) -> Shown:
@@ -68,7 +68,7 @@ def still(model: Model, q: Array | None) -> Shown:
 
 
 def put(shown: Shown, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
-    """What stands still as a page, a picture or a file for other programs, by the ending of the file."""
+    """A model at rest as a page, a picture or a file for other programs, by the extension of the file."""
     ending = _ending(file, (".html", ".glb", ".png"))
     if ending == ".glb":
         return _glb(shown, file)
@@ -136,11 +136,11 @@ def animate(
     """
     ending = _ending(file, (".html", ".glb", ".gif", ".mp4"))
     runs = [run, *beside]
-    told = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
-    if len(told) != len(runs):
-        raise ValueError(f"there are {len(runs)} runs, but {len(told)} labels; give one for each")
+    titles = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
+    if len(titles) != len(runs):
+        raise ValueError(f"there are {len(runs)} runs, but {len(titles)} labels; give one for each")
     wanted = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
-    shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, told, strict=True)]
+    shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, titles, strict=True)]
     if ending == ".glb":
         return _glb(shown[0], file)
     if ending in (".gif", ".mp4"):
@@ -154,8 +154,8 @@ def _name(run: Trajectory, n: int) -> str:
 
 def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Shown:
     if run.system is None:
-        told = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
-        raise ValueError(f"{told}. Read a saved run with it: sarrus.load_run(folder, system).")
+        message = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
+        raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
     at = frames(run, count)
     few = at.q[:: max(1, len(at.q) // SAMPLES)]
     drawn = sketch(run.system.model, few)

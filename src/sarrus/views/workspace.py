@@ -24,7 +24,7 @@ STYLES: dict[CurveKind, dict[str, Any]] = {
     "void": {"color": VOID, "linewidth": 2.2},
     "outer": {"color": BLUE, "linewidth": 2.2},
 }
-TOLD = {
+DESCRIPTIONS = {
     "outer": "boundary",
     "void": "boundary of a void",
     "barrier": "barrier (arrows: the side that motion keeps to)",
@@ -75,12 +75,12 @@ def plot_workspace(
     _number(ax, found)
     for q in _chosen(found, ghosts) if at is None else _placed(found, at):
         draw_ghost(ax, found, q)
-    told = (
+    text = (
         f"{found.area:.6g} {area_unit(found)} can be reached"
         if found.success
         else f"map not complete ({found.status})"
     )
-    title = f"{found.name}: {told}"
+    title = f"{found.name}: {text}"
     ax.set_title(title, loc="left", fontsize=10)
     return _tidy(ax)
 
@@ -98,7 +98,7 @@ def draw_curves(
     for kind, style in STYLES.items():
         mine = [curve for curve in found.of_kind(kind) if kind in kinds and not curve.again]
         for n, curve in enumerate(mine):
-            ax.plot(*curve.u.T, **style, label=TOLD[kind] if n == 0 else None, solid_capstyle="round")
+            ax.plot(*curve.u.T, **style, label=DESCRIPTIONS[kind] if n == 0 else None, solid_capstyle="round")
     if arrows and "barrier" in kinds:
         _arrows(ax, found)
     ax.set_xlabel(f"{found.outputs[0]} [{found.units[0]}]")
@@ -147,9 +147,9 @@ def _placed(found: Workspace, at: ArrayLike) -> Iterator[Array]:
     for place in places(at):
         q = found.map.position_at(place)
         if q is None:
-            told = ", ".join(f"{number:g}" for number in place)
+            text = ", ".join(f"{number:g}" for number in place)
             raise SarrusError(
-                f"{found.name}: no position was found with the outputs at {told}; choose another place"
+                f"{found.name}: no position was found with the outputs at {text}; choose another place"
             )
         yield q
 

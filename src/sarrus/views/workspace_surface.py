@@ -30,7 +30,7 @@ def view_workspace(
 ) -> Page | Path:
     """Show the surface of a workspace in three dimensions, with the mechanism in it.
 
-    Every part of the surface has the colour of its cause, a limit or a singularity, which is told where the pointer is.
+    Every part of the surface has the colour of its cause, a limit or a singularity, which is text where the pointer is.
     Barriers inside, which motion can meet from one side only, are sheets that are not seen through.
 
     Parameters
@@ -66,10 +66,10 @@ def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
     """A mesh for each cause, and one for the barriers inside."""
     axes = ["xyz".find(name[-1]) for name in found.outputs]
     if sorted(axes) != [0, 1, 2] or not len(found.triangles):
-        told = (
+        text = (
             f"the outputs {', '.join(found.outputs)} are no coordinates x, y and z, or nothing can be reached"
         )
-        raise SarrusError(f"{found.name}: {told}; draw its slices with plot instead")
+        raise SarrusError(f"{found.name}: {text}; draw its slices with plot instead")
     parts = []
     for n, cause in enumerate(found.causes):
         mine = found.triangles[found.cause_of == n]
@@ -79,9 +79,9 @@ def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
             parts.append(Part(cause, "body", "ends the workspace", 0, mesh, color, opacity))
     vertices, triangles = barrier_sheets(found.slices)
     if len(triangles):
-        told = "inside: motion can meet it from one side only"
+        text = "inside: motion can meet it from one side only"
         mesh = _mesh(vertices, triangles, axes)
-        parts.append(Part("barrier", "body", told, 0, mesh, INSIDE))
+        parts.append(Part("barrier", "body", text, 0, mesh, INSIDE))
     return parts
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..results.workspace import Component, CurveKind, Workspace
 
-TOLD: dict[CurveKind, str] = {
+DESCRIPTIONS: dict[CurveKind, str] = {
     "outer": "Boundary",
     "void": "Boundaries of voids",
     "barrier": "Barriers inside, which motion can meet from one side only",
@@ -23,8 +23,8 @@ def workspace_report(found: Workspace) -> str:
     """What was found, in words: area, parts, voids, barriers with their causes, tests, work."""
     tested = [found.verification] if found.verification else []
     if not found.success:
-        told = f"{found.name}: what {' and '.join(found.outputs)} can reach is not known"
-        return "\n".join([f"{told}. {sentence(found.name, found.message)}", *map(str, tested)])
+        text = f"{found.name}: what {' and '.join(found.outputs)} can reach is not known"
+        return "\n".join([f"{text}. {as_text(found.name, found.message)}", *map(str, tested)])
     unit = area_unit(found)
     perimeter = (
         f", perimeter {found.perimeter:.9g} {found.units[0]}" if found.units[0] == found.units[1] else ""
@@ -33,8 +33,8 @@ def workspace_report(found: Workspace) -> str:
         f"{found.name}: {' and '.join(found.outputs)} can reach {found.area:.9g} {unit} "
         f"(± {found.area_error:.1g}){perimeter}.",
         _parts(found, unit),
-        *(_causes(found, kind) for kind in TOLD),
-        sentence(found.name, found.message),
+        *(_causes(found, kind) for kind in DESCRIPTIONS),
+        as_text(found.name, found.message),
         str(found.verification or "It was not tested by random positions; see verify_workspace."),
     ]
     if found.effort:
@@ -46,14 +46,14 @@ def workspace_report(found: Workspace) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def sentence(name: str, message: str) -> str:
+def as_text(name: str, message: str) -> str:
     """A message without the name of the model in front."""
-    told = message.removeprefix(f"{name}: ")
-    return f"{told[0].upper()}{told[1:]}."
+    text = message.removeprefix(f"{name}: ")
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def _parts(found: Workspace, unit: str) -> str:
-    """What hangs together, and where the model stands."""
+    """The connected components, and the one that contains the model."""
     count = len(found.components)
     if count == 0:
         return ""
@@ -63,15 +63,15 @@ def _parts(found: Workspace, unit: str) -> str:
         f"It falls into {count} parts; no motion leads from one to another, only another way of assembly:"
     ]
     lines += [f"  {n}: {_part(found, part, unit)}" for n, part in enumerate(found.components, 1)]
-    stands = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
-    return "\n".join([*lines, f"The model as it is drawn stands in {stands}."])
+    where = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
+    return "\n".join([*lines, f"The model as drawn is in {where}."])
 
 
 def _part(found: Workspace, part: Component, unit: str) -> str:
     corners = np.concatenate(part.loops)
     ends = zip(found.outputs, corners.min(axis=0), corners.max(axis=0), found.units, strict=True)
-    told = ", ".join(f"{name} from {low:.4g} to {high:.4g} {of}" for name, low, high, of in ends)
-    return f"{part.area:.6g} {unit}, {told}"
+    text = ", ".join(f"{name} from {low:.4g} to {high:.4g} {of}" for name, low, high, of in ends)
+    return f"{part.area:.6g} {unit}, {text}"
 
 
 def _causes(found: Workspace, kind: CurveKind) -> str:
@@ -83,6 +83,6 @@ def _causes(found: Workspace, kind: CurveKind) -> str:
     if not totals:
         return ""
     listed = sorted(totals.items(), key=lambda item: -item[1])
-    told = "; ".join(f"{cause} ({length:.4g})" for cause, length in listed[:MOST])
+    text = "; ".join(f"{cause} ({length:.4g})" for cause, length in listed[:MOST])
     more = f"; and {len(listed) - MOST} others" if len(listed) > MOST else ""
-    return f"{TOLD[kind]}, by cause and length: {told}{more}."
+    return f"{DESCRIPTIONS[kind]}, by cause and length: {text}{more}."

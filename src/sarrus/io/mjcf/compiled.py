@@ -22,8 +22,8 @@ def mujoco() -> Any:
     try:
         return import_module("mujoco")
     except ImportError:
-        told = 'reading MJCF needs the package mujoco; install it, pip install "sarrus[mjcf]"'
-        raise ImportError(told) from None
+        message = 'reading MJCF needs the package mujoco; install it, pip install "sarrus[mjcf]"'
+        raise ImportError(message) from None
 
 
 def compiled(path: Path) -> Any:
@@ -48,7 +48,7 @@ def name_of(named: Any, word: str) -> str:
     return str(named.name) or f"{word}{named.id}"
 
 
-def _refusal(path: Path, told: str) -> ModelError:
-    line = re.search(r"line (\d+)", told)
+def _refusal(path: Path, message: str) -> ModelError:
+    line = re.search(r"line (\d+)", message)
     where = f"{path}:{line[1]}" if line else str(path)
-    return ModelError(f"cannot be read by MuJoCo, {told.rstrip('.')}; mend it", part="file", where=where)
+    return ModelError(f"cannot be read by MuJoCo, {message.rstrip('.')}; fix it", part="file", where=where)

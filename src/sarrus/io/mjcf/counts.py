@@ -1,4 +1,4 @@
-"""How much an MJCF file asks for, counted before MuJoCo reads it: its compiler cannot be interrupted and may hang."""
+"""Limits on the size of an MJCF file, checked before MuJoCo's compiler, which cannot be interrupted and may hang."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from xml.parsers import expat
 from ...model.errors import ModelError
 from ...model.file.source import read_bytes
 
-MOST = 20_000  # elements, those in <replicate> as often as it says
+MOST = 20_000  # elements, those those in <replicate> counted as often as they are repeated
 MOST_CELLS = 25_000_000  # of a texture or a height field
 DEEPEST = 16  # files within files
 COUNTS = {"replicate": "count", "composite": "count", "flexcomp": "count"}
@@ -35,7 +35,7 @@ class _Counter:
         self.parser.StartDoctypeDeclHandler = self._doctype
 
     def read(self) -> int:
-        """Return the count; what is no XML is left to MuJoCo, which says why."""
+        """Return the count; MuJoCo reports what is not XML."""
         try:
             self.parser.Parse(read_bytes(self.file), True)
         except (expat.ExpatError, LookupError):
@@ -49,9 +49,9 @@ class _Counter:
             self._other(self.folder / attributes["file"])
         if tag == "connect" and "anchor" in attributes and len(attributes["anchor"].split()) != 3:
             anchor = attributes["anchor"]
-            told = f'`anchor` of <connect> must be three numbers, got "{anchor}". Give the point in body1.'
+            message = f'`anchor` of <connect> must be three numbers, got "{anchor}". Give the point in body1.'
             raise ModelError(
-                told, part="file", where=self._place()
+                message, part="file", where=self._place()
             )  # MuJoCo reads on beyond its end, and may hang
         if self.count > MOST:
             raise self._refusal(f"asks for more than {MOST:,} elements, with those that <replicate> repeats")
@@ -66,9 +66,9 @@ class _Counter:
     def _doctype(self, *declared: object) -> None:
         raise self._refusal("declares a document type, which could define entities")
 
-    def _refusal(self, sentence: str) -> ModelError:
-        told = f"{sentence}; take it out, or make the file smaller"
-        return ModelError(told, part="file", where=self._place())
+    def _refusal(self, message: str) -> ModelError:
+        message = f"{message}; take it out, or make the file smaller"
+        return ModelError(message, part="file", where=self._place())
 
     def _place(self) -> str:
         return f"{self.file}:{self.parser.CurrentLineNumber}"

@@ -1,4 +1,4 @@
-"""The joints of an MJCF body as motions, and what MuJoCo says of them."""
+"""The joints of an MJCF body as motions, with their ranges and initial values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def zeros_of(compiled: Any) -> dict[str, list[float]]:
 
 
 def limits_of(compiled: Any) -> dict[str, Limit]:
-    """Return the ranges of the turns and slides that have one."""
+    """Return the ranges of the rotations and slides that have one."""
     limited = [k for k in range(compiled.njnt) if compiled.jnt_limited[k] and compiled.jnt_type[k] > BALL]
     names = joint_names(compiled)
     return {names[k]: Limit(*(float(x) for x in compiled.jnt_range[k])) for k in limited}

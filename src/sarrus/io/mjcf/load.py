@@ -11,8 +11,8 @@ from ...model.arguments import checked
 from ...model.errors import ModelError
 from ...model.quantity import triple
 from ..loops import close
-from ..robot import Description, Robot, Wishes, build
-from ..robot.wishes import InertiaWish, MimicWish
+from ..robot import Description, ImportOptions, Robot, build
+from ..robot.options import InertiaOption, MimicOption
 from .bodies import edges_of, links_of, visuals_of
 from .compiled import compiled
 from .joints import limits_of, zeros_of
@@ -27,8 +27,8 @@ def load_mjcf(
     q0: Mapping[str, Any] | None = None,
     loops: str | os.PathLike[str] | None = None,
     lock: Sequence[str] = (),
-    mimic: MimicWish = "couple",
-    inertia: InertiaWish = "check",
+    mimic: MimicOption = "couple",
+    inertia: InertiaOption = "check",
     keep_fixed: bool = False,
 ) -> Robot:
     """Read a model from an MJCF file: bodies, their joints, inertials, gravity, and ``connect`` and ``weld``.
@@ -49,17 +49,19 @@ def load_mjcf(
     Returns
     -------
     Robot
-        Its ``notes`` say what was left out: actuators, contact, damping, armature, ...
+        Its ``notes`` list what was left out: actuators, contact, damping, armature, ...
 
     Raises
     ------
     ModelError
-        For anything that is wrong or cannot be said here.
+        For anything that is wrong or not supported.
     ImportError
         If ``mujoco`` is not installed.
     """
     read = compiled(Path(path))
-    robot = build(_description(read, Path(path)), Wishes("fixed", q0 or {}, lock, mimic, inertia, keep_fixed))
+    robot = build(
+        _description(read, Path(path)), ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed)
+    )
     return close(robot.adding(*closing_joints(read, robot)), loops)
 
 

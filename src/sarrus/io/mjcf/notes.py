@@ -1,4 +1,4 @@
-"""What an MJCF says and the model does not, in sentences."""
+"""Notes on what an MJCF contains and the model does not."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ COUNTS = {
 
 
 def notes(compiled: Any) -> list[str]:
-    """Return one sentence for each kind of thing that is left out."""
-    counts = {told: int(np.count_nonzero(getattr(compiled, key))) for key, told in PER_FREEDOM.items()}
+    """Return one message for each kind of thing that is left out."""
+    counts = {message: int(np.count_nonzero(getattr(compiled, key))) for key, message in PER_FREEDOM.items()}
     counts["springs of {n} joints are left out"] = int(np.count_nonzero(compiled.jnt_stiffness))
     counts["limits of {n} joints are kept, not enforced"] = int(np.count_nonzero(compiled.jnt_limited))
-    counts |= {told: int(getattr(compiled, key)) for key, told in COUNTS.items()}
-    return [told.format(n=n) for told, n in counts.items() if n]
+    counts |= {message: int(getattr(compiled, key)) for key, message in COUNTS.items()}
+    return [message.format(n=n) for message, n in counts.items() if n]

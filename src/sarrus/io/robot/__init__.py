@@ -1,4 +1,4 @@
-"""Robots: what every robot description says, whatever its format, and the model made of it."""
+"""Robots: the content of robot descriptions, independent of the format, and the models built from it."""
 
 from .build import build as build
 from .description import Description as Description
@@ -6,7 +6,7 @@ from .description import Edge as Edge
 from .description import Inertial as Inertial
 from .description import Link as Link
 from .description import Visual as Visual
+from .options import ImportOptions as ImportOptions
 from .robot import Limit as Limit
 from .robot import Mimic as Mimic
 from .robot import Robot as Robot
-from .wishes import Wishes as Wishes

@@ -11,12 +11,12 @@ from ...model.show import quote
 from .description import Description, Edge, Inertial
 from .given_body import GivenBody
 from .merge import Merged
-from .wishes import InertiaWish
+from .options import InertiaOption
 
 
 def bodies_of(
-    told: Description,
-    inertia: InertiaWish,
+    description: Description,
+    inertia: InertiaOption,
     merged: Merged,
     names: Mapping[str, str],
     poses: Mapping[str, Pose],
@@ -29,21 +29,21 @@ def bodies_of(
         If a body has no mass, or an inertia that no body can have.
     """
     if not merged.edges:
-        urdf = told.file.lower().endswith(".urdf")
+        urdf = description.file.lower().endswith(".urdf")
         remedy = 'import it with base="floating", or give it' if urdf else "give a body"
-        sentence = f"nothing in it moves; {remedy} a joint that moves"
-        raise ModelError(sentence, part="robot", where=told.file)
+        message = f"nothing in it moves; {remedy} a joint that moves"
+        raise ModelError(message, part="robot", where=description.file)
     kind = Body if inertia == "check" else GivenBody
     bodies = []
     for edge in merged.edges:
-        name, link = names[edge.child], told.links[edge.child]
+        name, link = names[edge.child], description.links[edge.child]
         try:
             body = _body(kind, name, _inertial(merged, edge), poses[name])
             body.mass_properties()
         except ModelError as error:
-            remedy = ', or take it as it stands: inertia="given"' if error.field == "inertia" else ""
-            part, where = f"link {quote(link.name)}", told.where(link.line)
-            raise ModelError(error.sentence + remedy, part=part, field=error.field, where=where) from None
+            remedy = ', or take it as it is: inertia="given"' if error.field == "inertia" else ""
+            part, where = f"link {quote(link.name)}", description.where(link.line)
+            raise ModelError(error.message + remedy, part=part, field=error.field, where=where) from None
         bodies.append(body)
     return tuple(bodies)
 

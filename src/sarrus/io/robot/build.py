@@ -1,4 +1,4 @@
-"""From a description to a model: bodies where links move, joints between them, all in the initial pose."""
+"""Conversion of a description to a model: bodies for moving links, joints between them, all in the initial pose."""
 
 from __future__ import annotations
 
@@ -24,75 +24,79 @@ from .joints import Hinge, joint
 from .merge import Merged, lock, merge
 from .mimics import couplers, followers, freed, standing
 from .names import legal
+from .options import ImportOptions
 from .robot import Robot
 from .values import known, values_of
-from .wishes import Wishes
 
 BASE = "base"  # the motion of a floating root
 
 
-def build(told: Description, wishes: Wishes) -> Robot:
+def build(description: Description, options: ImportOptions) -> Robot:
     """Return the model of a description.
 
     Raises
     ------
     ModelError
-        For a link that moves without mass, motions that no joint leaves, or a wish that cannot be met.
+        For a link that moves without mass, motions that no joint leaves, or an option that cannot be applied.
     """
-    wishes.check()
-    told = _floating(told) if wishes.base == "floating" else told
-    motions = {motion.name: motion for edge in told.edges for motion in edge.motions}
-    values = followers(told, values_of({**told.zero, **wishes.q0}, motions, "q0"))
-    locked = {known(name, motions, "lock") for name in wishes.lock}
-    if wishes.mimic == "lock":
-        locked |= set(told.mimics)
-    if wishes.mimic == "couple":
-        locked = standing(told.mimics, locked)
+    options.check()
+    description = _floating(description) if options.base == "floating" else description
+    motions = {motion.name: motion for edge in description.edges for motion in edge.motions}
+    values = followers(description, values_of({**description.zero, **options.q0}, motions, "q0"))
+    locked = {known(name, motions, "lock") for name in options.lock}
+    if options.mimic == "lock":
+        locked |= set(description.mimics)
+    if options.mimic == "couple":
+        locked = standing(description.mimics, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
-    notes = [*told.notes, *(freed(told, locked) if wishes.mimic == "free" else ())]
-    told = replace(told, edges=lock(told.edges, stops), notes=notes)
-    merged = fold(merge(told, keep_fixed=wishes.keep_fixed))
-    return _robot(told, wishes, merged, values)
+    notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
+    description = replace(description, edges=lock(description.edges, stops), notes=notes)
+    merged = fold(merge(description, keep_fixed=options.keep_fixed))
+    return _robot(description, options, merged, values)
 
 
-def _floating(told: Description) -> Description:
-    """Return the description with what stands still as its root, on which the former root moves freely."""
-    if any(edge.name == BASE for edge in told.edges):
-        sentence = f"has the name of the motion of a floating root; rename joint {quote(BASE)}"
-        raise ModelError(sentence, part=f"joint {quote(BASE)}", where=told.file)
-    edge = Edge(BASE, WORLD, told.root, GROUND_POSE, (Free(BASE),), told.links[told.root].line)
-    links = {WORLD: Link(WORLD, None), **told.links}
-    return replace(told, root=WORLD, edges=[edge, *told.edges], links=links)
+def _floating(description: Description) -> Description:
+    """Return the description with the ground as its root, on which the former root moves freely."""
+    if any(edge.name == BASE for edge in description.edges):
+        message = f"has the name of the motion of a floating root; rename joint {quote(BASE)}"
+        raise ModelError(message, part=f"joint {quote(BASE)}", where=description.file)
+    edge = Edge(
+        BASE, WORLD, description.root, GROUND_POSE, (Free(BASE),), description.links[description.root].line
+    )
+    links = {WORLD: Link(WORLD, None), **description.links}
+    return replace(description, root=WORLD, edges=[edge, *description.edges], links=links)
 
 
-def _robot(told: Description, wishes: Wishes, merged: Merged, values: Mapping[str, Array]) -> Robot:
+def _robot(
+    description: Description, options: ImportOptions, merged: Merged, values: Mapping[str, Array]
+) -> Robot:
     names = {WORLD: GROUND, **legal([edge.child for edge in merged.edges], {GROUND}, "_link")}
     branches = tuple(Branch(names[e.parent], names[e.child], e.pose, e.motions) for e in merged.edges)
     poses = {step.branch.body: step.pose for step in walk(branches, values)}
-    bodies = bodies_of(told, wishes.inertia, merged, names, poses)
+    bodies = bodies_of(description, options.inertia, merged, names, poses)
     joints = legal([edge.name for edge in merged.edges], set(names.values()), "_joint")
     solids: dict[str, Solid] = {GROUND: ground, **{body.name: body for body in bodies}}
-    held = list(_joints(told, merged, names, joints, solids))
-    if wishes.mimic == "couple":
-        held += couplers(told, merged, joints, {*names.values(), *joints.values()})
+    held = list(_joints(description, merged, names, joints, solids))
+    if options.mimic == "couple":
+        held += couplers(description, merged, joints, {*names.values(), *joints.values()})
     left = {motion.name for branch in branches for motion in branch.motions}
     return Robot(
-        told.name,
+        description.name,
         bodies,
         tuple(held),
-        gravity=told.gravity,
-        origin=_origin(told, merged, names, joints),
+        gravity=description.gravity,
+        origin=_origin(description, merged, names, joints),
         branches=branches,
         links=_links(merged, names, solids),
-        limits={name: limit for name, limit in told.limits.items() if name in left},
-        mimics={name: mimic for name, mimic in told.mimics.items() if name in left},
-        visuals=tuple(told.visuals),
-        notes=tuple(told.notes),
+        limits={name: limit for name, limit in description.limits.items() if name in left},
+        mimics={name: mimic for name, mimic in description.mimics.items() if name in left},
+        visuals=tuple(description.visuals),
+        notes=tuple(description.notes),
     )
 
 
 def _joints(
-    told: Description,
+    description: Description,
     merged: Merged,
     names: Mapping[str, str],
     joints: Mapping[str, str],
@@ -104,7 +108,7 @@ def _joints(
             made = joint(Hinge(joints[edge.name], parent, child, edge.pose), edge.motions)
         except ModelError as error:
             part = f"joint {quote(edge.name)}"
-            raise ModelError(error.sentence, part=part, where=told.where(edge.line)) from None
+            raise ModelError(error.message, part=part, where=description.where(edge.line)) from None
         if made is not None:
             yield made
 
@@ -115,10 +119,10 @@ def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]
 
 
 def _origin(
-    told: Description, merged: Merged, names: Mapping[str, str], joints: Mapping[str, str]
+    description: Description, merged: Merged, names: Mapping[str, str], joints: Mapping[str, str]
 ) -> Origin | None:
     lines: dict[tuple[str | int, ...], int] = {}
     for edge in merged.edges:
-        lines["bodies", names[edge.child]] = told.links[edge.child].line
+        lines["bodies", names[edge.child]] = description.links[edge.child].line
         lines["joints", joints[edge.name]] = edge.line
-    return Origin(told.file, {path: line for path, line in lines.items() if line})
+    return Origin(description.file, {path: line for path, line in lines.items() if line})

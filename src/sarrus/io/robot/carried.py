@@ -1,4 +1,4 @@
-"""A link as a carrier of points and frames: they are said in its axes and stand in those of its body."""
+"""A link with points and frames: they are given in its axes and stored in those of its body."""
 
 from __future__ import annotations
 

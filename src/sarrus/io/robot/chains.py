@@ -30,7 +30,7 @@ def _has_mass(link: str, merged: Merged) -> bool:
 
 
 def _take_out(link: str, above: dict[str, Edge], below: dict[str, set[str]]) -> None:
-    """Join the edge above a link with the one below it, if their motions can be said as those of one joint."""
+    """Join the edge above a link with the one below it, if one joint can have the motions of both."""
     (child,) = below[link]
     one = _in_one(above[link], above[child])
     if one is not None:
@@ -40,12 +40,12 @@ def _take_out(link: str, above: dict[str, Edge], below: dict[str, set[str]]) -> 
 
 
 def _in_one(above: Edge, below: Edge) -> Edge | None:
-    """Return both edges as one, or None if the motions of the first cannot be said in the axes of the second."""
+    """Return both edges as one, or None if the motions of the first cannot be expressed in the axes of the second."""
     motions: list[Motion] = []
     for motion in above.motions:
-        said = motion.said_in(below.pose)
-        if said is None:
+        converted = motion.expressed_in(below.pose)
+        if converted is None:
             return None
-        motions.append(said)
+        motions.append(converted)
     pose = compose(above.pose, below.pose)
     return Edge(below.name, above.parent, below.child, pose, (*motions, *below.motions), below.line)

@@ -1,4 +1,4 @@
-"""A robot description without its format: links, and edges that say how each hangs on its parent."""
+"""A robot description without its format: links, and edges that attach each link to its parent."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...model.pose import Pose
 from ...model.quantity import Array, Vec3
 from .robot import Limit, Mimic
 
-WORLD = ""  # the name of no link: what stands still
+WORLD = ""  # the name of no link: the ground
 
 
 class Inertial(NamedTuple):

@@ -39,9 +39,9 @@ class GivenBody(Body):
 def _check_not_negative(J: Array) -> None:
     moments = np.linalg.eigvalsh(J) if np.all(np.isfinite(J)) else np.full(3, np.nan)
     if not moments[0] >= -ROUND_OFF * abs(moments).max():
-        told = ", ".join(f"{moment:.6g}" for moment in moments)
+        message = ", ".join(f"{moment:.6g}" for moment in moments)
         raise ModelError(
-            f"inertia has the principal moments {told}, but a negative one gives a negative kinetic energy. "
+            f"inertia has the principal moments {message}, but a negative one gives a negative kinetic energy. "
             "Correct the inertia.",
             field="inertia",
         )

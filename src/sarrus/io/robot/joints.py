@@ -63,8 +63,8 @@ def coordinate_of(motions: Motions, name: str) -> tuple[str, float] | None:
         return ("angle" if isinstance(one, Turn) else "travel"), 1.0
     if len(motions) == 2 and isinstance(one, Turn) and _slides(motions):
         return "angle", 1.0
-    if len(motions) == 2 and isinstance(one, Slide) and _turns(motions):
-        return "travel", float(np.sign(one.axis @ _turns(motions)[0].axis))
+    if len(motions) == 2 and isinstance(one, Slide) and _rotations(motions):
+        return "travel", float(np.sign(one.axis @ _rotations(motions)[0].axis))
     return None
 
 
@@ -73,7 +73,7 @@ def _fixed(hinge: Hinge, motions: Motions) -> Joint:
 
 
 def _revolute(hinge: Hinge, motions: Motions) -> Joint:
-    (turn,) = _turns(motions)
+    (turn,) = _rotations(motions)
     return hinge.about(Revolute, turn.point, turn.axis)
 
 
@@ -83,14 +83,14 @@ def _translational(hinge: Hinge, motions: Motions) -> Joint:
 
 
 def _cylindrical(hinge: Hinge, motions: Motions) -> Joint:
-    (slide,), (turn,) = _slides(motions), _turns(motions)
+    (slide,), (turn,) = _slides(motions), _rotations(motions)
     if np.linalg.norm(np.cross(slide.axis, turn.axis)) > NEAR:
         return _refused(hinge, motions)
     return hinge.about(Cylindrical, turn.point, turn.axis)
 
 
 def _planar(hinge: Hinge, motions: Motions) -> Joint:
-    (a, b), (turn,) = _slides(motions), _turns(motions)
+    (a, b), (turn,) = _slides(motions), _rotations(motions)
     across = max(abs(a.axis @ turn.axis), abs(b.axis @ turn.axis)) < NEAR
     if not across or np.linalg.norm(np.cross(a.axis, b.axis)) < NEAR:
         return _refused(hinge, motions)
@@ -98,7 +98,7 @@ def _planar(hinge: Hinge, motions: Motions) -> Joint:
 
 
 def _universal(hinge: Hinge, motions: Motions) -> Joint:
-    first, second = _turns(motions)
+    first, second = _rotations(motions)
     point = _meeting(first, second)
     if point is None or abs(first.axis @ second.axis) > NEAR:
         return _refused(hinge, motions)
@@ -106,10 +106,10 @@ def _universal(hinge: Hinge, motions: Motions) -> Joint:
     return Universal(hinge.name, frame_i=hinge.parent_frame(point, first.axis), frame_j=frame_j)
 
 
-def _three_turns(hinge: Hinge, motions: Motions) -> Joint:
-    turns = _turns(motions)
-    points = [_meeting(turns[0], turns[1]), _meeting(turns[1], turns[2])]
-    axes = np.array([turn.axis for turn in turns])
+def _three_rotations(hinge: Hinge, motions: Motions) -> Joint:
+    rotations = _rotations(motions)
+    points = [_meeting(rotations[0], rotations[1]), _meeting(rotations[1], rotations[2])]
+    axes = np.array([turn.axis for turn in rotations])
     if points[0] is None or points[1] is None or abs(np.linalg.det(axes)) < NEAR:
         return _refused(hinge, motions)
     if np.linalg.norm(points[0] - points[1]) > NEAR:
@@ -133,11 +133,11 @@ def _none(hinge: Hinge, motions: Motions) -> None:
 
 def _refused(hinge: Hinge, motions: Motions) -> Joint:
     names = ", ".join(motion.name for motion in motions)
-    told = f"no joint leaves just the motions {names} between two bodies"
-    raise ModelError(f"{told}; put a body with a small mass between them")
+    message = f"no joint leaves just the motions {names} between two bodies"
+    raise ModelError(f"{message}; put a body with a small mass between them")
 
 
-def _turns(motions: Motions) -> list[Turn]:
+def _rotations(motions: Motions) -> list[Turn]:
     return [motion for motion in motions if isinstance(motion, Turn)]
 
 
@@ -166,7 +166,7 @@ _MAKERS: dict[str, Callable[[Hinge, Motions], Joint | None]] = {
     "ST": _cylindrical,
     "SST": _planar,
     "TT": _universal,
-    "TTT": _three_turns,
+    "TTT": _three_rotations,
     "B": _ball,
     "F": _none,
     "SSSTTT": _none,

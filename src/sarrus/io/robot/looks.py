@@ -1,4 +1,4 @@
-"""What a link looks like, on the body that carries it, with the files that its description names."""
+"""The shape of a link, on the body that it belongs to, with the files that its description names."""
 
 from __future__ import annotations
 

@@ -37,20 +37,20 @@ class Merged:
     inertials: dict[str, Inertial] = field(default_factory=dict)
 
 
-def merge(told: Description, *, keep_fixed: bool) -> Merged:
-    """Return the heads and branches of a description, whose root stands still."""
+def merge(description: Description, *, keep_fixed: bool) -> Merged:
+    """Return the heads and branches of a description, whose root is fixed."""
     merged = Merged()
-    merged.places[told.root] = Place(WORLD, GROUND_POSE)
-    _take(merged, told, told.root)
-    for edge in told.edges:
+    merged.places[description.root] = Place(WORLD, GROUND_POSE)
+    _take(merged, description, description.root)
+    for edge in description.edges:
         parent = merged.places[edge.parent]
         pose = compose(parent.pose, edge.pose)
-        if not edge.motions and not (keep_fixed and _can_stand_alone(merged, told, edge)):
+        if not edge.motions and not (keep_fixed and _can_stand_alone(merged, description, edge)):
             merged.places[edge.child] = Place(parent.head, pose)
         else:
             merged.places[edge.child] = Place(edge.child, GROUND_POSE)
             merged.edges.append(Edge(edge.name, parent.head, edge.child, pose, edge.motions, edge.line))
-        _take(merged, told, edge.child)
+        _take(merged, description, edge.child)
     return merged
 
 
@@ -72,24 +72,24 @@ def _stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
 
 
 def _behind(stop: Pose, motion: Motion) -> Motion:
-    said = motion.said_in(stop)
-    if said is None:
-        told = "can be locked only together with the joints after it; lock them all, or none"
-        raise ModelError(told, part=f"joint {quote(motion.name)}")
-    return said
+    converted = motion.expressed_in(stop)
+    if converted is None:
+        message = "can be locked only together with the joints after it; lock them all, or none"
+        raise ModelError(message, part=f"joint {quote(motion.name)}")
+    return converted
 
 
-def _take(merged: Merged, told: Description, link: str) -> None:
+def _take(merged: Merged, description: Description, link: str) -> None:
     """Add a link's inertial to that of its head."""
     head, pose = merged.places[link]
-    inertial = told.links[link].inertial
+    inertial = description.links[link].inertial
     if inertial is not None and head != WORLD:
         held = [merged.inertials[head]] if head in merged.inertials else []
         merged.inertials[head] = combined([*held, inertial.seen_from(pose)])
 
 
-def _can_stand_alone(merged: Merged, told: Description, edge: Edge) -> bool:
+def _can_stand_alone(merged: Merged, description: Description, edge: Edge) -> bool:
     """Whether a fixed link may stay a body: it and what it hangs on have mass."""
-    inertial, head = told.links[edge.child].inertial, merged.places[edge.parent].head
+    inertial, head = description.links[edge.child].inertial, merged.places[edge.parent].head
     heavy = head == WORLD or (head in merged.inertials and merged.inertials[head].mass > 0)
     return inertial is not None and inertial.mass > 0 and heavy

@@ -17,11 +17,11 @@ from .names import legal
 from .robot import Mimic
 
 
-def followers(told: Description, values: Mapping[str, Array]) -> dict[str, Array]:
+def followers(description: Description, values: Mapping[str, Array]) -> dict[str, Array]:
     """Return where the following joints start, unless a value is given for them."""
     found = dict(values)
-    for name in told.mimics:
-        _follow(name, told.mimics, found)
+    for name in description.mimics:
+        _follow(name, description.mimics, found)
     return found
 
 
@@ -34,40 +34,42 @@ def standing(mimics: Mapping[str, Mimic], locked: set[str]) -> set[str]:
 
 
 def couplers(
-    told: Description, merged: Merged, joints: Mapping[str, str], taken: set[str]
+    description: Description, merged: Merged, joints: Mapping[str, str], taken: set[str]
 ) -> Iterator[Coupler]:
     """Yield a coupler for each following joint that moves; ``joints`` are the joints' names by edge.
 
     Raises
     ------
     ModelError
-        If a joint of which one is a part cannot tell its value.
+        If the value of a joint cannot be computed because it is part of a combined joint.
     """
     edges = {motion.name: edge for edge in merged.edges for motion in edge.motions}
-    moving = {name: mimic for name, mimic in told.mimics.items() if name in edges}
+    moving = {name: mimic for name, mimic in description.mimics.items() if name in edges}
     names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
     for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
         (leader, one), (follower, other) = (
-            _place(told, name, motion, edges[motion], joints) for motion in (mimic.joint, name)
+            _place(description, name, motion, edges[motion], joints) for motion in (mimic.joint, name)
         )
         yield Coupler(made, leader, follower, mimic.multiplier * one * other, mimic.offset * other)
 
 
-def freed(told: Description, locked: set[str]) -> list[str]:
-    """Return the sentence that says how many following joints move on their own."""
-    n = len(set(told.mimics) - locked)
+def freed(description: Description, locked: set[str]) -> list[str]:
+    """Return the message on how many following joints move independently."""
+    n = len(set(description.mimics) - locked)
     return [f"{n} joints that follow another move freely"] if n else []
 
 
 def _place(
-    told: Description, name: str, motion: str, edge: Edge, joints: Mapping[str, str]
+    description: Description, name: str, motion: str, edge: Edge, joints: Mapping[str, str]
 ) -> tuple[str, float]:
     """Return the coordinate of a motion, such as ``hook.angle``, and its sign."""
     found = coordinate_of(edge.motions, motion)
     if found is None:
-        sentence = f"cannot follow: {quote(motion)} is one of several motions between two bodies"
+        message = f"cannot follow: {quote(motion)} is one of several motions between two bodies"
         remedy = 'put a body with a small mass between them, or import it with mimic="free" or mimic="lock"'
-        raise ModelError(f"{sentence}; {remedy}", part=f"joint {quote(name)}", where=told.where(edge.line))
+        raise ModelError(
+            f"{message}; {remedy}", part=f"joint {quote(name)}", where=description.where(edge.line)
+        )
     return f"{joints[edge.name]}.{found[0]}", found[1]
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Limit(NamedTuple):
-    """What a description says a joint can do, in SI units; None where it says nothing. Not enforced."""
+    """The range, speed and effort of a joint in the description, in SI units; None if not given. Not enforced."""
 
     lower: float | None = None
     upper: float | None = None
@@ -48,11 +48,11 @@ class Robot(TreeModel):
     links
         Every link by name, also those that were merged into another body.
     limits, mimics
-        By joint name, as the description says; kept, not enforced.
+        By joint name, as in the description; stored, not enforced.
     visuals
         What the links look like.
     notes
-        What the description says and this model does not.
+        What the description contains and this model does not.
     """
 
     links: Mapping[str, Carried] = field(default_factory=dict, repr=False)
@@ -70,8 +70,8 @@ class Robot(TreeModel):
             If there is no such link.
         """
         if name not in self.links:
-            told = f"there is no link {quote(name)}; {suggest(name, self.links)}"
-            raise ModelError(told, part=f"model {quote(self.name)}")
+            message = f"there is no link {quote(name)}; {suggest(name, self.links)}"
+            raise ModelError(message, part=f"model {quote(self.name)}")
         return self.links[name]
 
     def point(self, link: str, coordinates: Vector = (0.0, 0.0, 0.0)) -> Point:
@@ -91,7 +91,7 @@ class Robot(TreeModel):
         return self.link(link).frame(point, x=x, z=z)
 
     def looks(self) -> list[Look]:
-        """What the description says that links look like, on the bodies that carry them.
+        """The shapes of links in the description, on the bodies that the links belong to.
 
         A link without mass between two joints that became one has no place, and is not drawn.
         """

@@ -17,8 +17,8 @@ def known(name: str, names: Iterable[str], field: str) -> str:
     """Return the name, or raise a ModelError with a suggestion if there is no such joint that moves."""
     right = list(names)
     if name not in right:
-        told = f"{field} names {quote(str(name))}, but no joint that moves has this name"
-        raise ModelError(f"{told}; {suggest(str(name), right)}", field=field)
+        message = f"{field} names {quote(str(name))}, but no joint that moves has this name"
+        raise ModelError(f"{message}; {suggest(str(name), right)}", field=field)
     return name
 
 
@@ -30,15 +30,15 @@ def values_of(given: Mapping[str, Any], motions: Mapping[str, Motion], field: st
 
 
 def _values(motion: Motion, value: Any, field: str) -> Array:
-    said = f"{field} of {quote(motion.name)}"
+    label = f"{field} of {quote(motion.name)}"
     if motion.width == 1:
-        return np.array([number(value, said, "give an angle in rad or a displacement in m")])
+        return np.array([number(value, label, "give an angle in rad or a displacement in m")])
     values = np.array(
-        numbers(value, motion.width, said, f"give {motion.width} numbers, {_ORDER[motion.width]}")
+        numbers(value, motion.width, label, f"give {motion.width} numbers, {_ORDER[motion.width]}")
     )
     if not np.linalg.norm(values[-4:]):
         raise ModelError(
-            f"{said} has Euler parameters of zero length; give [1, 0, 0, 0] for no turn", field=field
+            f"{label} has Euler parameters of zero length; give [1, 0, 0, 0] for no turn", field=field
         )
     return values
 

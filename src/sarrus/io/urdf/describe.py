@@ -27,7 +27,7 @@ def describe(path: Path, gravity: Vec3) -> Description:
     Raises
     ------
     ModelError
-        For anything that is wrong with it, in one sentence with file, line, part and remedy.
+        For anything that is wrong with it, in one message with file, line, part and remedy.
     """
     root, file = read_xml(path), str(path)
     _check_root(root, Reader(file, "robot"))
@@ -57,8 +57,8 @@ def _check_root(root: Element, reader: Reader) -> None:
     reader.check(root, ("name", "version"), CHILDREN)
     links = sum(1 for _ in root.all("link"))
     if links > MOST_LINKS:
-        told = f"has {links:,} links, more than {MOST_LINKS:,}; split it, or build it in Python"
-        raise reader.refusal(told, root.line)
+        message = f"has {links:,} links, more than {MOST_LINKS:,}; split it, or build it in Python"
+        raise reader.refusal(message, root.line)
     if not links:
         raise reader.refusal("has no links; give at least one", root.line)
 

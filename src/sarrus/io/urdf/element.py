@@ -61,7 +61,7 @@ class _Reader:
         try:
             self.parser.Parse(content, True)
         except expat.ExpatError as error:
-            raise self._refusal(f"is not well-formed XML, {_reason(error)}; mend it", error.lineno) from None
+            raise self._refusal(f"is not well-formed XML, {_reason(error)}; fix it", error.lineno) from None
         except ModelError:
             raise
         except (LookupError, ValueError) as error:
@@ -73,14 +73,14 @@ class _Reader:
         line = self.parser.CurrentLineNumber
         element = Element(tag, attributes, line)
         if tag.startswith("xacro:"):
-            told = f"has the macro <{tag}>; expand it first, xacro robot.urdf.xacro > robot.urdf"
-            raise self._refusal(told, line)
+            message = f"has the macro <{tag}>; expand it first, xacro robot.urdf.xacro > robot.urdf"
+            raise self._refusal(message, line)
         self.count += 1
         if self.count > MOST:
             raise self._refusal(f"has more than {MOST:,} elements; split it, or build it in Python", line)
         if len(self.open) == DEEPEST:
-            told = f"is nested deeper than {DEEPEST} levels at {quote(tag)}; remove levels"
-            raise self._refusal(told, line)
+            message = f"is nested deeper than {DEEPEST} levels at {quote(tag)}; remove levels"
+            raise self._refusal(message, line)
         if self.open:
             self.open[-1].children.append(element)
         self.open.append(element)
@@ -89,11 +89,11 @@ class _Reader:
         self.done = self.open.pop()
 
     def _doctype(self, *declared: object) -> None:
-        told = "declares a document type, which could define entities; remove the line with <!DOCTYPE"
-        raise self._refusal(told, self.parser.CurrentLineNumber)
+        message = "declares a document type, which could define entities; remove the line with <!DOCTYPE"
+        raise self._refusal(message, self.parser.CurrentLineNumber)
 
-    def _refusal(self, sentence: str, line: int) -> ModelError:
-        return ModelError(sentence, part="file", where=f"{self.file}:{line}")
+    def _refusal(self, message: str, line: int) -> ModelError:
+        return ModelError(message, part="file", where=f"{self.file}:{line}")
 
 
 def _reason(error: expat.ExpatError) -> str:

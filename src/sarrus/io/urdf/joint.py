@@ -34,8 +34,8 @@ def read_joint(element: Element, name: str, reader: Reader) -> Edge:
     reader.check(element, ("name", "type"), CHILDREN)
     parent, child = _link_of(element, "parent", reader), _link_of(element, "child", reader)
     if parent == child:
-        told = f"connects link {quote(parent)} to itself; name two different links"
-        raise reader.refusal(told, element.line)
+        message = f"connects link {quote(parent)} to itself; name two different links"
+        raise reader.refusal(message, element.line)
     motions = _motions(element, name, reader)
     return Edge(name, parent, child, reader.pose(element), motions, element.line)
 
@@ -55,8 +55,8 @@ def _link_of(element: Element, tag: str, reader: Reader) -> str:
 def _motions(element: Element, name: str, reader: Reader) -> tuple[Motion, ...]:
     kind = reader.text(element, "type")
     if kind not in KINDS:
-        told = f"has the unknown type {quote(kind)}; {suggest(kind, KINDS)}"
-        raise reader.refusal(told, element.line)
+        message = f"has the unknown type {quote(kind)}; {suggest(kind, KINDS)}"
+        raise reader.refusal(message, element.line)
     axis = reader.one(element, "axis") if kind not in WITHOUT_AXIS else None
     return KINDS[kind](name, reader.direction(axis, X))
 

@@ -37,7 +37,7 @@ def read_visuals(element: Element, name: str, reader: Reader, notes: list[str]) 
             try:
                 yield _visual(visual, shape, name, reader)
             except ModelError as error:
-                notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.sentence}")
+                notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.message}")
 
 
 def _visual(visual: Element, shape: Element, name: str, reader: Reader) -> Visual:

@@ -10,8 +10,8 @@ from typing import Any
 from ...model.arguments import checked
 from ...model.quantity import Vector, vector
 from ..loops import close
-from ..robot import Robot, Wishes, build
-from ..robot.wishes import Base, InertiaWish, MimicWish
+from ..robot import ImportOptions, Robot, build
+from ..robot.options import Base, InertiaOption, MimicOption
 from .describe import describe
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
@@ -25,8 +25,8 @@ def load_urdf(
     q0: Mapping[str, Any] | None = None,
     loops: str | os.PathLike[str] | None = None,
     lock: Sequence[str] = (),
-    mimic: MimicWish = "couple",
-    inertia: InertiaWish = "check",
+    mimic: MimicOption = "couple",
+    inertia: InertiaOption = "check",
     keep_fixed: bool = False,
     gravity: Vector = GRAVITY,
 ) -> Robot:
@@ -66,8 +66,8 @@ def load_urdf(
     Raises
     ------
     ModelError
-        For anything that is wrong, in one sentence with file, line, part and remedy.
+        For anything that is wrong, in one message with file, line, part and remedy.
     """
-    told = describe(Path(path), vector(gravity, "gravity", "give three numbers in m/s²"))
-    wishes = Wishes(base, q0 or {}, lock, mimic, inertia, keep_fixed)
-    return close(build(told, wishes), loops)
+    description = describe(Path(path), vector(gravity, "gravity", "give three numbers in m/s²"))
+    options = ImportOptions(base, q0 or {}, lock, mimic, inertia, keep_fixed)
+    return close(build(description, options), loops)

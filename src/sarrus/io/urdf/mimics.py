@@ -37,8 +37,8 @@ def _read(part: Part) -> Mimic | None:
 
 def _check_leader(leader: str, leaders: Collection[str], line: int, reader: Reader) -> None:
     if leader not in leaders:
-        told = f"<mimic> names {quote(leader)}, which is no joint that turns or slides"
-        raise reader.refusal(f"{told}; {suggest(leader, leaders)}", line)
+        message = f"<mimic> names {quote(leader)}, which is no joint that rotates or slides"
+        raise reader.refusal(f"{message}; {suggest(leader, leaders)}", line)
 
 
 def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Reader) -> None:
@@ -46,8 +46,8 @@ def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Rea
     while at in mimics:
         at, steps = mimics[at].joint, steps + 1
         if at == name:
-            told = f"<mimic> leads from {quote(name)} back to it; let one of these joints follow none"
-            raise reader.refusal(told, line)
+            message = f"<mimic> leads from {quote(name)} back to it; let one of these joints follow none"
+            raise reader.refusal(message, line)
         if steps > LONGEST:
-            told = f"<mimic> leads through more than {LONGEST} joints; let it follow the last of them"
-            raise reader.refusal(told, line)
+            message = f"<mimic> leads through more than {LONGEST} joints; let it follow the last of them"
+            raise reader.refusal(message, line)

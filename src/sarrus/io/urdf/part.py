@@ -10,7 +10,7 @@ from .reader import Reader
 
 
 class Part(NamedTuple):
-    """A link or joint, and the reader that says its name when something is wrong with it."""
+    """A link or joint, and the reader that names it in errors."""
 
     element: Element
     reader: Reader
@@ -23,7 +23,7 @@ def named(root: Element, tag: str, reader: Reader) -> dict[str, Part]:
         name = Reader(reader.file, tag).text(element, "name")
         if name in found:
             first = found[name].element.line
-            told = f"the {tag} {quote(name)} is there twice, the first time on line {first}"
-            raise reader.refusal(f"{told}; rename one of them", element.line)
+            message = f"the {tag} {quote(name)} is there twice, the first time on line {first}"
+            raise reader.refusal(f"{message}; rename one of them", element.line)
         found[name] = Part(element, Reader(reader.file, f"{tag} {quote(name)}"))
     return found

@@ -1,4 +1,4 @@
-"""How attributes of a URDF element are read: numbers, vectors, poses; what is wrong is said with its line."""
+"""Readers of the attributes of a URDF element: numbers, vectors, poses; errors name the line."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ class Reader:
     def __init__(self, file: str, part: str) -> None:
         self.file, self.part = file, part
 
-    def refusal(self, sentence: str, line: int) -> ModelError:
+    def refusal(self, message: str, line: int) -> ModelError:
         """Return the error for something on a line."""
-        return ModelError(sentence, part=self.part, where=f"{self.file}:{line}")
+        return ModelError(message, part=self.part, where=f"{self.file}:{line}")
 
     @contextmanager
     def placed(self, line: int) -> Iterator[None]:
-        """Say where a ModelError raised inside stands."""
+        """Add the line to a ModelError raised inside."""
         try:
             yield
         except ModelError as error:
-            raise self.refusal(error.sentence, line) from None
+            raise self.refusal(error.message, line) from None
 
     def check(self, element: Element, attributes: Sequence[str], children: Sequence[str] = ()) -> None:
         """Refuse what looks like a misspelt attribute or child; what is really unknown is let pass."""
@@ -51,8 +51,8 @@ class Reader:
         """Return the only child with a tag, or None."""
         found = list(element.all(tag))
         if len(found) > 1:
-            told = f"has <{tag}> twice, the first time on line {found[0].line}; remove one of them"
-            raise self.refusal(told, found[1].line)
+            message = f"has <{tag}> twice, the first time on line {found[0].line}; remove one of them"
+            raise self.refusal(message, found[1].line)
         return found[0] if found else None
 
     def needed(self, element: Element, tag: str, example: str) -> Element:
@@ -66,8 +66,8 @@ class Reader:
         """Return an attribute that must be there and not be empty."""
         value = element.attributes.get(attribute, "").strip()
         if not value:
-            told = f'<{element.tag}> has no {attribute}; add it, as in {attribute}="..."'
-            raise self.refusal(told, element.line)
+            message = f'<{element.tag}> has no {attribute}; add it, as in {attribute}="..."'
+            raise self.refusal(message, element.line)
         return value
 
     def number(self, element: Element, attribute: str, default: float | None = None) -> float:
@@ -107,22 +107,22 @@ class Reader:
 
     def _numbers(self, element: Element, attribute: str, text: str, count: int) -> list[float]:
         words = text.split()
-        said = f"<{element.tag}> {attribute}"
+        label = f"<{element.tag}> {attribute}"
         if len(words) != count:
             wanted = "1 number" if count == 1 else f"{count} numbers with spaces between"
-            told = f"{said} must be {wanted}, but is {quote(text)}; correct it"
-            raise self.refusal(told, element.line)
-        return [self._number(word, said, element.line) for word in words]
+            message = f"{label} must be {wanted}, but is {quote(text)}; correct it"
+            raise self.refusal(message, element.line)
+        return [self._number(word, label, element.line) for word in words]
 
-    def _number(self, word: str, said: str, line: int) -> float:
+    def _number(self, word: str, label: str, line: int) -> float:
         try:
             value = float(word) if "_" not in word else float("_")
         except ValueError:
-            told = f"{said} must be a number, but is {quote(word)}; write it as in 1.5e-3"
-            raise self.refusal(told, line) from None
+            message = f"{label} must be a number, but is {quote(word)}; write it as in 1.5e-3"
+            raise self.refusal(message, line) from None
         with self.placed(line):
-            return number(value, said)
+            return number(value, label)
 
-    def _spelling(self, told: str, given: str, known: Sequence[str], line: int) -> None:
+    def _spelling(self, message: str, given: str, known: Sequence[str], line: int) -> None:
         if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
-            raise self.refusal(f"{told} {quote(given)}; {suggest(given, known)}", line)
+            raise self.refusal(f"{message} {quote(given)}; {suggest(given, known)}", line)

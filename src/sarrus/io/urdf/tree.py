@@ -1,4 +1,4 @@
-"""Whether links and joints are one tree, and the joints in the order of that tree."""
+"""Check that links and joints form one tree; the joints in the order of that tree."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> 
     for edge in edges.values():
         if edge.child in above:
             other = above[edge.child]
-            told = f"link {quote(edge.child)} is already the child of joint {quote(other.name)}"
+            message = f"link {quote(edge.child)} is already the child of joint {quote(other.name)}"
             remedy = "a URDF is a tree, close the loop with a joint in a loops file"
-            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{told}; {remedy}", edge.line)
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}; {remedy}", edge.line)
         above[edge.child] = edge
     roots = [link for link in links.values() if link.name not in above]
     if not roots:
-        told = "every link is the child of a joint, so none is the root; let one link be no child"
-        raise Reader(file, "robot").refusal(told, 1)
+        message = "every link is the child of a joint, so none is the root; let one link be no child"
+        raise Reader(file, "robot").refusal(message, 1)
     if len(roots) > 1:
         names = " and ".join(quote(link.name) for link in roots[:2])
-        told = f"{names} both are no child of a joint; connect all links into one tree"
-        raise Reader(file, "robot").refusal(told, roots[1].line)
+        message = f"{names} both are no child of a joint; connect all links into one tree"
+        raise Reader(file, "robot").refusal(message, roots[1].line)
     return roots[0].name
 
 
@@ -48,6 +48,6 @@ def _refuse_circle(edges: Mapping[str, Edge], order: list[Edge], root: str, file
     reached = {edge.name for edge in order}
     for edge in edges.values():
         if edge.name not in reached:
-            told = f"hangs in a circle of joints that does not reach the root {quote(root)}"
+            message = f"hangs in a circle of joints that does not reach the root {quote(root)}"
             remedy = "let one of them have its parent in the tree"
-            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{told}; {remedy}", edge.line)
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}; {remedy}", edge.line)

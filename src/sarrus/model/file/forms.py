@@ -90,4 +90,4 @@ def _built(value: Any, field: str, solids: Solids) -> Any:
     try:
         return value.build(solids)
     except ModelError as error:
-        raise ModelError(error.sentence, field=field) from None
+        raise ModelError(error.message, field=field) from None

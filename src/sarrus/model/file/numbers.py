@@ -117,7 +117,7 @@ class Numbers:
         try:
             self._define(name, raw, unit)
         except ModelError as error:
-            raise Echo(error.sentence) from None
+            raise Echo(error.message) from None
         finally:
             self.open.pop()
 

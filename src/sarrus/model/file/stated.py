@@ -107,9 +107,9 @@ def _said(work: Any, *args: Any) -> Any:
     try:
         return work(*args)
     except Echo as error:
-        raise said(error.sentence, kind="echo") from None
+        raise said(error.message, kind="echo") from None
     except ModelError as error:
-        raise said(error.sentence) from None
+        raise said(error.message) from None
 
 
 def _described(unit: str) -> dict[str, str]:

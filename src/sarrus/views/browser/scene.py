@@ -1,4 +1,4 @@
-"""What the page's script is told: a scene in words (JSON), and one block of numbers that the words point into."""
+"""The data of a page's script: a scene as JSON, and one block of numbers that the JSON refers to."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def write_page(
     numbers = Numbers()
     first = shown[0]
     sketches = list({id(run.sketch): run.sketch for run in shown}.values())
-    told = {
+    description = {
         "title": first.sketch.name,
         "subtitle": _subtitle(shown),
         "up": _plain(first.sketch.up),
@@ -96,12 +96,12 @@ def write_page(
         "play": play,
         **pace(shown, speed),
     }
-    return Page(first.sketch.name, _filled(first.sketch.name, told, numbers))
+    return Page(first.sketch.name, _filled(first.sketch.name, description, numbers))
 
 
-def _filled(title: str, told: dict[str, Any], numbers: Numbers) -> str:
+def _filled(title: str, description: dict[str, Any], numbers: Numbers) -> str:
     """The template with everything in its place; text that could end a script is written differently."""
-    words = json.dumps(told, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    words = json.dumps(description, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     places = {
         "TITLE": html.escape(title),
         "STYLE": _file("page.css"),
@@ -180,7 +180,7 @@ def _mesh(part: Part | Span, numbers: Numbers) -> dict[str, Any]:
     return {
         "name": part.name,
         "kind": part.kind,
-        "told": part.told,
+        "description": part.description,
         "color": part.color,
         "wide": wide,
         "v": numbers.add(part.mesh.vertices),
@@ -218,7 +218,7 @@ def _arrow(arrow: Arrow, numbers: Numbers) -> dict[str, Any]:
     return {
         "name": arrow.name,
         "kind": arrow.kind,
-        "told": arrow.told,
+        "description": arrow.description,
         "turning": arrow.turning,
         "most": arrow.most,
         "p": numbers.add(arrow.points),

@@ -5,9 +5,9 @@ const $ = (id) => document.getElementById(id);
 const GROUND = [0, 0, 0, 1, 0, 0, 0]; // r, then Euler parameters, scalar first
 
 async function start() {
-  const told = JSON.parse($("scene").textContent);
+  const data = JSON.parse($("scene").textContent);
   const numbers = await unpack($("numbers").textContent);
-  const viewer = new Viewer(told, numbers);
+  const viewer = new Viewer(data, numbers);
   window.sarrus = viewer; // for those who open the console
   viewer.loop();
   document.documentElement.dataset.ready = "yes";
@@ -20,15 +20,15 @@ async function unpack(text) {
 }
 
 class Viewer {
-  constructor(told, numbers) {
-    this.told = told;
+  constructor(data, numbers) {
+    this.data = data;
     this.numbers = numbers;
-    this.up = new THREE.Vector3(...told.up);
-    this.size = told.size;
-    this.low = told.low;
+    this.up = new THREE.Vector3(...data.up);
+    this.size = data.size;
+    this.low = data.low;
     this.clickable = [];
     this.makeStage();
-    this.actors = told.runs.map((run) => new Actor(this, run));
+    this.actors = data.runs.map((run) => new Actor(this, run));
     this.moves = this.actors.some((actor) => actor.count > 1);
     this.from = Math.min(...this.actors.map((actor) => actor.start));
     this.until = Math.max(...this.actors.map((actor) => actor.end));
@@ -37,9 +37,9 @@ class Viewer {
     this.fit();
     this.makeGround();
     this.makeControls();
-    this.look(told.front);
+    this.look(data.front);
     this.show(this.from);
-    if (this.moves && told.play && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play(true);
+    if (this.moves && data.play && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play(true);
   }
 
   array(place, Kind = Float32Array) {
@@ -123,7 +123,7 @@ class Viewer {
     for (const x of [box.min.x, box.max.x])
       for (const y of [box.min.y, box.max.y])
         for (const z of [box.min.z, box.max.z]) this.level = Math.min(this.level, new THREE.Vector3(x, y, z).dot(this.up));
-    if (this.told.floor !== null) this.level = this.told.floor;
+    if (this.data.floor !== null) this.level = this.data.floor;
     const side = perpendicular(this.up);
     this.sun.target.position.copy(this.center);
     this.sun.position
@@ -186,10 +186,10 @@ class Viewer {
   // ------------------------------------------------------------------------------------------- controls
   makeControls() {
     document.documentElement.classList.toggle("still", !this.moves);
-    $("title").firstChild.textContent = this.told.title;
-    $("title").lastChild.textContent = this.told.subtitle + `  grid ${+this.step.toPrecision(3)} m`;
+    $("title").firstChild.textContent = this.data.title;
+    $("title").lastChild.textContent = this.data.subtitle + `  grid ${+this.step.toPrecision(3)} m`;
     if (this.actors.length > 1)
-      for (const actor of this.actors) $("keys").append(key(actor.told.color || "#23282e", actor.told.name));
+      for (const actor of this.actors) $("keys").append(key(actor.data.color || "#23282e", actor.data.name));
     for (const button of document.querySelectorAll("[data-view]"))
       button.onclick = () => this.look(button.dataset.view);
     this.makeSwitches();
@@ -201,16 +201,16 @@ class Viewer {
   }
 
   makeSwitches() {
-    const has = (kind) => this.actors.some((actor) => actor.arrows.some((arrow) => arrow.told.kind === kind));
+    const has = (kind) => this.actors.some((actor) => actor.arrows.some((arrow) => arrow.data.kind === kind));
     const each = (act) => (on) => this.actors.forEach((actor) => act(actor, on));
     const switches = [
-      ["names", true, this.told.names, (on) => this.nameBodies(on)],
-      ["frames", true, this.told.frames, each((actor, on) => actor.triads.forEach((one) => (one.visible = on)))],
+      ["names", true, this.data.names, (on) => this.nameBodies(on)],
+      ["frames", true, this.data.frames, each((actor, on) => actor.triads.forEach((one) => (one.visible = on)))],
       ["glass", true, false, each((actor, on) => actor.glass(on))],
       ["ground", true, true, (on) => (this.ground.visible = on)],
       ["traces", this.actors.some((a) => a.traces.length) || this.moves, true, each((actor, on) => actor.showTraces(on))],
-      ["reactions", has("reaction"), this.told.arrows, each((actor, on) => actor.showArrows("reaction", on))],
-      ["forces", has("force"), this.told.arrows, each((actor, on) => actor.showArrows("force", on))],
+      ["reactions", has("reaction"), this.data.arrows, each((actor, on) => actor.showArrows("reaction", on))],
+      ["forces", has("force"), this.data.arrows, each((actor, on) => actor.showArrows("force", on))],
     ];
     for (const [name, there, on, act] of switches) {
       if (!there) continue;
@@ -240,9 +240,9 @@ class Viewer {
       this.show(+slider.value);
     };
     $("play").onclick = () => this.play(!this.playing);
-    for (const speed of this.told.speeds) {
+    for (const speed of this.data.speeds) {
       const option = new Option(`${+speed.toPrecision(3)} ×`, speed);
-      option.selected = speed === this.told.speed;
+      option.selected = speed === this.data.speed;
       $("speed").append(option);
     }
     addEventListener("keydown", (event) => {
@@ -295,12 +295,12 @@ class Viewer {
     });
   }
 
-  words({ actor, name, told, body }) {
-    const of = this.actors.length > 1 ? `  [${actor.told.name}]` : "";
-    if (!body) return `${name}${of}\n${told}`;
+  words({ actor, name, description, body }) {
+    const of = this.actors.length > 1 ? `  [${actor.data.name}]` : "";
+    if (!body) return `${name}${of}\n${description}`;
     const r = actor.place(body).slice(0, 3);
     const hint = this.moves ? "\ndouble-click: trace this point" : "";
-    return `${name}${of}\n${told}\nframe of ${actor.told.bodies[body - 1]} at ${Array.from(r, (x) => +x.toPrecision(4)).join(", ")} m${hint}`;
+    return `${name}${of}\n${description}\nframe of ${actor.data.bodies[body - 1]} at ${Array.from(r, (x) => +x.toPrecision(4)).join(", ")} m${hint}`;
   }
 
   highlight(object) {
@@ -320,7 +320,7 @@ class Viewer {
     this.labels = [];
     if (!on) return;
     const actor = this.actors[0];
-    actor.told.bodies.forEach((name, n) => {
+    actor.data.bodies.forEach((name, n) => {
       const label = document.createElement("span");
       label.textContent = name;
       $("names").append(label);
@@ -340,7 +340,7 @@ class Viewer {
 
   photo() {
     this.render();
-    $("picture").toBlob((blob) => save(blob, `${this.told.title}.png`));
+    $("picture").toBlob((blob) => save(blob, `${this.data.title}.png`));
   }
 
   film() {
@@ -348,7 +348,7 @@ class Viewer {
     const recorder = new MediaRecorder($("picture").captureStream(30), { mimeType: kind, videoBitsPerSecond: 8e6 });
     const pieces = [];
     recorder.ondataavailable = (event) => pieces.push(event.data);
-    recorder.onstop = () => save(new Blob(pieces, { type: kind }), `${this.told.title}.${kind.slice(6)}`);
+    recorder.onstop = () => save(new Blob(pieces, { type: kind }), `${this.data.title}.${kind.slice(6)}`);
     this.time = this.from;
     this.play(true);
     this.atEnd = () => recorder.stop();
@@ -360,7 +360,7 @@ class Viewer {
     this.time = time;
     for (const actor of this.actors) actor.show(time);
     $("slider").value = time;
-    $("clock").textContent = `${time.toFixed(this.told.digits)} s`;
+    $("clock").textContent = `${time.toFixed(this.data.digits)} s`;
   }
 
   loop() {
@@ -400,38 +400,38 @@ class Viewer {
 
 // A run of one model: its bodies, what is fixed to them, what spans them, its traces and arrows.
 class Actor {
-  constructor(viewer, told) {
+  constructor(viewer, data) {
     this.viewer = viewer;
-    this.told = { ...viewer.told.sketches[told.sketch], ...told };
-    this.number = viewer.told.runs.indexOf(told);
-    this.ghost = Boolean(told.color);
-    this.q = viewer.array(told.q);
-    this.width = 7 * this.told.bodies.length;
-    this.count = told.count;
-    this.start = told.start;
-    this.end = told.start + (told.count - 1) * told.step;
+    this.data = { ...viewer.data.sketches[data.sketch], ...data };
+    this.number = viewer.data.runs.indexOf(data);
+    this.ghost = Boolean(data.color);
+    this.q = viewer.array(data.q);
+    this.width = 7 * this.data.bodies.length;
+    this.count = data.count;
+    this.start = data.start;
+    this.end = data.start + (data.count - 1) * data.step;
     this.now = new Float32Array(this.width);
     this.group = new THREE.Group();
-    this.bodies = [this.group, ...this.told.bodies.map(() => new THREE.Group())];
+    this.bodies = [this.group, ...this.data.bodies.map(() => new THREE.Group())];
     this.bodies.slice(1).forEach((body) => this.group.add(body));
-    this.centers = this.told.centers.map((center) => new THREE.Vector3(...center));
+    this.centers = this.data.centers.map((center) => new THREE.Vector3(...center));
     this.solids = [];
     this.traces = [];
     this.arrowScale = 1;
     viewer.scene.add(this.group);
-    for (const part of this.told.parts) if (!(this.ghost && part.kind === "ground")) this.bodies[part.body].add(this.mesh(part));
-    this.spans = this.told.spans.map((span) => {
+    for (const part of this.data.parts) if (!(this.ghost && part.kind === "ground")) this.bodies[part.body].add(this.mesh(part));
+    this.spans = this.data.spans.map((span) => {
       const mesh = this.mesh(span);
       this.group.add(mesh);
       return { ...span, mesh, points: span.points.map((point) => new THREE.Vector3(...point)) };
     });
     this.triads = this.bodies.map((body, n) => {
-      const one = triad(n ? 9 * this.told.unit : 14 * this.told.unit, 0.3 * this.told.unit, false);
+      const one = triad(n ? 9 * this.data.unit : 14 * this.data.unit, 0.3 * this.data.unit, false);
       body.add(one);
       return one;
     });
-    for (const { body, point } of told.traces) this.addTrace(body, point);
-    this.arrows = told.arrows.map((arrow) => this.arrow(arrow));
+    for (const { body, point } of data.traces) this.addTrace(body, point);
+    this.arrows = data.arrows.map((arrow) => this.arrow(arrow));
   }
 
   mesh(part) {
@@ -442,7 +442,7 @@ class Actor {
     geometry.computeVertexNormals();
     const opacity = part.opacity * (this.ghost ? 0.38 : 1);
     const material = new THREE.MeshStandardMaterial({
-      color: this.ghost ? this.told.color : part.color,
+      color: this.ghost ? this.data.color : part.color,
       roughness: 0.52,
       metalness: part.kind === "body" ? 0.05 : 0.25,
       transparent: opacity < 1,
@@ -453,7 +453,7 @@ class Actor {
     const mesh = new THREE.Mesh(geometry, material);
     mesh.castShadow = !this.ghost && opacity > 0.5;
     mesh.receiveShadow = opacity >= 1;
-    mesh.userData = { actor: this, name: part.name, told: part.told, kind: part.kind, body: part.body, opacity, glow: false };
+    mesh.userData = { actor: this, name: part.name, description: part.description, kind: part.kind, body: part.body, opacity, glow: false };
     this.solids.push(mesh);
     this.viewer.clickable.push(mesh);
     return mesh;
@@ -485,7 +485,7 @@ class Actor {
 
   show(time) {
     const { k, s } = this.state(time, this.now);
-    this.told.bodies.forEach((_, n) => {
+    this.data.bodies.forEach((_, n) => {
       const q = this.place(n + 1);
       this.bodies[n + 1].position.set(q[0], q[1], q[2]);
       this.bodies[n + 1].quaternion.set(q[4], q[5], q[6], q[3]).normalize();
@@ -524,7 +524,7 @@ class Actor {
   addTrace(body, point) {
     if (this.count < 2) return;
     const places = this.path(body, point);
-    const color = this.told.color || this.told.colors[body - 1];
+    const color = this.data.color || this.data.colors[body - 1];
     const line = (width, opacity) => {
       const one = new THREE.Line2(
         new THREE.LineGeometry(),
@@ -543,7 +543,7 @@ class Actor {
   toggleTrace(mesh, spot) {
     const body = mesh.userData.body;
     const point = this.bodies[body].worldToLocal(spot.clone());
-    const near = this.traces.find((one) => one.body === body && point.distanceTo(new THREE.Vector3(...one.point)) < 5 * this.told.unit);
+    const near = this.traces.find((one) => one.body === body && point.distanceTo(new THREE.Vector3(...one.point)) < 5 * this.data.unit);
     if (near) {
       for (const line of [near.whole, near.past]) this.viewer.scene.remove(line);
       this.traces.splice(this.traces.indexOf(near), 1);
@@ -561,27 +561,27 @@ class Actor {
   }
 
   // --------------------------------------------------------------------------------------------- arrows
-  arrow(told) {
+  arrow(data) {
     const colors = { reaction: "#b3175f", force: "#d9480f" };
-    const material = new THREE.MeshStandardMaterial({ color: this.told.color || colors[told.kind], roughness: 0.5, transparent: true, depthTest: false });
+    const material = new THREE.MeshStandardMaterial({ color: this.data.color || colors[data.kind], roughness: 0.5, transparent: true, depthTest: false });
     const group = new THREE.Group();
-    const radius = 0.36 * this.told.unit;
+    const radius = 0.36 * this.data.unit;
     const shaft = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, 1, 12).translate(0, 0.5, 0), material);
-    const heads = (told.turning ? [0, 1] : [0]).map(() => new THREE.Mesh(new THREE.ConeGeometry(2.6 * radius, 7 * radius, 16).translate(0, -3.5 * radius, 0), material));
+    const heads = (data.turning ? [0, 1] : [0]).map(() => new THREE.Mesh(new THREE.ConeGeometry(2.6 * radius, 7 * radius, 16).translate(0, -3.5 * radius, 0), material));
     group.add(shaft, ...heads);
     for (const mesh of [shaft, ...heads]) mesh.renderOrder = 5; // seen through what they lie in
     group.visible = false;
     this.viewer.scene.add(group);
     for (const mesh of [shaft, ...heads]) {
-      mesh.userData = { actor: this, name: told.name, told: told.told, body: 0, glow: false };
+      mesh.userData = { actor: this, name: data.name, description: data.description, body: 0, glow: false };
       this.viewer.clickable.push(mesh);
     }
-    return { told, group, shaft, heads, radius, points: this.viewer.array(told.p), ways: this.viewer.array(told.d) };
+    return { data, group, shaft, heads, radius, points: this.viewer.array(data.p), ways: this.viewer.array(data.d) };
   }
 
   showArrows(kind, on) {
     for (const arrow of this.arrows)
-      if (arrow.told.kind === kind) {
+      if (arrow.data.kind === kind) {
         arrow.on = arrow.group.visible = on;
         for (const mesh of [arrow.shaft, ...arrow.heads]) mesh.visible = on;
       }
@@ -596,12 +596,12 @@ class Actor {
     };
     const way = mix(arrow.ways);
     const size = way.length();
-    const length = Math.min((size / arrow.told.most) * 0.25, 0.6) * this.viewer.size * this.arrowScale;
+    const length = Math.min((size / arrow.data.most) * 0.25, 0.6) * this.viewer.size * this.arrowScale;
     const seen = length > 1e-2 * this.viewer.size;
     for (const mesh of [arrow.shaft, ...arrow.heads]) {
       mesh.visible = seen;
-      const unit = arrow.told.turning ? "N m" : "N";
-      mesh.userData.told = `${arrow.told.told}: ${+size.toPrecision(4)} ${unit}`;
+      const unit = arrow.data.turning ? "N m" : "N";
+      mesh.userData.description = `${arrow.data.description}: ${+size.toPrecision(4)} ${unit}`;
     }
     if (!seen) return;
     arrow.group.position.copy(mix(arrow.points));

@@ -1,4 +1,4 @@
-"""What the parts of a model look like, from their joints and points alone, or as they are given."""
+"""The look of a model's parts, from their joints and points alone, or as given."""
 
 from .part import Part, Span
 from .sketch import Sketch, sketch

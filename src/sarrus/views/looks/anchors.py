@@ -1,4 +1,4 @@
-"""Where joints and forces hold bodies: numbers of the bodies, points and axes in their frames."""
+"""The attachments of joints and forces: numbers of the bodies, points and axes in their frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a body looks like whose shape nobody gave: a bar, a rod, a plate, a frame of rods, or a block."""
+"""The look of a body without a given shape: a bar, a rod, a plate, a frame of rods, or a block."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SAME = 1e-6  # of the size of the drawing: nearer points are one
 OFF = 2.5  # thicknesses: how far a centre of mass is from its link before it is drawn
 PARALLEL = 0.999  # cosine
 GLASS = 0.28  # opacity of hulls
-LARGEST = 0.12  # of the size of the drawing: half the edge of a block that stands for an inertia
+LARGEST = 0.12  # of the size of the drawing: half the edge of a block that represents an inertia
 
 
 class Outline(NamedTuple):

@@ -1,4 +1,4 @@
-"""What couplings look like: gears as toothed wheels, a rack with its pinion, collars on joints that others follow."""
+"""The look of couplings: gears as toothed wheels, a rack with its pinion, collars on coupled joints."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...model.joints.coupling import Coupling
 from ...model.joints.gear import Gear
 from ...model.joints.rack_and_pinion import RackAndPinion
 from ..shapes import Mesh, box, disc, joined, ring, toothed
-from .joint import Room
+from .joint import DrawingScale
 from .part import DARK, MOTOR, STEEL, Part
 
 PARALLEL = 0.999  # cosine
@@ -32,20 +32,20 @@ class Hold(NamedTuple):
     local: Callable[[Mesh], Mesh]
 
 
-def coupling_parts(part: Coupling, holds: dict[str, Hold], room: Room) -> Iterator[Part]:
+def coupling_parts(part: Coupling, holds: dict[str, Hold], scale: DrawingScale) -> Iterator[Part]:
     """Yield what a coupling of two joints looks like; nothing if one of them is nowhere."""
     i, j = held(part, holds)
     if i is None or j is None:
         return
     if isinstance(part, Gear):
-        yield from _gears(part, i, j, room)
+        yield from _gears(part, i, j, scale)
     elif isinstance(part, RackAndPinion):
-        yield from _rack(part, i, j, room)
+        yield from _rack(part, i, j, scale)
     elif isinstance(part, Coupler):
-        told = f"coupler, {part.joint_j} = {part.ratio:g} times {part.joint_i}"
-        collar = ring(1.9 * room.unit, 0.7 * room.unit)
+        description = f"coupler, {part.joint_j} = {part.ratio:g} times {part.joint_i}"
+        collar = ring(1.9 * scale.unit, 0.7 * scale.unit)
         for hold in (i, j):
-            yield Part(part.name, "joint", told, hold.body, _at(hold, collar), MOTOR)
+            yield Part(part.name, "joint", description, hold.body, _at(hold, collar), MOTOR)
 
 
 def held(part: Coupling, holds: dict[str, Hold]) -> tuple[Hold | None, Hold | None]:
@@ -67,58 +67,63 @@ def wheels(parts: Iterable[Any], holds: dict[str, Hold]) -> dict[int, Hold]:
     return found
 
 
-def hub(hold: Hold, room: Room) -> Mesh:
+def hub(hold: Hold, scale: DrawingScale) -> Mesh:
     """What is left to draw of a body that is a wheel and no more."""
-    return _at(hold, disc(1.5 * room.unit, -1.1 * room.unit, 1.1 * room.unit))
+    return _at(hold, disc(1.5 * scale.unit, -1.1 * scale.unit, 1.1 * scale.unit))
 
 
-def radii(ratio: float, i: Hold, j: Hold, room: Room) -> tuple[float, float]:
+def radii(ratio: float, i: Hold, j: Hold, scale: DrawingScale) -> tuple[float, float]:
     """Radii [m] of two wheels, as the ratio has them; they touch where parallel axes turn in opposite senses."""
     between = j.point - i.point
     across = between - (between @ i.axes[:, 2]) * i.axes[:, 2]
     apart, parallel = float(np.linalg.norm(across)), abs(i.axes[:, 2] @ j.axes[:, 2]) > PARALLEL
     opposite = ratio * (i.axes[:, 2] @ j.axes[:, 2]) < 0
-    whole = apart if parallel and opposite and apart > 2 * room.unit else 8 * room.unit
+    whole = apart if parallel and opposite and apart > 2 * scale.unit else 8 * scale.unit
     return whole * abs(ratio) / (1 + abs(ratio)), whole / (1 + abs(ratio))
 
 
-def _gears(part: Gear, i: Hold, j: Hold, room: Room) -> Iterator[Part]:
-    told = f"gear, angle of {j.name} = {part.ratio:g} times that of {i.name}"
-    for hold, radius, color in zip((i, j), radii(part.ratio, i, j, room), (STEEL, DARK), strict=True):
-        yield Part(part.name, "joint", told, hold.body, _at(hold, _wheel(radius, room)), color)
+def _gears(part: Gear, i: Hold, j: Hold, scale: DrawingScale) -> Iterator[Part]:
+    description = f"gear, angle of {j.name} = {part.ratio:g} times that of {i.name}"
+    for hold, radius, color in zip((i, j), radii(part.ratio, i, j, scale), (STEEL, DARK), strict=True):
+        yield Part(part.name, "joint", description, hold.body, _at(hold, _wheel(radius, scale)), color)
 
 
-def _rack(part: RackAndPinion, pinion: Hold, rack: Hold, room: Room) -> Iterator[Part]:
-    told = f"rack and pinion, {part.radius:g} m for a radian"
+def _rack(part: RackAndPinion, pinion: Hold, rack: Hold, scale: DrawingScale) -> Iterator[Part]:
+    description = f"rack and pinion, {part.radius:g} m for a radian"
     radius = abs(part.radius)
-    yield Part(part.name, "joint", told, pinion.body, _at(pinion, _wheel(radius, room)), STEEL)
+    yield Part(part.name, "joint", description, pinion.body, _at(pinion, _wheel(radius, scale)), STEEL)
     way, axle = rack.axes[:, 2], pinion.axes[:, 2]
     out = np.cross(way, axle) * np.sign(part.radius)  # ω × (r out) is along the way
     axes = np.column_stack([way, np.cross(out, way), out])
-    count = max(FEWEST, int(4 * radius / (PITCH * room.unit)))
+    count = max(FEWEST, int(4 * radius / (PITCH * scale.unit)))
     teeth = [
-        box((0.5 * PITCH * room.unit, WIDTH * room.unit, 0.6 * room.unit)).moved(
-            np.array([(n - (count - 1) / 2) * PITCH * room.unit, 0.0, 0.0])
+        box((0.5 * PITCH * scale.unit, WIDTH * scale.unit, 0.6 * scale.unit)).moved(
+            np.array([(n - (count - 1) / 2) * PITCH * scale.unit, 0.0, 0.0])
         )
         for n in range(count)
     ]
-    back = box((count * PITCH * room.unit, WIDTH * room.unit, 0.8 * room.unit)).moved(
-        np.array([0.0, 0.0, 0.7 * room.unit])
+    back = box((count * PITCH * scale.unit, WIDTH * scale.unit, 0.8 * scale.unit)).moved(
+        np.array([0.0, 0.0, 0.7 * scale.unit])
     )
     place = pinion.point + radius * out
     yield Part(
-        part.name, "joint", told, rack.body, rack.local(joined([back, *teeth]).moved(place, axes)), DARK
+        part.name,
+        "joint",
+        description,
+        rack.body,
+        rack.local(joined([back, *teeth]).moved(place, axes)),
+        DARK,
     )
 
 
-def _wheel(radius: float, room: Room) -> Mesh:
+def _wheel(radius: float, scale: DrawingScale) -> Mesh:
     """A toothed wheel about z, on a hub."""
-    teeth = max(FEWEST, round(2 * np.pi * radius / (PITCH * room.unit)))
-    half = 0.5 * WIDTH * room.unit
+    teeth = max(FEWEST, round(2 * np.pi * radius / (PITCH * scale.unit)))
+    half = 0.5 * WIDTH * scale.unit
     return joined(
         [
-            toothed(radius, 0.35 * room.unit, teeth, -half, half),
-            disc(0.9 * room.unit, -1.6 * half, 1.6 * half),
+            toothed(radius, 0.35 * scale.unit, teeth, -half, half),
+            disc(0.9 * scale.unit, -1.6 * half, 1.6 * half),
         ]
     )
 

@@ -1,4 +1,4 @@
-"""What a body is drawn with where its shape is given: meshes, boxes, cylinders, spheres and capsules."""
+"""The look of a body with a given shape: meshes, boxes, cylinders, spheres and capsules."""
 
 from __future__ import annotations
 

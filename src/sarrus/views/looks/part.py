@@ -38,7 +38,7 @@ class Part(NamedTuple):
 
     name: str
     kind: Kind
-    told: str
+    description: str
     body: int
     mesh: Mesh
     color: str
@@ -48,13 +48,13 @@ class Part(NamedTuple):
 class Span(NamedTuple):
     """A mesh along z between two points of two bodies, made for the distance ``length`` [m].
 
-    ``grip`` says what happens when the distance changes: ``"both"`` ends hold and it is stretched, or it keeps its
+    ``grip`` determines what changes with the distance: ``"both"`` ends hold and it is stretched, or it keeps its
     length at the ``"start"`` or with its own end at the ``"end"``.
     """
 
     name: str
     kind: Kind
-    told: str
+    description: str
     bodies: tuple[int, int]
     points: tuple[Array, Array]
     length: float

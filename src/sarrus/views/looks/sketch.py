@@ -23,7 +23,7 @@ from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
 from .given import given_meshes
-from .joint import RAILS, Room, joint_parts
+from .joint import RAILS, DrawingScale, joint_parts
 from .part import PALETTE, STEEL, Part, Span
 
 SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
@@ -50,7 +50,7 @@ class Sketch:
     floor : height of the road on which tyres stand [m], None without tyres
     weighs : whether there is gravity
     given : whether some shapes are given, not made from joints and points
-    notes : sentences about what could not be drawn as it is given
+    notes : messages about what could not be drawn as given
     """
 
     name: str
@@ -102,7 +102,7 @@ class _Drawing:
         self.up = -gravity / weight if weight else np.array([0.0, 0.0, 1.0])
         self.size, self.low = self._extent()
         self.unit = self._unit()
-        self.room = Room(self.unit, self.size, self.up, dict(self._travels()))
+        self.scale = DrawingScale(self.unit, self.size, self.up, dict(self._displacements()))
 
     def sketch(self) -> Sketch:
         drawn = [*self._bodies(), *self._joints(), *self._couplings(), *self._forces()]
@@ -130,26 +130,26 @@ class _Drawing:
         for look in self.model.looks():
             try:
                 found.setdefault(look.body, []).extend(given_meshes(look))
-            except MeshError as trouble:
+            except MeshError as error:
                 if look.body in own:
                     part, where = f"body {quote(look.body)}", self.model.where(look.body)
-                    raise ModelError(str(trouble), part=part, field="shape", where=where) from None
-                self.notes.append(str(trouble))
+                    raise ModelError(str(error), part=part, field="shape", where=where) from None
+                self.notes.append(str(error))
         return {body: meshes for body, meshes in found.items() if meshes}
 
     def _bodies(self) -> Iterator[Part]:
         for number, name in enumerate((GROUND, *self.plan.bodies)):
-            told = f"body, {self.masses[number][0]:.4g} kg" if number else "it does not move"
+            description = f"body, {self.masses[number][0]:.4g} kg" if number else "it does not move"
             color = _color(number) if number else STEEL
             for piece in self.given.get(name, ()):
-                yield Part(name, "body", told, number, piece.mesh, piece.color or color)
+                yield Part(name, "body", description, number, piece.mesh, piece.color or color)
             if number and name not in self.given:
                 outline = self._outline(number)
                 if number in self.wheels and len(outline.points) == 1:
-                    yield Part(name, "body", told, number, hub(self.wheels[number], self.room), color)
+                    yield Part(name, "body", description, number, hub(self.wheels[number], self.scale), color)
                     continue
                 for mesh, opacity in body_meshes(outline, self.unit, self.size):
-                    yield Part(name, "body", told, number, mesh, color, opacity)
+                    yield Part(name, "body", description, number, mesh, color, opacity)
 
     def _outline(self, number: int) -> Outline:
         points: list[Array] = []
@@ -167,7 +167,7 @@ class _Drawing:
     def _joints(self) -> Iterator[Part | Span]:
         for anchor in self.joints:
             if not self._hidden(anchor):
-                yield from joint_parts(_long(anchor, self._distance(anchor)), self.room)
+                yield from joint_parts(_long(anchor, self._distance(anchor)), self.scale)
 
     def _hidden(self, anchor: Anchor) -> bool:
         """Whether both bodies of a joint have shapes of their own, which show the joint too."""
@@ -177,7 +177,7 @@ class _Drawing:
     def _couplings(self) -> Iterator[Part]:
         for part in self.model.joints:
             if isinstance(part, Coupling):
-                yield from coupling_parts(part, self.holds, self.room)
+                yield from coupling_parts(part, self.holds, self.scale)
 
     def _hold(self, anchor: Anchor) -> Hold:
         """Where a joint holds its second body, or its first if the second is the ground."""
@@ -193,7 +193,7 @@ class _Drawing:
     def _forces(self) -> Iterator[Part | Span]:
         for anchor in self.forces:
             length = max(self._distance(anchor), self.unit)
-            yield from force_parts(anchor, self.room, length, self._axle(anchor))
+            yield from force_parts(anchor, self.scale, length, self._axle(anchor))
 
     def _axle(self, tyre: Anchor) -> Array:
         """The axis of a wheel in axes of its body: that of a hinge near its centre, or across the way ahead."""
@@ -211,7 +211,7 @@ class _Drawing:
         flat = [float(road) for road in roads if isinstance(road, int | float)]
         return min(flat, default=self.low) if roads else None
 
-    def _travels(self) -> Iterator[tuple[str, tuple[float, float]]]:
+    def _displacements(self) -> Iterator[tuple[str, tuple[float, float]]]:
         for anchor in self.joints:
             if anchor.kind in RAILS:
                 found = [self._travel(anchor, q) for q in self.positions]

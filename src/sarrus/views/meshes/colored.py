@@ -16,7 +16,7 @@ class MeshError(SarrusError):
 
 
 class Colored(NamedTuple):
-    """Triangles, and their colour ``"#rrggbb"``, empty if the file says none."""
+    """Triangles, and their colour ``"#rrggbb"``, empty if the file has none."""
 
     mesh: Mesh
     color: str = ""

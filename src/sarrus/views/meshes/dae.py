@@ -20,8 +20,8 @@ def read_dae(file: Path) -> Iterator[Colored]:
     """Yield all triangles of the file's scene."""
     try:
         root = ElementTree.fromstring(content(file), ElementTree.XMLParser(target=_Builder()))
-    except ElementTree.ParseError as trouble:
-        raise ValueError(str(trouble)) from None
+    except ElementTree.ParseError as error:
+        raise ValueError(str(error)) from None
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
     yield from _Reader(root).pieces()

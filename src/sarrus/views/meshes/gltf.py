@@ -33,22 +33,22 @@ class _Reader:
         self.buffers: dict[int, bytes] = {}
         if data[:4] == b"glTF":
             size = int.from_bytes(data[12:16], "little")
-            self.told: dict[str, Any] = json.loads(data[20 : 20 + size])
+            self.document: dict[str, Any] = json.loads(data[20 : 20 + size])
             self.embedded = data[28 + size :]
         else:
-            self.told = json.loads(data)
+            self.document = json.loads(data)
 
     def pieces(self) -> Iterator[Colored]:
-        scenes = self.told.get("scenes") or [{"nodes": range(len(self.told["nodes"]))}]
-        yield from self._nodes(scenes[self.told.get("scene", 0)]["nodes"], np.eye(4))
+        scenes = self.document.get("scenes") or [{"nodes": range(len(self.document["nodes"]))}]
+        yield from self._nodes(scenes[self.document.get("scene", 0)]["nodes"], np.eye(4))
 
     def _nodes(self, numbers: Any, place: Array, depth: int = 1) -> Iterator[Colored]:
         for number in numbers:
             self.nodes.place(depth)
-            node = self.told["nodes"][number]
+            node = self.document["nodes"][number]
             here = place @ _matrix(node)
             if "mesh" in node:
-                yield from self._mesh(self.told["meshes"][node["mesh"]], here)
+                yield from self._mesh(self.document["meshes"][node["mesh"]], here)
             yield from self._nodes(node.get("children", ()), here, depth + 1)
 
     def _mesh(self, mesh: dict[str, Any], place: Array) -> Iterator[Colored]:
@@ -61,20 +61,20 @@ class _Reader:
                 yield Colored(Mesh(points @ place[:3, :3].T + place[:3, 3], faces), self._color(piece))
 
     def _array(self, number: int) -> Array:
-        accessor = self.told["accessors"][number]
-        view = self.told["bufferViews"][accessor["bufferView"]]
+        accessor = self.document["accessors"][number]
+        view = self.document["bufferViews"][accessor["bufferView"]]
         kind, width = np.dtype(KINDS[accessor["componentType"]]), WIDTHS[accessor["type"]]
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         stride = view.get("byteStride", kind.itemsize * width)
         data = self._buffer(view["buffer"])
         if accessor["count"] > len(data):  # a stride of zero would need no more bytes
-            raise ValueError("it has fewer numbers than it says")
+            raise ValueError("it has fewer numbers than declared")
         rows = np.ndarray((accessor["count"], width), kind, data, start, (stride, kind.itemsize))
         return np.asarray(rows)
 
     def _buffer(self, number: int) -> bytes:
         if number not in self.buffers:
-            self.buffers[number] = self._read(self.told["buffers"][number].get("uri", ""))
+            self.buffers[number] = self._read(self.document["buffers"][number].get("uri", ""))
         return self.buffers[number]
 
     def _read(self, uri: str) -> bytes:
@@ -87,7 +87,7 @@ class _Reader:
     def _color(self, piece: dict[str, Any]) -> str:
         if "material" not in piece:
             return ""
-        surface = self.told["materials"][piece["material"]].get("pbrMetallicRoughness", {})
+        surface = self.document["materials"][piece["material"]].get("pbrMetallicRoughness", {})
         linear = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0)))[:3]
         return hexadecimal(np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055))
 

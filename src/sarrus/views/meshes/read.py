@@ -34,7 +34,7 @@ def read_mesh(file: Path) -> list[Colored]:
     Raises
     ------
     MeshError
-        If there is no such file, or what it holds cannot be read, in one sentence.
+        If there is no such file, or its content cannot be read, in one message.
     """
     reader = READERS.get(file.suffix.lower())
     if reader is None:
@@ -44,7 +44,7 @@ def read_mesh(file: Path) -> list[Colored]:
             return [Colored(thinned(mesh), color) for mesh, color in bounded(reader(file))]
     except FileNotFoundError:
         raise MeshError(f"{file}: does not exist; check the path") from None
-    except OSError as trouble:
-        raise MeshError(f"{file}: {(trouble.strerror or str(trouble)).lower()}; check the path") from None
-    except DAMAGED as trouble:
-        raise MeshError(f"{file}: is no mesh that can be read ({trouble}); export it again") from None
+    except OSError as error:
+        raise MeshError(f"{file}: {(error.strerror or str(error)).lower()}; check the path") from None
+    except DAMAGED as error:
+        raise MeshError(f"{file}: is no mesh that can be read ({error}); export it again") from None

@@ -7,7 +7,7 @@ import numpy as np
 from ...algebra import Array
 from ..shapes import Mesh
 
-MOST = 20_000  # triangles that a browser turns with ease, and that a page holds in less than half a megabyte
+MOST = 20_000  # triangles that a browser rotates smoothly, and that take less than half a megabyte in a page
 FINEST, COARSEST = 300, 4  # cells along the longest side
 
 

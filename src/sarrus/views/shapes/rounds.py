@@ -92,7 +92,7 @@ def arrow(length: float, radius: float) -> Mesh:
 
 
 def tube(path: Array, radius: float, *, closed: bool = False, around: int = 8) -> Mesh:
-    """A tube along a path (n, 3) that turns gently."""
+    """A tube along a path (n, 3) with moderate curvature."""
     ahead, behind = np.roll(path, -1, axis=0), np.roll(path, 1, axis=0)
     if not closed:
         ahead[-1], behind[0] = path[-1], path[0]
@@ -119,9 +119,9 @@ def _carried(tangents: Array, closed: bool) -> list[Array]:
     return axes
 
 
-def coil(length: float, radius: float, wire: float, turns: int = 9) -> Mesh:
+def coil(length: float, radius: float, wire: float, windings: int = 9) -> Mesh:
     """A coil spring along z from 0 to ``length``, with straight ends on its axis."""
-    angles = np.linspace(0.0, 2 * np.pi * turns, 16 * turns + 1)
+    angles = np.linspace(0.0, 2 * np.pi * windings, 16 * windings + 1)
     low, high = 0.12 * length, 0.88 * length
     body = np.column_stack(
         [radius * np.cos(angles), radius * np.sin(angles), np.linspace(low, high, len(angles))]
@@ -133,9 +133,9 @@ def coil(length: float, radius: float, wire: float, turns: int = 9) -> Mesh:
     return tube(np.concatenate([first, body, last]), wire)
 
 
-def spiral(inner: float, outer: float, wire: float, turns: int = 3) -> Mesh:
+def spiral(inner: float, outer: float, wire: float, windings: int = 3) -> Mesh:
     """A flat spiral spring about z."""
-    angles = np.linspace(0.0, 2 * np.pi * turns, 20 * turns + 1)
+    angles = np.linspace(0.0, 2 * np.pi * windings, 20 * windings + 1)
     radius = np.linspace(inner, outer, len(angles))
     path = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.zeros(len(angles))])
     return tube(path, wire)

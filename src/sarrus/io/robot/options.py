@@ -1,4 +1,4 @@
-"""What a person wants of an import."""
+"""The options of an import."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ...model.errors import ModelError
 from ...model.show import show
 
 Base: TypeAlias = Literal["fixed", "floating"]
-MimicWish: TypeAlias = Literal["couple", "free", "lock"]
-InertiaWish: TypeAlias = Literal["check", "given"]
+MimicOption: TypeAlias = Literal["couple", "free", "lock"]
+InertiaOption: TypeAlias = Literal["check", "given"]
 
 CHOICES = {
     "base": ("fixed", "floating"),
@@ -21,14 +21,14 @@ CHOICES = {
 
 
 @dataclass(frozen=True)
-class Wishes:
+class ImportOptions:
     """The options of an import; see `sarrus.load_urdf`."""
 
     base: Base = "fixed"
     q0: Mapping[str, Any] = field(default_factory=dict)
     lock: Sequence[str] = ()
-    mimic: MimicWish = "couple"
-    inertia: InertiaWish = "check"
+    mimic: MimicOption = "couple"
+    inertia: InertiaOption = "check"
     keep_fixed: bool = False
 
     def check(self) -> None:
@@ -36,5 +36,7 @@ class Wishes:
         for name, right in CHOICES.items():
             given = getattr(self, name)
             if given not in right:
-                told = f"{name} must be one of {', '.join(right)}, but is {show(given)}; choose one of them"
-                raise ModelError(told, part="import", field=name)
+                message = (
+                    f"{name} must be one of {', '.join(right)}, but is {show(given)}; choose one of them"
+                )
+                raise ModelError(message, part="import", field=name)

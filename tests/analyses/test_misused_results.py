@@ -154,8 +154,11 @@ def test_exports_to_a_folder_that_does_not_exist(kind: str, tmp_path: Path) -> N
         (lambda r: sr.Curve((0.0, 1.0), (3.0,)), r"Curve\.table\("),
         (lambda r: sr.Formula(3), r"Formula\(lambda x: 3 \* x\)"),
         (lambda r: r["trajectory"].animate("/nope/x.html"), "Make its folder"),
+        (lambda r: sr.Event(object), "an event needs a formula or a function"),
+        (lambda r: sr.System(sr.Model("m", [sr.Body("a", mass=1.0, inertia={1: 2})])), "inertia"),
+        (lambda r: sr.equilibrium(slider_crank(), 0 * slider_crank().q0), "Euler parameters of .* are all 0"),
     ],
 )
 def test_calls_that_ended_in_raw_errors(call: Callable[[Any], Any], message: str) -> None:
-    with pytest.raises((sr.SarrusError, TypeError), match=message):
+    with pytest.raises((sr.SarrusError, TypeError, ValueError), match=message):
         call(results())

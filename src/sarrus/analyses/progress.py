@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Timer
+from threading import Timer, get_ident
 from typing import TypeAlias
 
 import numpy as np
@@ -16,6 +16,11 @@ from ..model.arguments import CHECKS
 WIDTH = 28
 PAUSE = 0.1  # s between two drawings
 PATIENCE = 3.0  # s before the first report, after which the reason of the wait is printed
+AGAIN = 0.5  # s after which it is looked again whether kernels are compiled
+COMPILERS = (
+    "numba.core.compiler",
+    "llvmlite.",
+)  # modules that work while kernels are compiled, not when they run
 COMPILING = "compiling kernels, which the first run of a kind does once (they are cached)"
 
 Progress: TypeAlias = Callable[[float], None]
@@ -89,17 +94,35 @@ def refuse_time_limit(time_limit: float | None, name: str = "time_limit") -> Non
         CHECKS["time_limit"](name, time_limit)
 
 
+def compiles(thread: int) -> bool:
+    """Whether a thread is in Numba's compiler or LLVM at this moment."""
+    frame = sys._current_frames().get(thread)
+    while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).startswith(COMPILERS):
+            return True
+        frame = frame.f_back
+    return False
+
+
 class _Wait:
-    """Prints once that kernels are compiled, where nothing is reported for `PATIENCE` seconds."""
+    """Prints once that kernels are compiled, where that is so and nothing was reported for `PATIENCE` seconds."""
 
     def __init__(self, wanted: bool) -> None:
-        self._timer = Timer(PATIENCE, self._explain) if wanted else None
-        if self._timer is not None:
-            self._timer.daemon = True
-            self._timer.start()
+        self._thread = get_ident()
+        self._timer: Timer | None = None
+        if wanted:
+            self._look_after(PATIENCE)
+
+    def _look_after(self, seconds: float) -> None:
+        self._timer = Timer(seconds, self._explain)
+        self._timer.daemon = True
+        self._timer.start()
 
     def _explain(self) -> None:
-        print(f"  {COMPILING} ...", file=sys.stderr, flush=True)
+        if compiles(self._thread):
+            print(f"  {COMPILING} ...", file=sys.stderr, flush=True)
+        elif self._timer is not None:
+            self._look_after(AGAIN)
 
     def end(self) -> None:
         """There is progress, or the analysis is over."""

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array, vstack
 
 from ..algebra import Array
 from ..model import reports_warnings
-from ..results import Singularity, Trajectory
+from ..results import Singularities, Singularity, Trajectory
 from ..system import System
 from .degrees_of_freedom import normalizations
 from .joint_rate import Rate, rate
@@ -38,7 +38,7 @@ def singularities(
     *,
     inputs: Iterable[str] = (),
     strict: bool = False,
-) -> tuple[Singularity, ...]:
+) -> Singularities:
     """Find and locate singular positions along a motion or a one-parameter family of positions.
 
     The function that is followed is ± the smallest singular value of [Φ_q; X], its rows scaled to unit length; X are
@@ -58,7 +58,8 @@ def singularities(
 
     Returns
     -------
-    tuple of Singularity, in the order of the path
+    Singularities
+        a tuple of `Singularity`, in the order of the path, with ``warnings``
 
     Raises
     ------
@@ -73,7 +74,7 @@ def singularities(
     for s in _roots(watch):
         if not found or abs(s - found[-1].at) > SAME * (path.grid[-1] - path.grid[0]):
             found.append(_describe(watch, s, names))
-    return tuple(found)
+    return Singularities(found)
 
 
 class _Watch:

@@ -103,7 +103,22 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
     q: Any = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)
-    return Given(finite(system, "q", q), found, own_t if t is None else float(t), *own)
+    where = finite(system, "q", q)
+    refuse_no_orientation(system, where)
+    return Given(where, found, own_t if t is None else float(t), *own)
+
+
+def refuse_no_orientation(system: System, q: Array) -> None:
+    """Refuse Euler parameters that are all zero: they are the orientation of no body.
+
+    Raises
+    ------
+    ValueError
+    """
+    none = np.flatnonzero(~q.reshape(-1, 7)[:, 3:].any(axis=1))
+    if len(none):
+        told = f"the Euler parameters of {system.bodies[none[0]]} in q are all 0"
+        raise ValueError(f"{system.name}: {told}. Give [1, 0, 0, 0] for a body that is not turned.")
 
 
 def finite(system: System, name: str, given: ArrayLike) -> Array:

@@ -100,10 +100,12 @@ def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
 
 
 def with_warnings(result: R, messages: tuple[str, ...]) -> R:
-    """A result with further messages; arrays and plain tuples have no field for them."""
+    """A result with further messages; plain numbers have no field for them."""
     if not messages or not hasattr(result, "warnings"):
         return result
     found: Any = result
     both = tuple(dict.fromkeys((*found.warnings, *messages)))
+    if hasattr(found, "with_warnings"):
+        return cast(R, found.with_warnings(both))
     change = found._replace if hasattr(found, "_replace") else partial(replace, found)
     return cast(R, change(warnings=both))

@@ -29,7 +29,7 @@ def show(value: Any) -> str:
 
 def quote(text: str) -> str:
     """Return ``text`` in double quotes, shortened, with control characters escaped."""
-    return f'"{_one_line(text)}"'
+    return f'"{_one_line(str(text))}"'
 
 
 def suggest(wrong: str, right: Iterable[str]) -> str:

@@ -11,6 +11,7 @@ from .modes import Modes
 from .optimum import Optimum, StartReport
 from .reaction import Reaction
 from .reading import load_run
+from .sequences import Listed, Product, Singularities
 from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import NoSolution, Solution, State
@@ -35,16 +36,19 @@ __all__ = [
     "Hessian",
     "InputSingularities",
     "JointMotion",
+    "Listed",
     "Mobility",
     "Modes",
     "NoSolution",
     "Optimum",
     "Pieces",
+    "Product",
     "RadauSteps",
     "Reaction",
     "Repetition",
     "ShapeDerivative",
     "SingularCurve",
+    "Singularities",
     "Singularity",
     "Slice",
     "Solution",

@@ -71,7 +71,7 @@ class Event:
     def __post_init__(self) -> None:
         if not np.isscalar(self.direction) or self.direction not in (-1, 0, 1):
             raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
-        if not (isinstance(self.function, str) or callable(self.function)):
+        if isinstance(self.function, type) or not (isinstance(self.function, str) or callable(self.function)):
             raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")
         if not isinstance(self.name, str):
             raise TypeError(f"the name of an event must be a text, but is {self.name!r:.40}")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import announce, reports_warnings
-from ...results import Gradient, Hessian, Pieces, StateDerivatives, StepsTaken, Trajectory
+from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from ..threads import one_thread_if_small
@@ -193,7 +193,7 @@ def hessian_product(
     formula: Design | None = None,
     time_limit: float | None = None,
     strict: bool = False,
-) -> Array:
+) -> Product:
     """The Hessian of a response times a direction, exact for the steps that were taken, in about two sweeps.
 
     Parameters
@@ -207,7 +207,7 @@ def hessian_product(
     Returns
     -------
     ndarray (p,)
-        in the order of `wrt`, vectors being taken apart
+        in the order of `wrt`, vectors being taken apart, with ``warnings``
     """
     with _within(run, False, 2, "differentiated twice", " stages", time_limit) as report:
         curvature, parameters = _curvature(
@@ -216,7 +216,7 @@ def hessian_product(
         report(1)
         found = curvature.times(_direction(direction, parameters.names))
         report(2)
-    return found
+    return Product.of(found)
 
 
 def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:

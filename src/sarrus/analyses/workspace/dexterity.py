@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError, reports_warnings
+from ...results import Listed
 from ...system import System
 from ..misuse import refuse_other_system
 from ..threads import one_thread_if_small
@@ -71,7 +72,7 @@ def dexterity(
         told = f"{system.name}: {problem.freedoms} degrees of freedom, but {len(problem.normal)} inputs"
         raise SarrusError(f"{told}. Give as many inputs.")
     positions = positions / problem.scale
-    return [dexterity_at(problem, one, problem.normal) for one in positions]
+    return Listed(dexterity_at(problem, one, problem.normal) for one in positions)
 
 
 def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:

@@ -1,0 +1,55 @@
+"""Results that are a tuple, a list or an array carry warnings, too; kernels that are not compiled are not announced."""
+
+import pickle
+import time
+from threading import get_ident
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.analyses import progress
+from sarrus.model import announce, reports_warnings
+from sarrus.results import Listed, Product, Singularities
+
+
+@pytest.mark.parametrize(
+    "found",
+    [Singularities(()), Listed([1, 2]), Product.of(np.array([1.0, 2.0]))],
+    ids=lambda x: type(x).__name__,
+)
+def test_such_a_result_keeps_the_warnings_of_its_analysis(found: Any) -> None:
+    @reports_warnings
+    def analysis(strict: bool = False) -> Any:
+        announce(["m: something is odd."], strict=strict)
+        return found
+
+    with pytest.warns(sr.SarrusWarning, match="something is odd"):
+        result = analysis()
+    assert result.warnings == ("m: something is odd.",)
+    assert found.warnings == ()
+    assert list(result) == list(found)
+    assert len(pickle.loads(pickle.dumps(result))) == len(found)
+    assert isinstance(result, tuple | list | np.ndarray)
+
+
+def test_arithmetic_with_such_an_array_is_plain() -> None:
+    found = Product.of(np.array([1.0, 2.0]))
+    assert type(2 * found) is np.ndarray
+    assert float(found @ found) == 5.0
+    assert np.array_equal(found, [1.0, 2.0])
+
+
+@pytest.mark.parametrize("busy", [False, True])
+def test_compilation_is_announced_only_while_there_is_some(
+    busy: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "PATIENCE", 0.05)
+    monkeypatch.setattr(progress, "AGAIN", 0.05)
+    scope = {"__name__": "numba.core.compiler" if busy else "somewhere", "sleep": time.sleep}
+    exec("def work(): sleep(0.5)", scope)  # a frame as of the compiler
+    with progress.monitor(True):
+        scope["work"]()
+    assert (progress.COMPILING in capsys.readouterr().err) == busy
+    assert not progress.compiles(get_ident())

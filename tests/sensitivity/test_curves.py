@@ -110,7 +110,7 @@ def test_parameters_of_a_file_that_stand_in_functions(tmp_path: Path) -> None:
     names, columns = ["size", "rate", "push"], []
     (tmp_path / "arm.yaml").write_text(ARM)
     run = sr.simulate(
-        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-5, atol=1e-7, store_steps=True
+        sr.System(sr.load(tmp_path / "arm.yaml")), until=0.5, rtol=1e-6, atol=1e-8, store_steps=True
     )
     gradient = sr.sensitivity(run, RESPONSES[:3], names)
     assert abs(gradient.matrix).max(axis=0).min() > 1e-3

@@ -74,7 +74,7 @@ FORCES = [
 def test_forces_between_steps(events: object) -> None:
     """They have as many digits as the motion, and so have their gradients, on both sides of an impact."""
     names, found = ["spring.k", "rod.mass", "pin.point.y", "crank.angular_velocity.x"], []
-    for tolerance in (1e-5, 1e-7, 1e-11):
+    for tolerance in (1e-5, 1e-9, 1e-11):
         settings = {"rtol": tolerance, "atol": tolerance, "method": sr.Radau(), "store_steps": True}
         run = sr.simulate(slider_crank(), until=0.4, events=events, **settings)
         assert len(run.events) == len(events)
@@ -84,7 +84,7 @@ def test_forces_between_steps(events: object) -> None:
     scale = abs(found[-1].matrix).max(axis=1)
     errors = [(abs(one.matrix - found[-1].matrix).max(axis=1) / scale).max() for one in found[:2]]
     assert errors[0] > 8 * errors[1], errors
-    assert errors[1] < 1e-5, errors
+    assert errors[1] < 1e-7, errors
     given = sr.simulate(slider_crank(), until=0.4, events=events, t_eval=[0.013, 0.271], **settings)
     force = [given.reaction("pin").force[1, 2], given.reaction("guide").torque[0, 1]]
     assert found[1].values[[0, 2]] == pytest.approx(force, rel=1e-6, abs=1e-7)

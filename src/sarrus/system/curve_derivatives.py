@@ -90,6 +90,20 @@ class Entries:
                 found[:, k] += np.bincount(flat, (basis * by_curve).reshape(-1), minlength=size)
         return found
 
+    def along_column(self, column: int, moved: Array, height: int) -> Array:
+        """The change of the operator (nt, height) where one number changes differently at every time (nt,)."""
+        found = np.zeros((self._times, height))
+        for rows, slopes, columns, basis in self._parts:
+            found[:, rows] += (slopes * np.sum(basis * (columns == column), axis=0) * moved).T
+        return found
+
+    def by_column(self, column: int, weights: Array) -> Array:
+        """The gradient at every time (nt,) of the operator with weights (nt, height) by one number."""
+        found = np.zeros(self._times)
+        for rows, slopes, columns, basis in self._parts:
+            found += np.sum(basis * (columns == column), axis=0) * np.sum(slopes * weights[:, rows].T, axis=0)
+        return found
+
     def matrix(self, height: int, width: int) -> csr_array:
         """The derivatives at a single time."""
         found = csr_array((height, width))

@@ -13,10 +13,12 @@ from ...algebra import Array
 from ...model import announce
 from ...model.tape import Traced
 from ...outputs import Outputs
-from ...outputs.recording import Angles
+from ...outputs.recording import Angles, Key
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
+from .consistent import READ, ConsistentSampling
+from .consistent_loop import Turned
 from .fine import PARTS, Fine, fine
 from .kinks import layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
@@ -113,9 +115,7 @@ class Evaluation:
     def _add(self, response: Response, given: Sampling | None) -> None:
         """Evaluate one more response, where it is sampled; between its kinks, if there are some within the run."""
         own = fine(response) if self._precise else response
-        where = given or sampling(self._steps, own)
-        outputs = self._outputs_at(where)
-        found = own.evaluate(outputs)
+        where, outputs, found = self._evaluated(own, given or sampling(self._steps, own))
         if outputs.tape.kinks and given:
             self._warn_of_changes(response, outputs)
         elif outputs.tape.kinks and response.pointwise:
@@ -125,9 +125,7 @@ class Evaluation:
             if split.noisy:
                 announce([f"{response.title}: {NOISE}"])
             own = replace(response, name=response.title, panels=split.panels)
-            where = self._sampling_at(split.where)
-            outputs = self._outputs_at(where, list(split.sides))
-            found = own.evaluate(outputs)
+            where, outputs, found = self._evaluated(own, self._sampling_at(split.where), list(split.sides))
         self._responses.append(own)
         self._samplings.append(where)
         self._outputs.append(outputs)
@@ -144,16 +142,33 @@ class Evaluation:
             else Sampling(self._steps, where.t)
         )
 
+    def _evaluated(
+        self, response: Response, where: Sampling, sides: Sequence[Array] = ()
+    ) -> tuple[Sampling, Outputs, Traced]:
+        """A response at the states that a run reports: where nodes are not such states, and it reads more of them."""
+        outputs = self._outputs_at(where, sides)
+        found = response.evaluate(outputs)
+        if self._needs_consistent(response, where, {kind for kind, _ in outputs.inputs}):
+            where = ConsistentSampling(self._system, self._steps, where)
+            outputs = self._outputs_at(where, sides)
+            found = response.evaluate(outputs)
+        return where, outputs, found
+
+    def _needs_consistent(self, response: Response, where: Sampling, read: set[str]) -> bool:
+        """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too."""
+        if not self._precise and read & {"v", "a", "lam"}:
+            return True
+        return response.pointwise and bool(read & set(READ)) and bool(where.between_nodes.any())
+
     def _outputs_at(self, sampling: Sampling, sides: Sequence[Array] = ()) -> Outputs:
-        if self._reported.redundant:
+        if self._reported.redundant and not isinstance(sampling, ConsistentSampling):
             sampling.reported = self._reported
         number, memory = self._parameters.number, sampling.memory
         return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
 
     def _arguments(self, response: Response, where: Where) -> list[Array]:
         """What absolute values are taken of, at given times."""
-        outputs = self._outputs_at(self._sampling_at(where))
-        response.evaluate(outputs)
+        outputs = self._evaluated(response, self._sampling_at(where))[1]
         return [np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks]
 
     def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
@@ -181,9 +196,13 @@ class Evaluation:
     def _asks_for_multipliers(self, n: int) -> bool:
         return any(kind == "lam" for kind, _ in self._outputs[n].inputs)
 
+    def _asks_for_method(self, n: int) -> bool:
+        """Whether a response takes multipliers of a method's nodes."""
+        return self._asks_for_multipliers(n) and not isinstance(self._samplings[n], ConsistentSampling)
+
     def _with_reported(self, dots: Nodes, b: Array) -> Nodes:
         """The changes of states, those of multipliers as far as responses need them as they are reported."""
-        wanted = [s for n, s in enumerate(self._samplings) if self._asks_for_multipliers(n)]
+        wanted = [s for n, s in enumerate(self._samplings) if self._asks_for_method(n)]
         if not (wanted and self._reported.redundant):
             return dots
         rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
@@ -226,12 +245,11 @@ class Evaluation:
     ) -> list[Any]:
         """The change of everything on a response's tape with column k of the changes."""
         outputs, changes = self._outputs[n], {}
+        states = [key for key in outputs.inputs if key[0] in READ]
+        moved = self._samplings[n].all_gathered(states, dots, b, k)
         for (kind, place), variable in outputs.inputs.items():
             numbers = {"b": b, "c": c}.get(kind)
-            moved = (
-                self._samplings[n].gathered(kind, place, dots, k) if numbers is None else numbers[place, k]
-            )
-            changes[variable.at] = moved
+            changes[variable.at] = moved[kind, place] if numbers is None else numbers[place, k]
         if self._samplings[n].moves:
             changes[outputs.t.at] = self._samplings[n].gathered_time(dots, k)
         changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
@@ -256,10 +274,23 @@ class Evaluation:
         at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
         g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
         weights, turned = response.weights(g, sampling.t), response.weights_along(g, sampling.t, g_dot)
-        _, change = outputs.tape.gradient_along({at: weights}, {at: turned}, along)
-        return self._collected(n, change, Nodes.zeros(self._steps, 1), 0)
+        bars, change = outputs.tape.gradient_along({at: weights}, {at: turned}, along)
+        none = Nodes.zeros(self._steps, 1)
+        if not isinstance(sampling, ConsistentSampling):
+            return self._collected(n, change, none, 0)
+        motion = sampling.along(dots, b[:, :1], 0)
+        sources, by_b = sampling.turned(self._by_states(n, bars), motion)
+        nodes, explicit = self._collected(n, change, none, 0, sources)
+        return nodes, replace(explicit, b=explicit.b - by_b[:, None])
 
-    def _collected(self, n: int, bars: list[Any], nodes: Nodes, column: int) -> tuple[Nodes, Explicit]:
+    def _by_states(self, n: int, bars: list[Any]) -> dict[Key, Array]:
+        """Of gradients by the inputs of a tape those by states."""
+        inputs, shape = self._outputs[n].inputs.items(), self._samplings[n].t.shape
+        return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
+
+    def _collected(
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: Turned
+    ) -> tuple[Nodes, Explicit]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
         by_b = np.zeros((len(self._system.b), 1))
@@ -268,7 +299,6 @@ class Evaluation:
             bar = bars[variable.at]
             if kind in ("b", "c"):
                 (by_b if kind == "b" else by_c)[place, 0] += bar
-            else:
-                sampling.spread(kind, place, np.broadcast_to(bar, sampling.t.shape), nodes, column)
+        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return nodes, Explicit(by_b, by_c, [named])

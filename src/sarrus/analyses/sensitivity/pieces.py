@@ -49,6 +49,16 @@ class PieceSampling(Sampling):
         """The times (nt,). [s]"""
         return np.asarray(self._times)
 
+    @property
+    def piece(self) -> Array:
+        """The stretches in which they lie (nt,)."""
+        return self._piece
+
+    @property
+    def between_nodes(self) -> Array:
+        """Which times lie between nodes, or do so where an event comes sooner or later (nt,)."""
+        return np.asarray(super().between_nodes | self._local.any(axis=1))
+
     def _raw(self, name: str) -> Array:
         return self._all.nodes(name)
 

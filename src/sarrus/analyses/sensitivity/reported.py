@@ -98,13 +98,14 @@ class Reported:
     Parameters
     ----------
     system, steps : the run
+    moving : whether events move its nodes in time; by default, whether it has any
     """
 
-    def __init__(self, system: System, steps: StepsTaken | Pieces) -> None:
+    def __init__(self, system: System, steps: StepsTaken | Pieces, moving: bool | None = None) -> None:
         self._system, self._b = system, steps.b.copy()
         self._pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
         timed = any(p.kind.rows and p.kind.timed for p in system.populations)
-        self._moving = timed and isinstance(steps, Pieces)
+        self._moving = timed and (isinstance(steps, Pieces) if moving is None else moving)
         self._known: dict[int, Array] = {}
         self._choices: dict[bytes, MinimumNorm] = {}
 
@@ -133,7 +134,7 @@ class Reported:
             return by_b
         for row in np.flatnonzero(nodes.lam.any(axis=(1, 2))).tolist():
             place = self._place(row)
-            slopes = self._slopes(place)
+            slopes = self.slopes(place)
             if slopes is not None:
                 to = Changes(nodes.q[row], by_b, nodes.shift[place.piece])
                 nodes.lam[row] = slopes.transposed(nodes.lam[row], to)
@@ -144,7 +145,7 @@ class Reported:
         lam = nodes.lam.copy()
         for row in (np.arange(len(lam)) if rows is None else rows).tolist():
             place = self._place(row)
-            slopes = self._slopes(place)
+            slopes = self.slopes(place)
             if slopes is not None:
                 change = Changes(nodes.q[row], b, nodes.shift[place.piece])
                 lam[row] = slopes.along(change, lam[row])
@@ -182,7 +183,8 @@ class Reported:
         except SingularSystem:  # where all choices are dependent runs leave them as they are, too
             return lam
 
-    def _slopes(self, place: Place) -> Slopes | None:
+    def slopes(self, place: Place) -> Slopes | None:
+        """The derivatives at a node; none where all equations are independent, or all choices of them dependent."""
         minimum = self._minimum(place)
         if minimum is None:
             return None

@@ -7,6 +7,7 @@ and v, v that which has v and a; a and λ are linear. All are linear in the node
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from math import perm
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...outputs.recording import States
+from ...outputs.recording import Key, States
 from ...results import RadauSteps, StepsTaken
 from .chain import Nodes
 from .reported import Reported
@@ -71,6 +72,14 @@ class Sampling:
         """Where the times lie."""
         t = self._steps.t
         return _placed(t, np.searchsorted(t, self.t, side="right") - 1, self.t)
+
+    @property
+    def between_nodes(self) -> Array:
+        """Which times lie between nodes (nt,)."""
+        if self._times is None:
+            return np.zeros(len(self.t), dtype=bool)
+        s = self._places.s
+        return np.asarray((s != 0.0) & (s != 1.0))
 
     @property
     def _apart(self) -> bool:
@@ -159,6 +168,12 @@ class Sampling:
             for place, own in enumerate(KINDS):
                 np.add.at(getattr(nodes, own)[:, n, column], first + end, weights[:, row, end, place] * bar)
 
+    def spread_all(self, bars: Mapping[Key, Array], nodes: Nodes, column: int) -> Array:
+        """The same of all coordinates; what they add to the gradient by the numbers, (1, 1) if that is nothing."""
+        for (kind, n), bar in bars.items():
+            self.spread(kind, n, bar, nodes, column)
+        return np.zeros((1, 1))
+
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the times themselves, where they move."""
         raise NotImplementedError
@@ -180,6 +195,10 @@ class Sampling:
             for place, own in enumerate(KINDS):
                 total += weights[:, row, end, place] * getattr(nodes, own)[first + end, n, column]
         return total
+
+    def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
+        """The same of some coordinates, with the change of the numbers (len(b), k)."""
+        return {(kind, n): self.gathered(kind, n, nodes, column) for kind, n in keys}
 
 
 class Near(NamedTuple):

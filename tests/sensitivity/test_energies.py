@@ -108,7 +108,10 @@ def test_derivatives_on_the_tape_are_those_of_elements_recorded_one_by_one() -> 
     """Gradient and its change, of the potential: also of elements that remember their turns."""
     one, other = outputs(), outputs()
     each = [
-        x for p in members(zoo(), "potential") for k in range(p.count) for x in other.told(p, k, "potential")
+        x
+        for p in members(zoo(), "potential")
+        for k in range(p.count)
+        for x in other.scalars(p, k, "potential", 1)
     ]
     assert any(not plain(p) for p in members(zoo(), "potential"))
     found, wanted = one("energy.potential"), sum(each)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-from typing import Any, cast
+from collections.abc import Callable, Iterator
 
 from ..model import Placed
-from ..model.function import NEXT, AxisName, Function, PointCoordinate, Turn
+from ..model.function import AxisName, Function, PointCoordinate, Turn
+from ..model.point import Point
 from ..model.pose import GROUND_POSE
 from ..model.show import quote, suggest
-from ..model.solid import GROUND
+from ..model.solid import GROUND, Solid
 from ..system import System
-from .output import POINT, Level, Output, UnknownOutput, among, provides
+from .output import POINT, Level, Output, UnknownOutput, among, calls, provides
 
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
+ORIGIN = (0.0, 0.0, 0.0)
+MOTION = (("velocity", "m/s", Level.VELOCITY), ("acceleration", "m/s²", Level.ACCELERATION))
 
 
 @provides
@@ -23,82 +24,48 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
     """Position, orientation, velocities and accelerations of bodies."""
     for body in among(system.bodies, part):
         first = system.coordinates_of(body).start
-        for n, word in enumerate((*AXES, *EULER)):
-            unit, element = (
-                ("m", partial(_coordinate, body, cast(AxisName, word), ())) if n < 3 else ("1", None)
-            )
-            yield Output(f"{body}.{word}", unit, partial(_input, first + n), place=first + n, element=element)
-        yield from _motion(body, body, ())
+        for n, word in enumerate(EULER):
+            yield Output(f"{body}.{word}", "1", calls("input", "q", first + 3 + n), place=first + 3 + n)
+        yield from _of_point(body, body, ORIGIN, first)
         for n, axis in enumerate(AXES):
-            turn = Output(f"{body}.angular_velocity.{axis}", "rad/s", partial(_spin, body, n), Level.VELOCITY)
-            yield turn
-        for axis in AXES:
-            yield Output(
-                f"{body}.turn_{axis}",
-                "rad",
-                partial(_turn, body, axis),
-                element=partial(_turning, body, axis),
-            )
+            spin = calls("angular_velocity", body, at=n)
+            yield Output(f"{body}.angular_velocity.{axis}", "rad/s", spin, Level.VELOCITY)
+            yield Output(f"{body}.turn_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis))
 
 
 @provides
 def points(system: System, part: str | None) -> Iterator[Output]:
     """Position, velocity and acceleration of a point of a body: ``rod(0.1, 0, 0).x``."""
     found = POINT.fullmatch(part or "")
-    if found and found["body"] in system.bodies:
-        place = _numbers(system, part or "", found["place"])
-        for n, axis in enumerate(AXES):
-            element = partial(_coordinate, found["body"], axis, place)
-            yield Output(
-                f"{part}.{axis}", "m", partial(_vector, "position", found["body"], place, n), element=element
-            )
-        yield from _motion(str(part), found["body"], place)
-
-
-def _numbers(system: System, part: str, place: str) -> tuple[float, ...]:
+    if not found or found["body"] not in system.bodies:
+        return
     try:
-        x, y, z = (float(number) for number in place.split(","))
+        x, y, z = (float(number) for number in found["place"].split(","))
     except ValueError:
-        raise UnknownOutput(
-            f"{system.name}: {part} is no point. Give three numbers, as in body(0.1, 0, 0).x."
-        ) from None
-    return x, y, z
+        told = f"{system.name}: {part} is no point. Give three numbers, as in body(0.1, 0, 0).x."
+        raise UnknownOutput(told) from None
+    yield from _of_point(str(part), found["body"], (x, y, z))
 
 
-def _motion(part: str, body: str, place: tuple[float, ...]) -> Iterator[Output]:
-    for word, unit, level in (
-        ("velocity", "m/s", Level.VELOCITY),
-        ("acceleration", "m/s²", Level.ACCELERATION),
-    ):
-        for n, axis in enumerate(AXES):
-            yield Output(f"{part}.{word}.{axis}", unit, partial(_vector, word, body, place, n), level)
+def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = None) -> Iterator[Output]:
+    """Those of a point of a body, whose coordinates begin at a place in q if it is the origin."""
+    for n, axis in enumerate(AXES):
+        place = None if first is None else first + n
+        record = calls("position", body, s, at=n) if place is None else calls("input", "q", place)
+        yield Output(f"{part}.{axis}", "m", record, place=place, element=_coordinate(body, s, axis))
+        for word, unit, level in MOTION:
+            yield Output(f"{part}.{word}.{axis}", unit, calls(word, body, s, at=n), level)
 
 
-def _input(place: int, o: Any) -> Any:
-    return o.input("q", place)
+def _coordinate(body: str, s: tuple[float, ...], axis: AxisName) -> Callable[[System], Placed]:
+    return lambda system: placed(system, PointCoordinate(Point(_solid(system, body), s), axis))
 
 
-def _vector(word: str, body: str, place: tuple[float, ...], axis: int, o: Any) -> Any:
-    return getattr(o, word)(body, place or (0, 0, 0))[axis]
+def _turn(body: str, axis: AxisName) -> Callable[[System], Placed]:
+    return lambda system: placed(system, Turn(_solid(system, body), axis))
 
 
-def _spin(body: str, axis: int, o: Any) -> Any:
-    return o.angular_velocity(body)[axis]
-
-
-def _turn(body: str, axis: AxisName, o: Any) -> Any:
-    return o.turn(body, *(AXES.index(name) for name in NEXT[axis]))
-
-
-def _coordinate(body: str, axis: AxisName, place: tuple[float, ...], system: System) -> Placed:
-    return placed(system, PointCoordinate(_body(system, body).point(*(place or (0, 0, 0))), axis))
-
-
-def _turning(body: str, axis: AxisName, system: System) -> Placed:
-    return placed(system, Turn(_body(system, body), axis))
-
-
-def _body(system: System, name: str) -> Any:
+def _solid(system: System, name: str) -> Solid:
     return next(body for body in system.model.bodies if body.name == name)
 
 
@@ -113,7 +80,7 @@ def placed(system: System, function: Function) -> Placed:
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in system.model.bodies}}
     number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
     element, names, values, label = function.primitive(poses)
-    unknown = [body for body in names if body not in number]
-    if unknown:
-        raise UnknownOutput(f"{function.label} is of {quote(unknown[0])}; {suggest(unknown[0], number)}")
+    for body in names:
+        if body not in number:
+            raise UnknownOutput(f"{function.label} is of {quote(body)}; {suggest(body, number)}")
     return Placed(element, tuple(number[body] for body in names), values, function.label, label)

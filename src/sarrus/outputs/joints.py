@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-from typing import Any
+from collections.abc import Callable, Iterator
 
 from ..model import Placed, blueprint
 from ..system import System
 from .bodies import AXES
-from .output import Level, Output, among, provides
+from .output import Level, Output, among, calls, provides
 
 
 @provides
@@ -19,30 +17,22 @@ def coordinates(system: System, part: str | None) -> Iterator[Output]:
     for name, angle in zip(every.names, every.angles, strict=True):
         if part in (None, name.partition(".")[0]):
             unit = "rad" if angle else "m"
-            yield Output(name, unit, partial(_coordinate, name), element=partial(_placed, name))
-            yield Output(f"{name}.rate", f"{unit}/s", partial(_coordinate, name, rate=True), Level.VELOCITY)
+            yield Output(name, unit, calls("joint", name), element=_placed(name))
+            yield Output(f"{name}.rate", f"{unit}/s", calls("joint", name, rate=True), Level.VELOCITY)
 
 
 @provides
 def reactions(system: System, part: str | None) -> Iterator[Output]:
     """Forces, torques and multipliers of joints and drivers."""
     for joint in among(system.rows, part):
-        for word, unit in (("force", "N"), ("torque", "N m")):
-            for n, axis in enumerate(AXES):
-                record = partial(_reaction, word, joint, n)
-                yield Output(f"{joint}.{word}.{axis}", unit, record, Level.ACCELERATION)
-        for n in range(len(system.rows[joint])):
-            record = partial(_reaction, "multiplier", joint, n)
-            yield Output(f"{joint}.multiplier.{n + 1}", "", record, Level.ACCELERATION)
+        numbers = [str(n + 1) for n in range(len(system.rows[joint]))]
+        for word, unit, names in (("force", "N", AXES), ("torque", "N m", AXES), ("multiplier", "", numbers)):
+            for n, name in enumerate(names):
+                yield Output(f"{joint}.{word}.{name}", unit, calls(word, joint, at=n), Level.ACCELERATION)
 
 
-def _coordinate(name: str, o: Any, rate: bool = False) -> Any:
-    return o.joint(name, rate=rate)
+def _placed(name: str) -> Callable[[System], Placed]:
+    def element(system: System) -> Placed:
+        return next(one for one in blueprint(system.model).coordinates if f"{one.owner}.{one.label}" == name)
 
-
-def _reaction(word: str, joint: str, n: int, o: Any) -> Any:
-    return getattr(o, word)(joint)[n]
-
-
-def _placed(name: str, system: System) -> Placed:
-    return next(one for one in blueprint(system.model).coordinates if f"{one.owner}.{one.label}" == name)
+    return element

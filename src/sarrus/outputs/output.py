@@ -77,6 +77,16 @@ def outputs_of(system: System, part: str | None = None) -> Iterator[Output]:
     return (output for provider in PROVIDERS for output in provider(system, part))
 
 
+def calls(method: str, *args: Any, at: int | None = None, **options: Any) -> Callable[[Any], Any]:
+    """What a method of `Outputs` returns, or one component of it, as the record of an output."""
+
+    def record(o: Any) -> Any:
+        found = getattr(o, method)(*args, **options)
+        return found if at is None else found[at]
+
+    return record
+
+
 def among(names: Iterable[str], part: str | None) -> list[str]:
     """All names, or the one that is asked for."""
     return [name for name in names if part in (None, name)]

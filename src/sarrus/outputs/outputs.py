@@ -13,6 +13,7 @@ from ..elements import Dot1, Dot2, Heading, Normalization
 from ..euler import A, B, E
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
+from ..model.function import NEXT
 from ..model.marker import Marker
 from ..model.solid import GROUND
 from ..model.tape import Traced, own
@@ -123,10 +124,10 @@ class Outputs(EnergyRecording):
         """Angular velocity in global axes, 2 E(p) ṗ (3,). [rad/s]"""
         return np.asarray(2 * (E(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
 
-    def turn(self, body: str, first: int, second: int) -> Any:
-        """The angle from a global axis to the same axis of a body, in the plane of two global axes. [rad]"""
-        matrix = A(self.vector("q", body)[3:])
-        at = self.system.coordinates_of(body)
+    def turn(self, body: str, axis: str) -> Any:
+        """The angle by which a body is turned about a global axis, with all turns; see `model.function.Turn`. [rad]"""
+        first, second = ("xyz".index(other) for other in NEXT[axis])
+        matrix, at = A(self.vector("q", body)[3:]), self.system.coordinates_of(body)
         nodes = np.array([A(q[at][3:]) for q in self._angles.nodes.q])
         known = np.unwrap(np.arctan2(nodes[:, second, first], nodes[:, first, first]))
         found = np.arctan2(matrix[second, first], matrix[first, first])

@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..system import System
-from .output import Level, Output, provides
+from .output import Level, Output, calls, provides
 
 
 @provides
-def time(system: System, part: str | None) -> Iterator[Output]:
-    """``t``."""
+def totals(system: System, part: str | None) -> Iterator[Output]:
+    """``t``, ``energy.kinetic``, ``energy.potential`` and ``energy.total``."""
     if part in (None, "t"):
         yield Output("t", "s", lambda o: o.t)
-
-
-@provides
-def energies(system: System, part: str | None) -> Iterator[Output]:
-    """``energy.kinetic``, ``energy.potential`` and ``energy.total``."""
     if part in (None, "energy"):
-        yield Output("energy.kinetic", "J", lambda o: o.kinetic_energy(), Level.VELOCITY)
-        yield Output("energy.potential", "J", lambda o: o.potential_energy())
+        yield Output("energy.kinetic", "J", calls("kinetic_energy"), Level.VELOCITY)
+        yield Output("energy.potential", "J", calls("potential_energy"))
         yield Output("energy.total", "J", lambda o: o.kinetic_energy() + o.potential_energy(), Level.VELOCITY)

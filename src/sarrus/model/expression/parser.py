@@ -171,13 +171,13 @@ class _Parser:
         return Number(CONSTANTS[path], written=path) if path in CONSTANTS else Name(path)
 
     def _steps(self) -> str:
-        """The steps of a path, ``.force.x``; the last may be a number, ``.multiplier.1``."""
+        """The steps of a path, ``.force.x``; a step may be a number, ``.multiplier.1``."""
         path = ""
-        while self._taken("."):
-            path += "." + self._step()
-        if path and self._next.kind == "number" and NUMBERED.fullmatch(self._next.text):
-            path += self._next.text
-            self.at += 1
+        while (
+            numbered := self._next.kind == "number" and NUMBERED.fullmatch(self._next.text)
+        ) or self._taken("."):
+            path += self._next.text if numbered else "." + self._step()
+            self.at += bool(numbered)
         return path
 
     def _step(self) -> str:

@@ -55,6 +55,9 @@ CLEAN = (
 
 # expressions that may contain a retired word: the only exceptions
 ALLOWED = {
+    '"keep_steps": "store_steps"': "a deprecated spelling",
+    "def sentence(self)": "a deprecated spelling",
+    'warn_deprecated("sentence"': "a deprecated spelling",
     "-march=native": "an option of gcc",
     "exudyn_told.py": "a file of the benchmarks",
     "lane_room.py": "a file, until it is renamed",

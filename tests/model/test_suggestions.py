@@ -8,7 +8,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.model.drivers import Driver
-from sarrus.model.file.sentences import MEANT
+from sarrus.model.file.validation_messages import MEANT
 from sarrus.model.forces import Force
 from sarrus.model.joints import Joint
 from sarrus.model.show import suggest

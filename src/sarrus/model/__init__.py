@@ -1,4 +1,4 @@
-"""What a person says: bodies, points, frames, joints, drivers, forces, and the model file."""
+"""The user's model: bodies, points, frames, joints, drivers, forces, and the model file."""
 
 from .announcement import announce as announce
 from .announcement import collected as collected

@@ -168,7 +168,7 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
         try:
             given = signature.bind(*args, **kwargs).arguments
         except TypeError:
-            return  # the call itself says what is wrong
+            return  # the call itself raises the error
         for name in known.keys() & given.keys():
             test, default = known[name]
             if given[name] is not default:

@@ -1,4 +1,4 @@
-"""What the system layer takes: a checked model with numbered bodies, elements and plain values."""
+"""The input of the system layer: a checked model with numbered bodies, elements and plain values."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Blueprint:
     placed
         The elements: joints first, then drivers, inertia, gravity and forces.
     coordinates
-        The elements that measure the angles and travels of joints; they are no part of the equations.
+        The elements that compute the angles and displacements of joints; they are no part of the equations.
     """
 
     name: str
@@ -83,9 +83,9 @@ def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
         _check_bodies(element, bodies, index)
         _check_values(element, values)
     except ModelError as wrong:
-        told = f"its element {element.__name__} ({label}) {wrong.message}"
+        message = f"its element {element.__name__} ({label}) {wrong.message}"
         part = part_name((_section(piece.owner, model), piece.owner))
-        raise ModelError(told, part=part, field=wrong.field, where=model.where(piece.owner)) from None
+        raise ModelError(message, part=part, field=wrong.field, where=model.where(piece.owner)) from None
     return Placed(element, tuple(index[name] for name in bodies), values, piece.owner, label)
 
 
@@ -99,16 +99,16 @@ def _check_bodies(element: type[Element], bodies: tuple[str, ...], index: dict[s
     given: tuple[Any, ...] = bodies
     for name in given:
         if not isinstance(name, str):
-            told = f"its bodies must be names, but one is {show(name)}"
-            raise ModelError(f"{told}; give body.name for a Body", field="bodies")
+            message = f"its bodies must be names, but one is {show(name)}"
+            raise ModelError(f"{message}; give body.name for a Body", field="bodies")
         find(name, index, "bodies")
 
 
 def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
     kinds = {name: kind for name, kind in element.fields.items() if kind != "Time"}
     if len(values) != len(kinds):
-        told = f"takes {len(kinds)} values ({', '.join(kinds)}), but is given {len(values)}"
-        raise ModelError(f"{told}; give one for each")
+        message = f"takes {len(kinds)} values ({', '.join(kinds)}), but is given {len(values)}"
+        raise ModelError(f"{message}; give one for each")
     for (name, kind), value in zip(kinds.items(), values, strict=True):
         if kind == "Curve":
             if not callable(getattr(value, "numbers", None)):

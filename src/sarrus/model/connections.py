@@ -1,4 +1,4 @@
-"""Whether the bodies, points and frames that a joint or force is given are such, before they are asked for anything."""
+"""Type checks of the bodies, points and frames of joints and forces, before they are used."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def check_connections(part: Any) -> None:
         value = getattr(part, field)
         if not isinstance(value, kinds):
             wanted = [WANTED[kind] for kind in kinds if kind in WANTED]
-            told = " or ".join(words for words, _ in wanted)
+            message = " or ".join(words for words, _ in wanted)
             remedy = " or ".join(words for _, words in wanted)
-            raise ModelError(f"{field} must be {told}, but is {kind_of(value)}; {remedy}", field=field)
+            raise ModelError(f"{field} must be {message}, but is {kind_of(value)}; {remedy}", field=field)
 
 
 @cache
@@ -53,7 +53,7 @@ def _members(hint: Any) -> tuple[type, ...]:
 
 
 def kind_of(value: Any) -> str:
-    """A value for a sentence: plain values as they are, anything else by its class."""
+    """A value for a message: plain values as they are, anything else by its class."""
     if value is None or isinstance(value, str | bool | int | float | list | tuple | dict):
         return show(value)
     article = "an" if type(value).__name__[0] in "AEIOU" else "a"

@@ -1,4 +1,4 @@
-"""Coordinates of joints: angles and travels that can be read, driven and coupled."""
+"""Coordinates of joints: angles and displacements that can be output, driven and coupled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the coordinates of a body stand in q."""
+"""The indices of a body's coordinates in q."""
 
 from __future__ import annotations
 

@@ -50,8 +50,8 @@ class Curve:
         given: tuple[Any, Any] = self.knots, self.cubics
         whole = all(map(is_list, given)) and len(self.knots) == len(self.cubics) + 1 > 1
         if not whole or not all(is_list(cubic) and len(cubic) == 4 for cubic in self.cubics):
-            told = "a curve has one knot more than cubics of four coefficients"
-            raise ModelError(f"{told}. Make one of a table with Curve.table([[x, y], ...]).", part="curve")
+            message = "a curve has one knot more than cubics of four coefficients"
+            raise ModelError(f"{message}. Make one of a table with Curve.table([[x, y], ...]).", part="curve")
 
     @classmethod
     def constant(cls, value: float) -> Curve:
@@ -135,8 +135,8 @@ class Formula:
     def __post_init__(self) -> None:
         given: Any = self.function
         if not callable(given):
-            told = f"Formula takes a function of one number, got {show(given)}"
-            raise TypeError(f"{told}. Give a function, as in Formula(lambda x: 3 * x), or a number alone.")
+            message = f"Formula takes a function of one number, got {show(given)}"
+            raise TypeError(f"{message}. Give a function, as in Formula(lambda x: 3 * x), or a number alone.")
 
     def numbers(self, field: str = "formula") -> tuple[float, ...]:
         """Return the stored steps.
@@ -149,15 +149,15 @@ class Formula:
         """
         try:
             found, again = program(self.function), program(self.function)
-        except (TypeError, ValueError, AttributeError, ArithmeticError) as trouble:
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             raise ModelError(
-                f"{field} cannot be used as a formula: {trouble}; or give a table", field=field
+                f"{field} cannot be used as a formula: {error}; or give a table", field=field
             ) from None
         if not np.all(np.isfinite(found)):
             raise ModelError(f"{field} holds a number that is not finite; take it out", field=field)
         if found != again:
-            told = f"{field} is another function each time it is called, as with random numbers"
-            raise ModelError(f"{told}; draw the numbers first, and give a table of them", field=field)
+            message = f"{field} is another function each time it is called, as with random numbers"
+            raise ModelError(f"{message}; draw the numbers first, and give a table of them", field=field)
         return found
 
     def __call__(self, x: float) -> float:
@@ -203,8 +203,8 @@ def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
         raise ModelError(f"{field} must have at least two points, but has {len(rows)}; {_PAIRS}", field=field)
     for before, after in pairwise(xs):
         if after <= before:
-            told = f"{field} must have rising x, but {show(after)} follows {show(before)}"
-            raise ModelError(f"{told}; sort the pairs and remove repeated x", field=field)
+            message = f"{field} must have rising x, but {show(after)} follows {show(before)}"
+            raise ModelError(f"{message}; sort the pairs and remove repeated x", field=field)
     return xs, ys
 
 

@@ -12,18 +12,18 @@ class SarrusError(Exception):
 class ModelError(SarrusError, ValueError):
     """An invalid model, described by one message.
 
-       Parameters
-       ----------
-       sentence
-    is wrong, and what to do instead.
-       part
-           The part it is about, for example ``body "rod"``.
-       field
-           The name of the wrong field of that part, for example ``mass``.
-       where
-           File and line, ``model.yaml:6``, when the model came from a file.
-       more
-           How many further errors were found beside this one.
+    Parameters
+    ----------
+    message
+        What is wrong, and what to do.
+    part
+        The part that the message is about, for example ``body "rod"``.
+    field
+        The name of the wrong field of that part, for example ``mass``.
+    where
+        File and line, ``model.yaml:6``, if the model is from a file.
+    more
+        The number of further errors.
     """
 
     def __init__(

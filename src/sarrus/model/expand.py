@@ -100,8 +100,8 @@ def _check_lists(model: Model) -> None:
         with findings.about():
             given: Any = parts
             if not isinstance(given, Collection) or isinstance(given, str | Mapping):
-                told = f"{section} must be a list, but is {kind_of(given)}; write [...] around it"
-                raise ModelError(told, field=section)
+                message = f"{section} must be a list, but is {kind_of(given)}; write [...] around it"
+                raise ModelError(message, field=section)
     findings.raise_first()
 
 
@@ -116,8 +116,8 @@ def _check_title(model: Model) -> None:
 def _check_kind(part: Any, section: str) -> None:
     kind = KINDS[section]
     if not isinstance(part, kind):
-        told = f"is a {type(part).__name__} among the {section}; list only {kind.__name__} objects there"
-        raise ModelError(told)
+        message = f"is a {type(part).__name__} among the {section}; list only {kind.__name__} objects there"
+        raise ModelError(message)
 
 
 def _check_new(name: str, seen: dict[str, str], section: str) -> None:

@@ -1,4 +1,4 @@
-"""Errors of several parts, collected so that the first can say how many there are."""
+"""Errors of several parts, collected so that the first can give their number."""
 
 from __future__ import annotations
 

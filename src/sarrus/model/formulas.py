@@ -1,4 +1,4 @@
-"""The parameters of a model, and the formulas that give numbers of the model from them."""
+"""The parameters of a model file, and the formulas that compute other parameters from them."""
 
 from __future__ import annotations
 

@@ -67,7 +67,9 @@ def frame_axes(x: Vector | None, z: Vector | None, field: str) -> Array:
 def _across(f: Array, h: Array, field: str) -> Array:
     slope = plain(f @ h)
     if abs(slope) > PERPENDICULAR:
-        told = f"{field} has axes x and z that are not perpendicular, the cosine between them is {slope:.6g}"
-        raise ModelError(f"{told}; leave x out, or make it perpendicular to z", field=field)
+        message = (
+            f"{field} has axes x and z that are not perpendicular, the cosine between them is {slope:.6g}"
+        )
+        raise ModelError(f"{message}; leave x out, or make it perpendicular to z", field=field)
     across: Array = f - slope * h
     return across / np.linalg.norm(across)

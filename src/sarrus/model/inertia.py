@@ -60,16 +60,16 @@ def _from_entries(given: Mapping[str, float]) -> Array:
 
 def _check_symmetric(J: Array) -> None:
     if np.max(np.abs(J - J.T)) > TOLERANCE * np.max(np.abs(J)):
-        told = "inertia must be symmetric, but its entries above and below the diagonal differ"
-        raise ModelError(f"{told}; {_FORMS}", field="inertia")
+        message = "inertia must be symmetric, but its entries above and below the diagonal differ"
+        raise ModelError(f"{message}; {_FORMS}", field="inertia")
 
 
 def _check_principal(moments: list[float]) -> None:
     least, middle, largest = moments
-    told = f"its principal moments are {least:.6g}, {middle:.6g}, {largest:.6g}"
+    message = f"its principal moments are {least:.6g}, {middle:.6g}, {largest:.6g}"
     if least <= 0 or not np.isfinite(largest):
         remedy = "give a full body's inertia about its centre of mass in kg m²"
-        raise ModelError(f"inertia must be positive definite, but {told}; {remedy}", field="inertia")
+        raise ModelError(f"inertia must be positive definite, but {message}; {remedy}", field="inertia")
     if least + middle < largest * (1 - TOLERANCE):
         remedy = "check the numbers, no mass distribution has one moment above the sum of the others"
-        raise ModelError(f"inertia breaks the triangle inequality, {told}; {remedy}", field="inertia")
+        raise ModelError(f"inertia breaks the triangle inequality, {message}; {remedy}", field="inertia")

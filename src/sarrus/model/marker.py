@@ -18,7 +18,7 @@ from .solid import GROUND
 class Marker(NamedTuple):
     """Names of body i and j, the joint's point on each in body axes [m], and its axes f, g, h on body i as columns.
 
-    `joint` is the joint whose place this is. Of a coupling, which acts on the bodies of two joints, `pair` says
+    `joint` is the joint whose place this is. Of a coupling, which acts on the bodies of two joints, `pair` is
     which two of its four bodies are those of this joint.
     """
 
@@ -76,7 +76,7 @@ def marker(model: Model, name: str) -> Marker:
 
 
 def _pair(model: Model, name: str, follower: str) -> int:
-    """Which pair of a coupling's bodies is that of the joint that follows: travels come before angles."""
+    """Whether the pair of bodies of a coupling is that of the second joint: displacements come before angles."""
     plan, (joint, _, word) = blueprint(model), follower.partition(".")
     element = next(p.element for p in plan.placed if p.owner == name)
     own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]

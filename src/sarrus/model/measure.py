@@ -1,7 +1,7 @@
-"""What a number of a part measures: the declaration that stands beside a field's type.
+"""The physical quantity of a numeric field: a declaration beside the field's type.
 
-``mass: Annotated[float, In("kg")]`` says that a model file may give the mass in any unit of mass, and that a formula
-for it must not come out in metres.
+``mass: Annotated[float, In("kg")]`` declares that a model file may give the mass in any unit of mass, and
+that a formula for it must not have the unit metre.
 """
 
 from __future__ import annotations

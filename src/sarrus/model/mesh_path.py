@@ -1,4 +1,4 @@
-"""Which mesh files a model may name: those in its folder and below, and in folders that the user lists."""
+"""The mesh files that a model may name: those in its folder and below, and in folders that the user lists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A model: what a person says about a mechanism."""
+"""The class Model: the user's description of a mechanism."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Model:
     origin
         The file that the model was read from.
     formulas
-        The parameters of that file, and the formulas that give numbers of the model from them.
+        The parameters of that file, and the formulas that compute other parameters from them.
     rates
         Initial rates of joints, ``{"pin": 5.0, "sleeve.travel": 0.2}`` [rad/s], [m/s]: `assemble` completes the
         velocities of all bodies by them.
@@ -91,8 +91,8 @@ class Model:
             with findings.about("bodies", body.name):
                 shape: object = body.shape
                 if not isinstance(shape, Shape | None):
-                    told = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}; give one"
-                    raise ModelError(told, field="shape")
+                    message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}; give one"
+                    raise ModelError(message, field="shape")
                 if body.shape is not None:
                     found.append(body.shape.look(body.name, self._folder(body.name)))
         findings.raise_first()

@@ -1,4 +1,4 @@
-"""How a branch of a tree moves: it turns, slides, turns about a point, or is free; and its velocity, exactly."""
+"""The motions of a branch of a tree: rotating, sliding, rotating about a point, or free; with exact velocities."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Motion(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Turn(Motion):
-    """A turn [rad] about the unit ``axis`` through ``point`` [m], both in the frame that turns."""
+    """A rotation [rad] about the unit ``axis`` through ``point`` [m], both in the frame that rotates."""
 
     axis: Array
     point: Array

@@ -1,4 +1,4 @@
-"""Names of parts: what they may look like, and what to say when one is not known."""
+"""Names of parts: their form, and suggestions for unknown names."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def matches(pattern: str, text: object) -> bool:
 def check_name(name: object) -> None:
     """Raise a ModelError if ``name`` is not a name that a path like ``rod.mass`` can hold."""
     if not matches(NAME, name):
-        told = f"its name must be letters, digits, _ and -, starting with a letter, but is {show(name)}"
-        raise ModelError(f"{told}; rename it")
+        message = f"its name must be letters, digits, _ and -, starting with a letter, but is {show(name)}"
+        raise ModelError(f"{message}; rename it")
 
 
 def find(name: str, known: Mapping[str, Value], field: str) -> Value:

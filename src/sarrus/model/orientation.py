@@ -1,4 +1,4 @@
-"""How a body is turned in its initial pose: four ways to say it, one answer (Euler parameters)."""
+"""The orientation of a body in its initial pose: four ways to give it, converted to Euler parameters."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def _from_parameters(value: Any) -> Array:
     p = np.array(numbers(value, 4, "orientation", _FOUR))
     length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
     if abs(length - 1) > TOLERANCE:
-        told = f"orientation must be unit Euler parameters, but their length is {length:.9g}; {_FOUR}"
-        raise ModelError(told, field="orientation")
+        message = f"orientation must be unit Euler parameters, but their length is {length:.9g}; {_FOUR}"
+        raise ModelError(message, field="orientation")
     return np.asarray(p / length)
 
 
@@ -74,11 +74,11 @@ def _from_matrix(value: Any) -> Array:
     A = np.array([numbers(row, 3, "orientation", _NINE) for row in value])
     given = values_of(A)
     if np.max(np.abs(given.T @ given - np.eye(3))) > TOLERANCE:
-        told = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
-        raise ModelError(f"{told}; {_NINE}", field="orientation")
+        message = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
+        raise ModelError(f"{message}; {_NINE}", field="orientation")
     if np.linalg.det(given) < 0:
-        told = "orientation must be a right-handed rotation matrix, but its determinant is -1"
-        raise ModelError(f"{told}; turn one column round", field="orientation")
+        message = "orientation must be a right-handed rotation matrix, but its determinant is -1"
+        raise ModelError(f"{message}; turn one column round", field="orientation")
     return rotation.parameters(A)
 
 
@@ -90,16 +90,16 @@ def _from_axis_angle(turn: AxisAngle) -> Array:
 
 def _from_euler_angles(turn: EulerAngles) -> Array:
     angles = _about("orientation", vector, turn.angles, "angles")
-    turns = [_turn(axis, angle) for axis, angle in zip(_sequence(turn.sequence), angles, strict=True)]
-    return reduce(rotation.product, turns)
+    rotations = [_turn(axis, angle) for axis, angle in zip(_sequence(turn.sequence), angles, strict=True)]
+    return reduce(rotation.product, rotations)
 
 
 def _sequence(given: Any) -> str:
     letters = given if isinstance(given, str) else ""
     repeats = any(a == b for a, b in pairwise(letters))
     if len(letters) != 3 or set(letters) - set("xyz") or repeats:
-        told = f'orientation sequence must be three axes like "xyz" or "zxz", but is {show(given)}'
-        raise ModelError(f"{told}; no axis may follow itself", field="orientation")
+        message = f'orientation sequence must be three axes like "xyz" or "zxz", but is {show(given)}'
+        raise ModelError(f"{message}; no axis may follow itself", field="orientation")
     return letters
 
 

@@ -1,4 +1,4 @@
-"""Where the parts of a model stand in its file, so that errors can name the line."""
+"""The lines of a model's parts in its file, for errors."""
 
 from __future__ import annotations
 

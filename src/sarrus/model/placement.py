@@ -38,8 +38,8 @@ def points_apart(point_i: Point, point_j: Point, poses: Poses) -> Points:
     refuse_same_body(points.i.body, points.j.body, "point_j")
     apart = points.j.position(poses) - points.i.position(poses)
     if np.linalg.norm(apart) < SMALLEST_LENGTH:
-        told = "has zero length, its two points coincide in the initial pose; move one of them"
-        raise ModelError(told, field="point_i")
+        message = "has zero length, its two points coincide in the initial pose; move one of them"
+        raise ModelError(message, field="point_i")
     return points
 
 
@@ -112,8 +112,10 @@ def _all_given(needed: Mapping[str, Vector | None]) -> Vector:
     """Return the point among the needed entries, or raise a ModelError if one of them is missing."""
     for field, value in needed.items():
         if value is None:
-            told = f"{field} is missing; give {' and '.join(needed)} in global axes, or a frame on each body"
-            raise ModelError(told)
+            message = (
+                f"{field} is missing; give {' and '.join(needed)} in global axes, or a frame on each body"
+            )
+            raise ModelError(message)
     point = needed["point"]
     assert point is not None
     return point
@@ -141,11 +143,11 @@ def refuse_same_body(body_i: str, body_j: str, field: str) -> None:
         raise ModelError(f"connects {quote(body_i)} to itself; name two different bodies", field=field)
 
 
-def refuse_other_body(said: Solid | None, found: str, field: str) -> None:
+def refuse_other_body(named: Solid | None, found: str, field: str) -> None:
     """Raise a ModelError if a point or frame is not on the body that the part names."""
-    if said is not None and said.name != found:
-        told = f"{field} is on {quote(found)}, but the body named is {quote(said.name)}; name one of them"
-        raise ModelError(told, field=field)
+    if named is not None and named.name != found:
+        message = f"{field} is on {quote(found)}, but the body named is {quote(named.name)}; name one of them"
+        raise ModelError(message, field=field)
 
 
 def refuse_both(given: Mapping[str, object], others: str) -> None:

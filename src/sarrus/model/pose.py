@@ -1,4 +1,4 @@
-"""Where a body is at the start: origin, Euler parameters and the rotation matrix."""
+"""The initial pose of a body: origin, Euler parameters and the rotation matrix."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
     taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)
     if taken is not None:
-        told = f"{field} {quote(text)}: {variable} counts as a unit, the tonne, in {quote(taken)}"
-        raise ModelError(f"{told}; write a space on each side of the sign before {variable}", field=field)
+        message = f"{field} {quote(text)}: {variable} counts as a unit, the tonne, in {quote(taken)}"
+        raise ModelError(f"{message}; write a space on each side of the sign before {variable}", field=field)
     return tree
 
 

@@ -1,4 +1,4 @@
-"""What joints and forces are made of: an element's class, names of bodies, plain values."""
+"""The parts of joints and forces: an element's class, names of bodies, plain values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class Primitive(NamedTuple):
     """One element of the equations of motion, before bodies have numbers.
 
     ``element`` is a class of ``sarrus.elements`` or of one's own; ``values`` follow its declared
-    fields; ``label`` tells the primitives of one joint apart, as in ``pin: f_i.h_j``.
+    fields; ``label`` distinguishes the primitives of one joint, as in ``pin: f_i.h_j``.
     """
 
     element: type[Element]

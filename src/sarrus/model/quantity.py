@@ -24,7 +24,7 @@ SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 def number(value: Any, field: str, remedy: str = "give one finite number") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
     if isinstance(value, Traced):
-        return value  # type: ignore[return-value]  # stands for a number that was checked
+        return value  # type: ignore[return-value]  # represents a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise ModelError(f"{field} must be a number, but is {show(value)}; {remedy}", field=field)
     try:
@@ -58,8 +58,8 @@ def numbers(value: Any, count: int, field: str, remedy: str) -> tuple[float, ...
     """Return ``value`` as ``count`` finite floats, or raise a ModelError about ``field``."""
     entries = _entries(value, field, remedy)
     if len(entries) != count:
-        told = f"{field} must have {count} numbers, but has {len(entries)}; {remedy}"
-        raise ModelError(told, field=field)
+        message = f"{field} must have {count} numbers, but has {len(entries)}; {remedy}"
+        raise ModelError(message, field=field)
     return tuple(number(entry, field, remedy) for entry in entries)
 
 
@@ -74,8 +74,8 @@ def direction(value: Any, field: str) -> Array:
     given = np.array(vector(value, field))
     largest = float(np.max(np.abs(values_of(given))))
     if largest < SMALLEST_LENGTH:
-        told = f"{field} has zero length; give three numbers that are not all zero, for example [0, 0, 1]"
-        raise ModelError(told, field=field)
+        message = f"{field} has zero length; give three numbers that are not all zero, for example [0, 0, 1]"
+        raise ModelError(message, field=field)
     scaled = given / largest
     return np.asarray(scaled / np.linalg.norm(scaled))
 

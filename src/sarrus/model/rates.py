@@ -1,4 +1,4 @@
-"""Initial rates of joints: what a model says of them, checked."""
+"""Initial rates of joints in a model, checked."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def check_rates(model: Model, known: Known, findings: Findings) -> None:
 
 def _check_mapping(given: Any) -> None:
     if not isinstance(given, Mapping):
-        told = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}; write one'
-        raise ModelError(told, field=SECTION)
+        message = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}; write one'
+        raise ModelError(message, field=SECTION)
 
 
 def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Origin | None) -> None:
@@ -56,11 +56,11 @@ def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Ori
         unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
         with findings.about(SECTION, name):
             if tree.names():
-                told = f"rates: {name} depends on {quote(tree.names()[0])}; give a number in {unit}"
-                raise ModelError(told, field=SECTION)
+                message = f"rates: {name} depends on {quote(tree.names()[0])}; give a number in {unit}"
+                raise ModelError(message, field=SECTION)
             if not fits(found := unit_of(tree, {}), unit):
-                told = f"rates: {name} is in {unit_text(found or {})}; give it in {unit}"
-                raise ModelError(told, field=SECTION)
+                message = f"rates: {name} is in {unit_text(found or {})}; give it in {unit}"
+                raise ModelError(message, field=SECTION)
     findings.raise_first()
 
 

@@ -1,4 +1,4 @@
-"""What a body looks like, where somebody gives it: for pictures alone, never used in an equation."""
+"""The shape of a body, if given: for pictures only, never used in an equation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Shape:
     Parameters
     ----------
     file
-        Of a mesh: .stl, .obj, .gltf, .glb or .dae. A model file names it from the folder that it stands in itself.
+        Of a mesh: .stl, .obj, .gltf, .glb or .dae. In a model file the path is relative to the folder of that file.
     scale
         What the mesh's numbers are multiplied by to give metres: 0.001 for millimetres.
     position
@@ -53,7 +53,7 @@ class Look(NamedTuple):
     """Something that a body is drawn with, at a pose in body axes.
 
     ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as URDF has them [m], for a mesh the scale;
-    ``color`` is ``"#rrggbb"`` or empty; ``wrong`` says why its file is not read.
+    ``color`` is ``"#rrggbb"`` or empty; ``wrong`` is the reason why its file is not read.
     """
 
     body: str

@@ -13,7 +13,7 @@ MOST_SOUGHT = 1000  # names that a misspelt one is compared with
 
 
 def show(value: Any) -> str:
-    """Return a short description of ``value`` for a sentence."""
+    """Return a short description of ``value`` for a message."""
     if value is None:
         return "empty"
     if isinstance(value, bool):

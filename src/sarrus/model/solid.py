@@ -68,7 +68,7 @@ ground = Ground()
 
 
 def refuse_no_solid(value: object, field: str) -> None:
-    """Raise a ModelError if something else stands where a body or the ground should, such as a body's name."""
+    """Raise a ModelError if a value is neither a body nor the ground, such as a body's name."""
     if not isinstance(value, Solid):
-        told = f"{field} must be on a body, but is {show(value)}; give the Body object (or sarrus.ground)"
-        raise ModelError(told, field=field)
+        message = f"{field} must be on a body, but is {show(value)}; give the Body object (or sarrus.ground)"
+        raise ModelError(message, field=field)

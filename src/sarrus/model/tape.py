@@ -131,11 +131,11 @@ class Tape:
         )
         if not any(_moves(dot) for dot in moved):
             return [0.0] * len(own)
-        told = operation(op)
-        if told.turned is not None:
-            whole = told.turned(moved)
+        rule = operation(op)
+        if rule.turned is not None:
+            whole = rule.turned(moved)
             return [whole[place] for place in own]
-        bends = told.bends(self.values[n], *(self.values[arg] for arg in args))
+        bends = rule.bends(self.values[n], *(self.values[arg] for arg in args))
         return [_total(_product(b, dot) for b, dot in zip(bends[place], moved, strict=True)) for place in own]
 
 

@@ -52,12 +52,12 @@ def check_unit(
     if not unit or fits(found, unit):
         return
     expected = "a plain number" if unit == "1" else unit
-    told = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
+    message = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
     if variables and (tonne := TONNE.search(text)):
         raise ModelError(
-            f"{told}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
+            f"{message}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
         )
-    raise ModelError(f"{told}; give it in {expected}, or leave the unit away")
+    raise ModelError(f"{message}; give it in {expected}, or leave the unit away")
 
 
 def check_function_unit(

@@ -27,7 +27,7 @@ def describe(model: Model, *findings: str) -> str:
     model
         It is checked on the way.
     findings
-        Further sentences of analyses, such as which equations are redundant; they follow the degrees of freedom.
+        Further messages of analyses, such as which equations are redundant; they follow the degrees of freedom.
 
     Raises
     ------
@@ -77,8 +77,8 @@ def _title(model: Model) -> str:
 
 def _bodies(plan: Blueprint) -> str:
     mass, center = mass_and_center(plan)
-    told = f"{_count(len(plan.bodies), 'body', 'bodies')}: {_listed(plan.bodies)}"
-    return f"{told}; {mass:.6g} kg in all, centre of mass at {_triple(center)} m"
+    text = f"{_count(len(plan.bodies), 'body', 'bodies')}: {_listed(plan.bodies)}"
+    return f"{text}; {mass:.6g} kg in all, centre of mass at {_triple(center)} m"
 
 
 def _parts(word: str, parts: Sequence[Joint | Driver | Force], plan: Blueprint) -> list[str]:
@@ -96,27 +96,27 @@ def _parts(word: str, parts: Sequence[Joint | Driver | Force], plan: Blueprint) 
 
 def _rates(model: Model) -> list[str]:
     """Return the initial rates of joints, if there are any."""
-    told = [f"{name} = {float(rate):.6g}" for name, rate in model.rates.items()]
-    return [f"initial {'rate' if len(told) == 1 else 'rates'} [rad/s, m/s]: {_listed(told)}"] if told else []
+    text = [f"{name} = {float(rate):.6g}" for name, rate in model.rates.items()]
+    return [f"initial {'rate' if len(text) == 1 else 'rates'} [rad/s, m/s]: {_listed(text)}"] if text else []
 
 
 def _freedom(plan: Blueprint) -> str:
     """Return the count of degrees of freedom, as it is when no equation is redundant."""
     rows = sum(one.element.rows for one in plan.placed)
     free = 6 * len(plan.bodies) - rows
-    told = f"6 × {len(plan.bodies)} − {rows} = {free}"
+    text = f"6 × {len(plan.bodies)} − {rows} = {free}"
     if free < 0:
-        return f"degrees of freedom: {told}; there are redundant equations, or it cannot move"
-    return f"degrees of freedom: {told}, if no equation is redundant"
+        return f"degrees of freedom: {text}; there are redundant equations, or it cannot move"
+    return f"degrees of freedom: {text}, if no equation is redundant"
 
 
 def _parameters(model: Model) -> list[str]:
     if not model.parameters:
         return []
-    told = [f"{name} = {value:.6g}" for name, value in model.parameters.items()]
+    text = [f"{name} = {value:.6g}" for name, value in model.parameters.items()]
     given = [path for path in model.expressions if path[0] != "parameters"]
     formulas = f"{_count(len(given), 'number')} given by formulas"
-    return [f"{_count(len(told), 'parameter')} in SI units: {_listed(told)}; {formulas}"]
+    return [f"{_count(len(text), 'parameter')} in SI units: {_listed(text)}; {formulas}"]
 
 
 def _count(number: int, one: str, many: str = "") -> str:

@@ -120,7 +120,7 @@ def _value(value: Any, steps: Steps, change: Change) -> Any:
         return Curve.table(_value(value.pairs, steps, change)) if value.pairs else value
     if isinstance(value, Expression | Formula):
         return value.exchanged(
-            lambda n, number: replace(number, number=change((*steps, str(n + 1)), _said(number)))
+            lambda n, number: replace(number, number=change((*steps, str(n + 1)), _traced(number)))
         )
     if isinstance(value, int | float | np.number | Traced):
         return change(steps, value)
@@ -144,8 +144,8 @@ class Given(float):
     of: str
 
 
-def _said(number: Number) -> Any:
-    """A formula's number, which tells of what parameter it is the value."""
+def _traced(number: Number) -> Any:
+    """A constant of a formula, marked with the parameter whose value it is."""
     if not number.of:
         return number.number
     found = Given(number.number)

@@ -17,7 +17,7 @@ from .driver import Driver
 
 @dataclass(frozen=True, eq=False)
 class AngleDriver(Driver):
-    """The angle [rad] of a ``joint`` follows a ``motion``, a number or a function of time, over any number of turns.
+    """The angle [rad] of a ``joint`` follows a ``motion``, a number or a function of time, with all revolutions.
 
     The joint is given by name, ``pin``, or where it has several angles ``hook.angle_i``.
     """

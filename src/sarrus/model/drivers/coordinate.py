@@ -39,8 +39,8 @@ class CoordinateDriver(Driver):
         refuse_ground(self.body.name, "body")
         find(self.body.name, poses, "body")
         if self.coordinate not in NAMES:
-            told = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}; choose one"
-            raise ModelError(told, field="coordinate")
+            message = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}; choose one"
+            raise ModelError(message, field="coordinate")
         form = [float(name == self.coordinate) for name in NAMES]
         values = (tuple(form[:3]), form[3], tuple(form[4:]), *motion_of(self.motion, "motion"))
         yield Primitive(elements.CoordinateDriver, (self.body.name,), values, self.coordinate)

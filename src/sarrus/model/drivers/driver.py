@@ -1,4 +1,4 @@
-"""What every driver is: a name and primitives whose right sides are functions of time."""
+"""Base class of drivers: a name and primitives whose right-hand sides are functions of time."""
 
 from __future__ import annotations
 

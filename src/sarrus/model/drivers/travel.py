@@ -19,7 +19,7 @@ from .driver import Driver
 class TravelDriver(Driver):
     """The travel [m] of a ``joint`` follows a ``motion``, a number or a function of time.
 
-    The joint is given by name, ``slide``, or where it has several travels ``table.travel_x``.
+    The joint is given by name, ``slide``, or if it has several displacements ``table.travel_x``.
     """
 
     joint: str

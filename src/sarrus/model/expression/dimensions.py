@@ -1,7 +1,7 @@
 """Which unit a formula's value has, found by running the formula on units instead of numbers.
 
 A unit is a mapping from SI base units to powers. A number without a unit has none, ``{}``, and fits everywhere, as
-do ratios and the values of sin and the like; ``None`` is a number whose unit nobody has said.
+do ratios and the values of sin and the like; ``None`` is a number without a declared unit.
 """
 
 from __future__ import annotations
@@ -96,8 +96,8 @@ def _common(node: Call, args: list[Powers]) -> Powers:
         if not a or not b:
             return a or b
         if _without_angle(a) != _without_angle(b):
-            told = f"{quote(str(node))} puts together {unit_text(a)} and {unit_text(b)}"
-            raise ModelError(f"holds a formula in which {told}; convert one of them")
+            message = f"{quote(str(node))} puts together {unit_text(a)} and {unit_text(b)}"
+            raise ModelError(f"holds a formula in which {message}; convert one of them")
         return a
 
     return reduce(joined, args)
@@ -105,8 +105,8 @@ def _common(node: Call, args: list[Powers]) -> Powers:
 
 def _pure(node: Call, arg: Powers) -> Powers:
     if arg and _without_angle(arg):
-        told = f"{quote(str(node))} takes a plain number or an angle, but is given {unit_text(arg)}"
-        raise ModelError(f"holds a formula in which {told}; divide by a unit")
+        message = f"{quote(str(node))} takes a plain number or an angle, but is given {unit_text(arg)}"
+        raise ModelError(f"holds a formula in which {message}; divide by a unit")
     return {}
 
 

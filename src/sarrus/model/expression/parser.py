@@ -39,7 +39,7 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     Raises
     ------
     ModelError
-        In one sentence, if the text is no formula or uses another name.
+        In one message, if the text is no formula or uses another name.
 
     Examples
     --------
@@ -199,8 +199,8 @@ class _Parser:
             return Call(own, tuple(args))
         if name not in FUNCTIONS:
             known = (*FUNCTIONS, *self.functions)
-            told = f"calls {name} with {len(args)} arguments; give it {own.counts[0]}" if own else ""
-            raise ModelError(told or f"calls the unknown function {quote(name)}; {suggest(name, known)}")
+            message = f"calls {name} with {len(args)} arguments; give it {own.counts[0]}" if own else ""
+            raise ModelError(message or f"calls the unknown function {quote(name)}; {suggest(name, known)}")
         return _called(name, args)
 
 
@@ -212,6 +212,6 @@ def _called(name: str, args: list[Expression]) -> Expression:
             result = call(name, result, arg)
         return result
     if len(args) not in function.counts:
-        told = f"calls {name} with {len(args)} arguments; give it {function.counts[0]}"
-        raise ModelError(told)
+        message = f"calls {name} with {len(args)} arguments; give it {function.counts[0]}"
+        raise ModelError(message)
     return Call(function, tuple(args))

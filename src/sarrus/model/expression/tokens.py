@@ -20,7 +20,7 @@ SPACE = re.compile(r"\s*")
 
 
 class Token(NamedTuple):
-    """A piece of a formula: its kind (number, name, quoted name, sign or end) and where it stands."""
+    """A piece of a formula: its kind (number, name, quoted name, sign or end) and its position."""
 
     kind: str
     text: str

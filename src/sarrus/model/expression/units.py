@@ -22,7 +22,7 @@ DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "1": {}}
 
 
 class UnitFactor(NamedTuple):
-    """A name in a unit, its power, and where it stands in the text."""
+    """A name in a unit, its power, and its position in the text."""
 
     name: str
     exponent: int

@@ -1,4 +1,4 @@
-"""Anchors (&), aliases (*) and merge keys (<<) of YAML: copies of what stands elsewhere in the file."""
+"""Anchors (&), aliases (*) and merge keys (<<) of YAML: copies of other parts of the file."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ class Anchors:
     def copy(self, name: str, path: Path, line: int) -> Any:
         """Return a copy of an anchored value as the entry at ``path``; what is in it keeps the original's lines."""
         if name not in self.known:
-            told = f"uses the alias {quote('*' + name)}, but there is no anchor &{name} above it"
+            message = f"uses the alias {quote('*' + name)}, but there is no anchor &{name} above it"
             remedy = suggest(name, self.known) if self.known else "write the value out"
-            raise refusal(f"{told}; {remedy}", self.file, line, path)
+            raise refusal(f"{message}; {remedy}", self.file, line, path)
         anchored = self.known[name]
         if anchored.open:
-            told = f"uses the alias {quote('*' + name)} inside of its own anchor; write the value out"
-            raise refusal(told, self.file, line, path)
+            message = f"uses the alias {quote('*' + name)} inside of its own anchor; write the value out"
+            raise refusal(message, self.file, line, path)
         own = self.lines.get(path, line)
         data = self._copied(anchored.data, anchored.path, path, line)
         self.lines[path] = own
@@ -61,8 +61,8 @@ class Anchors:
         """Add the entries of a merge key to a mapping that does not have them."""
         for source, at in [(value, place)] if isinstance(value, dict) else _listed(value, place):
             if not isinstance(source, dict):
-                told = "has a merge key (<<) that is no mapping; give an alias of one, as in <<: *name"
-                raise refusal(told, self.file, self.lines[place], place[:-1])
+                message = "has a merge key (<<) that is no mapping; give an alias of one, as in <<: *name"
+                raise refusal(message, self.file, self.lines[place], place[:-1])
             for key in source.keys() - values.keys():
                 values[key] = self._copied(source[key], (*at, key), (*place[:-1], key), self.lines[place])
 
@@ -79,8 +79,8 @@ class Anchors:
         return data
 
     def _too_many(self, line: int, path: Path) -> ModelError:
-        told = f"copies more than {MOST} entries by its aliases (*); build such a model in Python"
-        return refusal(told, self.file, line, path[:2])
+        message = f"copies more than {MOST} entries by its aliases (*); build such a model in Python"
+        return refusal(message, self.file, line, path[:2])
 
 
 def _listed(value: Any, place: Path) -> list[tuple[Any, Path]]:

@@ -18,20 +18,20 @@ class Document(NamedTuple):
     origin: Origin
 
 
-def refusal(sentence: str, file: str, line: int, path: Path = ()) -> ModelError:
-    """Return the error for something on a line of a file, about the part that stands there."""
-    return ModelError(sentence, part=part_name(path), where=f"{file}:{line}")
+def refusal(message: str, file: str, line: int, path: Path = ()) -> ModelError:
+    """Return the error for a line of a file, with the part that the line belongs to."""
+    return ModelError(message, part=part_name(path), where=f"{file}:{line}")
 
 
 def refuse_deep(depth: int, file: str, line: int, path: Path) -> None:
     """Raise a ModelError when the nesting is deeper than any model needs."""
     if depth > DEEPEST:
-        told = f"is nested deeper than {DEEPEST} levels; remove brackets or indentation"
-        raise refusal(told, file, line, path[:2])
+        message = f"is nested deeper than {DEEPEST} levels; remove brackets or indentation"
+        raise refusal(message, file, line, path[:2])
 
 
 def refuse_repeated(key: str, first: int | None, file: str, line: int, path: Path) -> None:
     """Raise a ModelError when a key has been given before, on the line ``first``."""
     if first is not None:
-        told = f'the key "{key}" is given twice, the first time on line {first}; remove one of them'
-        raise refusal(told, file, line, (*path, key))
+        message = f'the key "{key}" is given twice, the first time on line {first}; remove one of them'
+        raise refusal(message, file, line, (*path, key))

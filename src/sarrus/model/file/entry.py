@@ -14,7 +14,7 @@ class Entry(BaseModel):
     """A mapping with fixed keys."""
 
     model_config = ConfigDict(extra="forbid")
-    instead: ClassVar[str] = ""  # what may stand in place of the mapping, for the sentence about a wrong key
+    instead: ClassVar[str] = ""  # what may stand in place of the mapping, for the message about a wrong key
 
     @model_validator(mode="before")
     @classmethod
@@ -23,10 +23,10 @@ class Entry(BaseModel):
             known = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in known:
-                    raise said(f"has no key {quote(key)}; {suggest(key, known)}{cls.instead}", key)
+                    raise invalid(f"has no key {quote(key)}; {suggest(key, known)}{cls.instead}", key)
         return data
 
 
-def said(sentence: str, key: str = "", kind: Literal["said", "echo"] = "said") -> PydanticCustomError:
-    """Return an error that pydantic collects, with its sentence and the key it is about."""
-    return PydanticCustomError(kind, "{sentence}", {"sentence": sentence, "key": key})
+def invalid(message: str, key: str = "", kind: Literal["invalid", "echo"] = "invalid") -> PydanticCustomError:
+    """Return an error that pydantic collects, with its message and the key it is about."""
+    return PydanticCustomError(kind, "{message}", {"message": message, "key": key})

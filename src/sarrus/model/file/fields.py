@@ -1,4 +1,4 @@
-"""How each type of field of a body, joint or force is written in a model file."""
+"""The form of each type of field of a body, joint or force in a model file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from ..shape import Shape
 from ..show import quote
 from ..solid import Solid
 from ..typed import typed
-from .entry import Entry, said
+from .entry import Entry, invalid
 from .form import list_of, marked, one_of
 from .scope import full_name
 from .stated import function_in, law_in, list_in, number_in
@@ -62,14 +62,14 @@ if TYPE_CHECKING:
     Axis: TypeAlias = list[float]
     Local: TypeAlias = list[float]
     Spot: TypeAlias = list[float]
-    Turns: TypeAlias = list[float]
+    Angles: TypeAlias = list[float]
     Moment: TypeAlias = float
     Turn: TypeAlias = float
     Share: TypeAlias = float
     Turned: TypeAlias = Any
 else:
     Axis, Local, Spot = list_in("1", 3), list_in("m", 3), list_in("m", 3, named=True)
-    Moment, Turn, Turns = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
+    Moment, Turn, Angles = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
     Share = number_in("1")
 
 Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
@@ -87,7 +87,7 @@ class PointEntry(Entry):
     @model_validator(mode="after")
     def _one_of_two(self) -> PointEntry:
         if len(self.model_fields_set & {"at", "everywhere"}) != 1:
-            raise said("must have one of the keys at and global; give at for body axes")
+            raise invalid("must have one of the keys at and global; give at for body axes")
         return self
 
     def build(self, solids: Solids) -> Any:
@@ -133,7 +133,7 @@ class AxisAngleEntry(Entry):
 class EulerAnglesEntry(Entry):
     """Three rotations [rad] about the body's own axes, in the order of ``sequence``."""
 
-    angles: Turns
+    angles: Angles
     sequence: StrictStr = "xyz"
 
     def build(self, solids: Solids) -> EulerAngles:
@@ -203,7 +203,7 @@ def _table_in(unit: str, over: str) -> Any:
 
 def _two(value: Any) -> Any:
     if isinstance(value, list) and len(value) != 2:
-        raise said(f"must have 2 entries, but has {len(value)}; give 2")
+        raise invalid(f"must have 2 entries, but has {len(value)}; give 2")
     return value
 
 
@@ -245,9 +245,9 @@ def _mesh_file(name: str) -> str:
     """Refuse a mesh file outside of the folder that the model file is in."""
     path = Path(os.path.normpath(name))
     if not name:
-        raise said("must name a mesh file; give one, as in file: rod.stl")
+        raise invalid("must name a mesh file; give one, as in file: rod.stl")
     if (path.is_absolute() or ".." in path.parts) and not inside(path, listed(VARIABLE)):
-        raise said(f"{quote(name)} is outside of the model's folder; {REMEDY}")
+        raise invalid(f"{quote(name)} is outside of the model's folder; {REMEDY}")
     return name
 
 
@@ -262,8 +262,8 @@ class ShapeEntry(Entry):
 
     def build(self, solids: Solids) -> Shape:
         """Return the shape."""
-        said = self.orientation
-        turned = said.build(solids) if hasattr(said, "build") else said
+        given = self.orientation
+        turned = given.build(solids) if hasattr(given, "build") else given
         return Shape(
             self.file,
             self.scale,

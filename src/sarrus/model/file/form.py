@@ -29,8 +29,8 @@ def mapping_of(item: Any) -> Any:
 def one_of(choose: Any, **forms: Any) -> Any:
     """Return a union of forms, of which ``choose`` names the right one.
 
-    The names stand in parentheses where pydantic tells the place of an error: no key looks like that, see
-    sentences.py.
+    Pydantic gives the names in parentheses at the place of an error: no key looks like that, see
+    validation_messages.py.
     """
     tagged = [marked(form, Tag(f"({name})")) for name, form in forms.items()]
     return marked(reduce(operator.or_, tagged), Discriminator(lambda value: f"({choose(value)})"))

@@ -14,7 +14,7 @@ from ..origin import Origin, Path
 from ..rates import SECTION as RATES
 from ..show import quote, suggest
 from .document import Document, refusal
-from .entry import Entry, said
+from .entry import Entry, invalid
 from .form import list_of, one_of
 from .scope import Scope, scoped
 
@@ -26,7 +26,9 @@ MOST_ENTRIES = 1_000_000  # of all files together
 
 def _prefix(text: str) -> str:
     if text and not matches(NAME, text):
-        raise said(f"must be letters, digits and _, starting with a letter, but is {quote(text)}; change it")
+        raise invalid(
+            f"must be letters, digits and _, starting with a letter, but is {quote(text)}; change it"
+        )
     return text
 
 
@@ -88,8 +90,8 @@ class _Gatherer:
         read_one = read(FilePath(document.origin.file).parent / entry.file)
         self.entries += len(read_one.origin.lines)
         if self.entries > MOST_ENTRIES:
-            told = f"includes more than {MOST_ENTRIES:,} entries; build such a model in Python"
-            raise _wrong(document, at, told)
+            message = f"includes more than {MOST_ENTRIES:,} entries; build such a model in Python"
+            raise _wrong(document, at, message)
         part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
         scope.names |= {entry.prefix + name for name in inner.names}
         _override(part, entry.parameters, inner, document, at, scope)
@@ -109,7 +111,7 @@ class _Gatherer:
 
 
 def _entries(document: Document) -> list[IncludeEntry]:
-    from .sentences import first_error
+    from .validation_messages import first_error
 
     data = document.data
     try:
@@ -169,8 +171,8 @@ def _join(whole: Document, part: Document, document: Document, at: Path) -> None
         for name, value in _section(part.data, section).items():
             if name in _section(whole.data, section):
                 named = f"rate of {quote(name)}" if section == RATES else part_name((section, name))
-                told = f"brings a second {named}; give it a prefix, or remove one of them"
-                raise _wrong(document, at, told)
+                message = f"brings a second {named}; give it a prefix, or remove one of them"
+                raise _wrong(document, at, message)
             whole.data.setdefault(section, {})[name] = value
     lines = {path: line for path, line in part.origin.lines.items() if len(path) > 1 and path[0] in SECTIONS}
     whole.origin.lines.update(lines)
@@ -187,8 +189,8 @@ def _override(
         path = f"{inner.prefix}{place[0]}", *place[1:]
         holder = own.get(path[0]) if path[1:] else own
         if not isinstance(holder, dict) or isinstance(holder.get(path[-1], {}), dict):
-            told = f"gives the unknown parameter {quote(name)}; {suggest(name, _names(own, inner.prefix))}"
-            raise _wrong(document, (*at, "parameters", name), told)
+            message = f"gives the unknown parameter {quote(name)}; {suggest(name, _names(own, inner.prefix))}"
+            raise _wrong(document, (*at, "parameters", name), message)
         holder[path[-1]] = scoped(value, scope)
         part.origin.lines["parameters", *path] = document.origin.line((*at, "parameters", *place))
         part.origin.files["parameters", path[0]] = document.origin.file
@@ -207,5 +209,5 @@ def _names(own: dict[str, Any], prefix: str) -> list[str]:
     return [".".join(place).removeprefix(prefix) for place, _ in _leaves(own)]
 
 
-def _wrong(document: Document, path: Path, sentence: str) -> Exception:
-    return refusal(sentence, document.origin.file, document.origin.line(path))
+def _wrong(document: Document, path: Path, message: str) -> Exception:
+    return refusal(message, document.origin.file, document.origin.line(path))

@@ -1,4 +1,4 @@
-"""From a model file to a checked model."""
+"""Loading of a model file: from the text to a checked model."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] 
     Raises
     ------
     ModelError
-        For anything that is wrong with the file or the model, in one sentence that names
+        For anything that is wrong with the file or the model, in one message that names
         file, line, part and remedy.
     """
     from .include import with_included
@@ -109,7 +109,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
     from pydantic import ValidationError
 
     from .layout import layout
-    from .sentences import first_error
+    from .validation_messages import first_error
 
     try:
         return layout().model_validate(document.data, context=numbers)
@@ -128,10 +128,10 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     drivers = _build(entry.drivers, "drivers", Driver.kinds, solids, findings)
     forces = _build(entry.forces, "forces", Force.kinds, solids, findings)
     findings.raise_first()
-    said = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
+    file_formulas = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
     name = Path(document.origin.file).stem if entry.name is None else entry.name
-    return Model(name, *parts, origin=document.origin, formulas=said, rates=dict(entry.rates))
+    return Model(name, *parts, origin=document.origin, formulas=file_formulas, rates=dict(entry.rates))
 
 
 def _build(

@@ -1,4 +1,4 @@
-"""The numbers of a model file that are texts: units converted, formulas evaluated, names looked up."""
+"""Texts in a model file that represent numbers: units are converted, formulas evaluated, names looked up."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Home(NamedTuple):
 
 
 class Echo(ModelError):
-    """An error that is told at its own place too: a name is used whose formula is wrong."""
+    """An error that is also reported at another place: a formula uses a name whose own formula is wrong."""
 
 
 class Numbers:
@@ -132,16 +132,16 @@ class Numbers:
         self.trees[name], self.values[name], self.units[name] = tree, value, own
 
     def _definition(self, name: str, text: str, variables: tuple[str, ...]) -> tuple[Any, str | None]:
-        """Return what the file says for a name, and the unit that its place declares."""
+        """Return the value of a name in the file, and the unit of its field."""
         found = [(self._walk(home.entry, home.steps), home) for home in self._homes(name)]
         for raw, home in found:
             if isinstance(raw, (int, float, str)) and not isinstance(raw, bool):
                 return raw, self._declared(home)
         for raw, home in found:
             if raw is not None:
-                told = f"uses {quote(name)}, which is {show(raw)} and no number"
+                message = f"uses {quote(name)}, which is {show(raw)} and no number"
                 wrong = Echo if home.section == "parameters" else ModelError
-                raise wrong(f"{told}; name one of its numbers, as in {name}.x")
+                raise wrong(f"{message}; name one of its numbers, as in {name}.x")
         raise self._unknown(name, text, variables)
 
     def _homes(self, name: str) -> Iterator[Home]:

@@ -1,4 +1,4 @@
-"""The named numbers of a model file."""
+"""The parameters of a model file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import AfterValidator
 from ..expression.functions import CONSTANTS
 from ..names import matches
 from ..show import quote
-from .entry import said
+from .entry import invalid
 from .form import mapping_of, marked, one_of
 from .stated import number_in
 
@@ -21,10 +21,12 @@ TAKEN = (*CONSTANTS, "t")
 def _check_names(given: dict[str, Any]) -> dict[str, Any]:
     for name in given:
         if not matches(WORD, name):
-            told = f"has the name {quote(name)}, which must be letters, digits and _, starting with a letter"
-            raise said(f"{told}; rename it", name)
+            message = (
+                f"has the name {quote(name)}, which must be letters, digits and _, starting with a letter"
+            )
+            raise invalid(f"{message}; rename it", name)
         if name in TAKEN:
-            raise said(f"has the name {quote(name)}, which has a meaning of its own; rename it", name)
+            raise invalid(f"has the name {quote(name)}, which has a meaning of its own; rename it", name)
     return given
 
 

@@ -1,4 +1,4 @@
-"""What a plain word of a YAML file means: the core schema of YAML 1.2, with floats for all numbers."""
+"""The value of a plain word in a YAML file: the core schema of YAML 1.2, with floats for all numbers."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Return the JSON Schema as text, as it stands in ``schema.json`` beside this file."""
+    """Return the JSON Schema as text, as in ``schema.json`` beside this file."""
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 

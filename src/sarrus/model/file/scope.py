@@ -1,4 +1,4 @@
-"""Which names a text of an included file means: those of its own file first, then those of the file around it."""
+"""Resolution of names in an included file: first its own names, then those of the including file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of a model file, or one sentence why there is none."""
+"""Reading of the text of a model file, with one message if it cannot be read."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def read_text(path: Path) -> str:
 
 
 def read_bytes(path: Path) -> bytes:
-    """Return the content of a file, or raise a ModelError that says why there is none."""
+    """Return the content of a file, or raise a ModelError with the reason."""
     try:
         if path.is_dir():
             raise _refusal(path, "is a directory; give the path of a file in it")
@@ -67,9 +67,9 @@ def _decoded(path: Path, content: bytes) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        told = "is not UTF-8 text; save it as UTF-8"
-        raise ModelError(told, where=f"{path}:{line}") from None
+        message = "is not UTF-8 text; save it as UTF-8"
+        raise ModelError(message, where=f"{path}:{line}") from None
 
 
-def _refusal(path: Path, sentence: str) -> ModelError:
-    return ModelError(sentence, where=str(path))
+def _refusal(path: Path, message: str) -> ModelError:
+    return ModelError(message, where=str(path))

@@ -1,4 +1,4 @@
-"""How a number is written in a model file: plain, with a unit, or as a formula; and lists of such numbers."""
+"""Numbers in a model file: plain, with a unit, or as a formula; and lists of such numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
 from ..text_units import variable_of
-from .entry import said
+from .entry import invalid
 from .form import list_of, marked
 from .numbers import Echo, Numbers
 from .scalar import NUMBER
@@ -76,18 +76,18 @@ def law_in(unit: str, over: str) -> Any:
 def _law(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
     if not isinstance(value, str) or NUMBER.fullmatch(value):
         return handler(value)
-    tree = _said(_numbers(info).function, value, unit, over)
+    tree = _reported(_numbers(info).function, value, unit, over)
     return Law(tree, variable_of(over)) if tree.names() else handler(value)
 
 
 def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
     if not isinstance(value, str):
         return handler(value)
-    return _said(_numbers(info).number, value, unit)
+    return _reported(_numbers(info).number, value, unit)
 
 
 def _point(value: Any, handler: Handler, info: ValidationInfo) -> Any:
-    return handler(_said(_numbers(info).point, value) if isinstance(value, str) else value)
+    return handler(_reported(_numbers(info).point, value) if isinstance(value, str) else value)
 
 
 def _function(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
@@ -95,21 +95,21 @@ def _function(unit: str, over: str, value: Any, handler: Handler, info: Validati
         return Constant(value)
     if not isinstance(value, str):
         return handler(value)
-    return _said(_numbers(info).function, value, unit, over)
+    return _reported(_numbers(info).function, value, unit, over)
 
 
 def _numbers(info: ValidationInfo) -> Numbers:
     return info.context if isinstance(info.context, Numbers) else Numbers({})
 
 
-def _said(work: Any, *args: Any) -> Any:
+def _reported(work: Any, *args: Any) -> Any:
     """Do some work, and hand its ModelError to pydantic, which knows where in the file it belongs."""
     try:
         return work(*args)
     except Echo as error:
-        raise said(error.message, kind="echo") from None
+        raise invalid(error.message, kind="echo") from None
     except ModelError as error:
-        raise said(error.message) from None
+        raise invalid(error.message) from None
 
 
 def _described(unit: str) -> dict[str, str]:

@@ -51,18 +51,18 @@ def read_yaml(text: str, file: str) -> Document:
 
 
 def _explained(text: str, file: str, loader: Any) -> Document:
-    """Read a text whose errors are told in our own words."""
+    """Read a text, with errors in our own words."""
     try:
         return _Reader(text, file, loader).document()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
-        told = f"is not valid YAML, {error.problem or error.context}; {_remedy(text, line)}"
-        raise refusal(told.replace("\n", " "), file, line) from None
+        message = f"is not valid YAML, {error.problem or error.context}; {_remedy(text, line)}"
+        raise refusal(message.replace("\n", " "), file, line) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
-        told = "holds a control character that YAML does not allow; remove it"
-        raise refusal(told, file, line) from None
+        message = "holds a control character that YAML does not allow; remove it"
+        raise refusal(message, file, line) from None
 
 
 class _Reader:
@@ -131,19 +131,19 @@ class _Reader:
             raise refusal("has an alias (*) as key; write the key out", self.file, _line(event), path)
         self._refuse_tag(event, path)
         if not isinstance(event, ScalarEvent):
-            told = "has a key that is a list or a mapping; use a plain word as key"
-            raise refusal(told, self.file, _line(event), path)
+            message = "has a key that is a list or a mapping; use a plain word as key"
+            raise refusal(message, self.file, _line(event), path)
         return str(event.value)
 
     def _refuse_tag(self, event: Event, path: Path) -> None:
         if getattr(event, "tag", None):
-            told = "uses a tag (!), which a model file may not; remove it"
-            raise refusal(told, self.file, _line(event), path)
+            message = "uses a tag (!), which a model file may not; remove it"
+            raise refusal(message, self.file, _line(event), path)
 
     def _refuse_second(self, event: Event) -> None:
         if isinstance(event, DocumentStartEvent):
-            told = "a second document starts with ---; keep one model in a file"
-            raise refusal(told, self.file, _line(event))
+            message = "a second document starts with ---; keep one model in a file"
+            raise refusal(message, self.file, _line(event))
 
 
 def _remedy(text: str, line: int) -> str:

@@ -1,4 +1,4 @@
-"""What every force is: a name and its primitives. No formula of mechanics stands here."""
+"""Base class of forces: a name and primitives. It contains no formula of mechanics."""
 
 from __future__ import annotations
 

@@ -31,10 +31,10 @@ def history(load: Any, factor: Any, field: str) -> History:
     if not (_has_three(load) and any(varies(part) for part in load)):
         return _by_factor(vector(load, field), factor)
     if varies(factor):
-        told = (
+        message = (
             f"has both a factor and components of its {field} that vary in time; leave one of them constant"
         )
-        raise ModelError(told, field="factor")
+        raise ModelError(message, field="factor")
     parts, size = [scaled(part, field, "t") for part in load], number(factor, "factor")
     x, y, z = (size * part.factor for part in parts)
     return History((x, y, z), tuple(part.curve for part in parts))

@@ -74,7 +74,7 @@ class TravelStop(Limits, ContactLaw, AboutAxis, Force):
 
 @dataclass(frozen=True, eq=False)
 class AngleStop(Limits, ContactLaw, AboutAxis, Force):
-    """Keeps the angle of a revolute or cylindrical joint between ``lower`` and ``upper`` [rad], turns counted.
+    """Keeps the angle of a revolute or cylindrical joint between ``lower`` and ``upper`` [rad], revolutions included.
 
     The angle is that of an RSDA: of body j relative to body i about the axis, right-handed.
     """

@@ -1,4 +1,4 @@
-"""What couplings share: a relation between the coordinates of two joints that are named."""
+"""Base class of couplings: a relation between the coordinates of two named joints."""
 
 from __future__ import annotations
 

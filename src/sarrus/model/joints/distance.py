@@ -33,7 +33,7 @@ class Distance(Joint):
         refuse_same_body(i.body, j.body, "point_j")
         apart = plain(np.linalg.norm(j.position(poses) - i.position(poses)))
         if apart < SMALLEST_LENGTH:
-            told = "its two points coincide; move one of them, or use a spherical joint"
-            raise ModelError(told, field="point_i")
+            message = "its two points coincide; move one of them, or use a spherical joint"
+            raise ModelError(message, field="point_i")
         length = apart if self.length is None else positive(self.length, "length", "give the length in m")
         yield Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, length), "distance")

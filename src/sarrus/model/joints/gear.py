@@ -13,7 +13,7 @@ from .coupling import Coupling, coupled, ratio_of
 
 @dataclass(frozen=True, eq=False)
 class Gear(Coupling):
-    """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], full turns counted.
+    """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
     that of the initial pose. Spur gears of the same sense of axes have a negative ratio.

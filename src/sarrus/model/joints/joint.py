@@ -1,4 +1,4 @@
-"""What every joint is: a name and a list of primitives. No formula of mechanics stands here."""
+"""Base class of joints: a name and a list of primitives. It contains no formula of mechanics."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Joint(ABC):
         """Yield the primitives for the given initial poses."""
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angles and travels of the joint that can be read, driven and coupled."""
+        """Yield the angles and displacements of the joint that can be output, driven and coupled."""
         yield from ()
 
     def relations(self, known: Known) -> Iterator[Primitive]:

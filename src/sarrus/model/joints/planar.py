@@ -28,7 +28,7 @@ class Planar(AboutAxis, Joint):
         yield dot2("h_i.d", i, j, i.h)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h, and the travels of P_j along f_i and g_i."""
+        """Yield the angle from f_i to f_j about h, and the displacements of P_j along f_i and g_i."""
         i, j = self.frames(poses)
         yield angle(i, j, poses)
         yield travel(i, j, poses, axis=i.f, name="travel_x")

@@ -26,7 +26,7 @@ class PointOnPlane(AboutAxis, Joint):
         yield dot2("h_i.d", i, j, i.h)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the travels of the point along f_i and g_i."""
+        """Yield the displacements of the point along f_i and g_i."""
         i, j = self.frames(poses)
         yield travel(i, j, poses, axis=i.f, name="travel_x")
         yield travel(i, j, poses, axis=i.g, name="travel_y")

@@ -13,7 +13,7 @@ from .coupling import Coupling, coupled, ratio_of
 
 @dataclass(frozen=True, eq=False)
 class RackAndPinion(Coupling):
-    """Travel of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], full turns counted.
+    """Displacement of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
     is the sense of travel. Left out, the offset is that of the initial pose.

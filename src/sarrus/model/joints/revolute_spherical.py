@@ -15,7 +15,7 @@ from .link import Link
 
 @dataclass(frozen=True, eq=False)
 class RevoluteSpherical(Link, Joint):
-    """A link that turns about an axis of body i, normal to it, and carries a point of body j at its end.
+    """A link that rotates about an axis of body i, normal to it, and carries a point of body j at its end.
 
     Placed by ``point_i`` and ``point_j`` and the global ``axis`` in the initial pose, or by ``frame_i`` with h
     along the axis and ``frame_j``. The ``length`` [m], left out, is the initial distance.

@@ -11,7 +11,7 @@ from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import number, plain
 
-PARALLEL = 1e-6  # [-] how near to 1 the cosine between two axes may come: beyond, its gradient says nothing
+PARALLEL = 1e-6  # [-] distance of the cosine between two axes from 1, below which its gradient vanishes
 
 
 def cosine(i: LocalFrame, j: LocalFrame, poses: Poses) -> float:
@@ -25,7 +25,7 @@ def cosine_of(angle: float | None, field: str, i: LocalFrame, j: LocalFrame, pos
     Raises
     ------
     ModelError
-        If the axes are parallel, which one equation cannot say.
+        If the axes are parallel, which one equation cannot prescribe.
     """
     value = cosine(i, j, poses) if angle is None else cos(number(angle, field, "give radians"))
     if abs(value) > 1 - PARALLEL:

@@ -19,7 +19,7 @@ from .joint import Joint, dot1, spherical
 
 @dataclass(frozen=True, eq=False)
 class Universal(Joint):
-    """A Cardan joint; the cross turns in body i about ``axis_i`` and in body j about ``axis_j``.
+    """A Cardan joint; the cross rotates in body i about ``axis_i`` and in body j about ``axis_j``.
 
     Placed by a global ``point`` [m] and two perpendicular global axes in the initial pose, or by
     ``frame_i`` and ``frame_j`` with h along the cross axes.
@@ -61,8 +61,8 @@ class Universal(Joint):
 def _check_cross(h_i: Array, h_j: Array) -> None:
     cosine = plain(h_i @ h_j)
     if abs(cosine) > PERPENDICULAR:
-        told = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
-        raise ModelError(f"{told}; turn one of them", field="axis_i")
+        message = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
+        raise ModelError(f"{message}; turn one of them", field="axis_i")
 
 
 def _along(i: LocalFrame, j: LocalFrame, poses: Poses) -> LocalFrame:

@@ -1,4 +1,4 @@
-"""Pydantic's findings, each said as one sentence about a part of the model."""
+"""Messages for pydantic's findings, each about one part of the model."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .numbers import FORMS
 def first_error(error: ValidationError, document: Document) -> ModelError:
     """Return the ModelError for the first finding, with the number of the others."""
     found = error.errors(include_url=False)
-    # An echo repeats what is told at its own place; it counts only if nothing else is wrong.
+    # An echo repeats an error that is reported at its own place; it counts only if nothing else is wrong.
     findings = [one for one in found if one["type"] != "echo"] or found[:1]
     finding: dict[str, Any] = dict(findings[0])
     path = _path(finding, document.data)
     subject = path_text(path[2:] if path and path[0] in KINDS and len(path) > 1 else path)
-    told = _sentence(finding, str(path[-1]) if path else "")
+    message = _message(finding, str(path[-1]) if path else "")
     return ModelError(
-        f"{subject} {told}" if subject else told,
+        f"{subject} {message}" if subject else message,
         part=part_name(path),
         where=document.origin.where((*path, _key(finding))),
         more=len(findings) - 1,
@@ -45,12 +45,12 @@ def _key(finding: dict[str, Any]) -> str:
     return "type" if finding["type"] == "union_tag_invalid" else str(finding.get("ctx", {}).get("key", ""))
 
 
-def _sentence(finding: dict[str, Any], field: str) -> str:
+def _message(finding: dict[str, Any], field: str) -> str:
     kind, ctx, value = finding["type"], finding.get("ctx", {}), finding["input"]
     if kind == "list_type":
         return _wrong("a list", LISTS.get(field, "write it in brackets, as in [0, 0, 1]"))(ctx, value)
-    say = SENTENCES.get(kind)
-    return say(ctx, value) if say else f"{finding['msg'].lower()}, but is {show(value)}; correct it"
+    text_of = MESSAGES.get(kind)
+    return text_of(ctx, value) if text_of else f"{finding['msg'].lower()}, but is {show(value)}; correct it"
 
 
 def _wrong(expected: str, remedy: str) -> Callable[[dict[str, Any], Any], str]:
@@ -113,9 +113,9 @@ LISTS = {  # how a list is written, where three numbers are not the only form
 }
 _mapping = _wrong("a mapping", "give keys and values, as in key: value")
 
-SENTENCES: dict[str, Callable[[dict[str, Any], Any], str]] = {
-    "said": lambda ctx, value: str(ctx["sentence"]),
-    "echo": lambda ctx, value: str(ctx["sentence"]),
+MESSAGES: dict[str, Callable[[dict[str, Any], Any], str]] = {
+    "invalid": lambda ctx, value: str(ctx["message"]),
+    "echo": lambda ctx, value: str(ctx["message"]),
     "missing": lambda ctx, value: "is missing; add it",
     "float_type": _wrong("a number", FORMS),
     "finite_number": _wrong("a finite number", "check its size and unit"),

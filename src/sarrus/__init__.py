@@ -2,8 +2,8 @@
 
     Model → System → analysis → result → view
 
-A model is what you describe; a system is that model compiled to arrays; analyses take a system and return results, which
-are values. Names are imported when they are first used, so that ``import sarrus`` is quick.
+A model is what you describe; a system is that model compiled to arrays; analyses take a system and return results,
+which are values. Names are imported when they are first used, so that ``import sarrus`` is quick.
 """
 
 from __future__ import annotations

@@ -103,6 +103,6 @@ def test_every_angle_and_travel_of_a_joint_is_an_output() -> None:
     names = [f"{name}{end}" for name in zoo().joint_coordinates.names for end in ("", ".rate")]
     run = swung()
     found = sr.sensitivity(run, names, ["gravity.z"])
-    values, rates = zoo().joint_coordinates.along(run.steps.t, run.steps.q, run.steps.v)
+    values, rates = zoo().joint_coordinates.along(run.t, run.q, run.v)
     assert np.allclose(found.values[::2], values[-1])
     assert np.allclose(found.values[1::2], rates[-1])

@@ -33,8 +33,12 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from .folders import PACKAGE, made_private
 
 SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system/group.py")
-NO_KERNELS = ("_jit/cache.py", "_jit/folders.py")  # they store kernels, and do not change them
-NAMED = ("_jit/link.py", "_jit/scalars.py")  # what they make is named by all that it depends on
+NO_KERNELS = (  # the first two store kernels; what the others make is named by all that it depends on
+    "_jit/cache.py",
+    "_jit/folders.py",
+    "_jit/link.py",
+    "_jit/scalars.py",
+)
 STALE_AFTER = 14 * 86400.0
 DIGEST = hashlib.sha256().digest_size
 
@@ -47,7 +51,7 @@ def fingerprint(package: Path = PACKAGE) -> str:
     digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
     for source in sorted(file for pattern in SOURCES for file in package.glob(pattern)):
         name = source.relative_to(package).as_posix()
-        if name not in (*NO_KERNELS, *NAMED):
+        if name not in NO_KERNELS:
             digest.update(name.encode() + source.read_bytes())
     return digest.hexdigest()[:20]
 

@@ -76,7 +76,7 @@ def link(function: F, **variants: Function) -> F:
 
 
 def fingerprint(function: Function, **variants: Function) -> str:
-    """The name of the compiled form of a marked function, which tells what it depends on."""
+    """The name of the compiled form of a marked function, which identifies all that it depends on."""
     return _Linker(function, variants).name(function, entry=True)
 
 
@@ -140,7 +140,7 @@ class _Linker:
         return self.linked(value, _entries[value]) if _is_marked(value) else value
 
     def _token(self, function: Function, name: str, value: Any) -> object:
-        """What tells a global from others."""
+        """What distinguishes a global from others."""
         if _is_marked(value):
             return self.name(value, _entries[value])
         known = _token(value)

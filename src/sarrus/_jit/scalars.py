@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from typing import TYPE_CHECKING, Any, Self, get_type_hints
 
 import numpy as np
@@ -42,8 +43,7 @@ class Scalars(Record):
     @classmethod
     def zeros(cls) -> Self:
         """All zero."""
-        kinds = [(name, KINDS[kind]) for name, kind in get_type_hints(cls).items()]
-        made: Self = np.zeros(1, np.dtype((cls, np.dtype(kinds, align=True))))[0]
+        made: Self = np.zeros(1, _dtype_of(cls))[0]
         return made
 
     @classmethod
@@ -65,3 +65,9 @@ class Scalars(Record):
     def clear(self) -> None:
         """Set all to zero."""
         self.assign(np.zeros(len(self.dtype.names or ())))
+
+
+@cache  # Numba looks up the type of an argument by the identity of its dtype
+def _dtype_of(kind: type[Scalars]) -> np.dtype[Any]:
+    fields = [(name, KINDS[own]) for name, own in get_type_hints(kind).items()]
+    return np.dtype((kind, np.dtype(fields, align=True)))

@@ -43,7 +43,7 @@ class Scalars(Record):
     @classmethod
     def zeros(cls) -> Self:
         """All zero."""
-        made: Self = np.zeros(1, _dtype_of(cls))[0]
+        made: Self = np.zeros(1, _dtype_of(cls))[0]  # type: ignore[arg-type]
         return made
 
     @classmethod

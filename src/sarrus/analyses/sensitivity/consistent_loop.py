@@ -13,17 +13,32 @@ q is on the constraints already. All vectors are arrays (n, 1).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._jit.link import compiled
-from ..._jit.pointer import call_kernels
+from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
+from ...algebra import Array
 from ..dynamics.placed import leave_out
 from .block_loop import put
-from .columns_loop import solve_columns
-from .hessian_loop import clear, take
-from .panel_loop import copy, refactor, solve_columns_transposed
-from .radau_sweep_loop import apply, backward_node, forward_node, move, quiet, subtract
+from .columns_loop import ByRows, solve_columns
+from .hessian_loop import Room, clear, take
+from .panel_loop import Factors, copy, refactor, solve_columns_transposed
+from .radau_sweep_loop import (
+    Bars,
+    ByNumbers,
+    Entries,
+    Given,
+    Node,
+    Numbers,
+    Trust,
+    apply,
+    backward_node,
+    forward_node,
+    move,
+    quiet,
+    subtract,
+)
 
 NODE, PROJECTION = 0, 1  # what is done next
 
@@ -37,86 +52,86 @@ class Record(NamedTuple):
     left_out : 1 for equations that others imply
     """
 
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
-    q0: Any
-    dq: Any
-    dv: Any
-    sigma: Any
-    rho: Any
-    between: Any
-    defined: Any
-    left_out: Any
-    places: Any
-    memory: Any
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    q0: Array
+    dq: Array
+    dv: Array
+    sigma: Array
+    rho: Array
+    between: Array
+    defined: Array
+    left_out: Array
+    places: Array
+    memory: Array
 
 
 class Projection(NamedTuple):
     """The operators' numbers for both projections: Φ_q0 at q₀, Φ_q at q; derivatives by q₀, of Φ_q v + Φ_t by q."""
 
-    M: Any
-    Phi_q0: Any
-    Phi_q: Any
-    M_dq_q: Any
-    M_dv_q: Any
-    sigma_q: Any
-    rho_q: Any
-    gamma_v: Any
-    S_q: Any
-    S_v: Any
-    again: Any
+    M: Array
+    Phi_q0: Array
+    Phi_q: Array
+    M_dq_q: Array
+    M_dv_q: Array
+    sigma_q: Array
+    rho_q: Array
+    gamma_v: Array
+    S_q: Array
+    S_v: Array
+    again: bool
 
 
 class Tables(NamedTuple):
     """All that does not change from state to state; see `radau_sweep_loop.Tables`, whose names those of nodes are."""
 
-    node: Any
-    node_values: Any
-    node_left_out: Any
-    node_by_rows: Any
-    projection: Any
-    projection_values: Any
-    left_out: Any
-    at_node: Any
-    at_projection: Any
-    places: Any
-    numbers: Any
-    by_b: Any
-    trust: Any
-    node_right: Any
-    node_solution: Any
-    node_arranged: Any
-    other_right: Any
-    other_solution: Any
-    q_bar: Any
+    node: Factors
+    node_values: Array
+    node_left_out: Array
+    node_by_rows: ByRows
+    projection: Factors
+    projection_values: Array
+    left_out: Array
+    at_node: Node
+    at_projection: Projection
+    places: Node
+    numbers: Numbers
+    by_b: ByNumbers
+    trust: Trust
+    node_right: Array
+    node_solution: Array
+    node_arranged: Array
+    other_right: Array
+    other_solution: Array
+    q_bar: Array
 
 
 class Solved(NamedTuple):
     """What is solved for at each state (nt, nq + m, 1): adjoints of the equations; or the changes of their unknowns."""
 
-    node: Any
-    velocity: Any
-    position: Any
+    node: Array
+    velocity: Array
+    position: Array
 
 
 class Turned(NamedTuple):
     """What the change of an adjoint takes from the gradients, or nothing; by names of `radau_sweep_loop.Turned`."""
 
-    node: Any
-    node_q: Any
-    node_v: Any
-    velocity: Any
-    position: Any
-    q: Any
-    q0: Any
-    v0: Any
+    node: Array
+    node_q: Array
+    node_v: Array
+    velocity: Array
+    position: Array
+    q: Array
+    q0: Array
+    v0: Array
 
 
 @compiled
-def remember_state(record: Any, n: Any, tables: Any, b: Any) -> None:
+def remember_state(record: Record, n: int, tables: Tables, b: Array) -> None:
     """What elements remember at state n, and which equations are left out."""
     for k in range(len(record.places)):
         b[record.places[k]] = record.memory[n, k]
@@ -126,7 +141,7 @@ def remember_state(record: Any, n: Any, tables: Any, b: Any) -> None:
 
 
 @compiled
-def factor_projection(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+def factor_projection(entries: Entries, b: Array, record: Record, n: int, tables: Tables) -> bool:
     """Evaluate the derivatives of both projections at state n and factor [M₀, J₀ᵀ; Φ_q, 0]."""
     t, q0, q, v = record.t[n], record.q0[n], record.q[n], record.v[n]
     at, rows = tables.at_projection, tables.places.Phi_q[0]
@@ -146,7 +161,7 @@ def factor_projection(entries: Any, b: Any, record: Any, n: Any, tables: Any) ->
 
 
 @compiled(entry=True)
-def find_multipliers(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> Any:
+def find_multipliers(entries: Entries, b: Array, record: Record, n: int, tables: Tables) -> int:
     """σ and ρ of the states from n on, of which q - q₀ and v - v₀ are known; the state that needs new pivots."""
     while n < len(record.t):
         if record.defined[n] > 0.0:
@@ -162,7 +177,7 @@ def find_multipliers(entries: Any, b: Any, record: Any, n: Any, tables: Any) -> 
 
 
 @compiled
-def multiplier_of(moved: Any, out: Any, tables: Any) -> Any:
+def multiplier_of(moved: Array, out: Array, tables: Tables) -> bool:
     """The multipliers of M₀ x + J₀ᵀσ = 0 for a given x; false if pivots must be renewed."""
     nq, right, solution, places = len(moved), tables.node_right, tables.node_solution, tables.places
     right[:] = 0.0
@@ -177,8 +192,9 @@ def multiplier_of(moved: Any, out: Any, tables: Any) -> Any:
 
 @compiled
 def backward_projection(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, out: Any, kept: Any, turned: Any
-) -> Any:
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars, out: Given, kept: Solved,
+    turned: Turned,
+) -> bool:  # fmt: skip
     """From the gradients by a consistent state n to those by (q₀, v₀); false if pivots must be renewed."""
     if not factor_projection(entries, b, record, n, tables):
         return False
@@ -229,7 +245,7 @@ def backward_projection(
 
 @compiled
 def velocity_by_b(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, x: Any, out: Any, transposed: Any
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, x: Array, out: Array, transposed: bool
 ) -> None:
     """Subtract the derivatives by the numbers of the equations of v times x."""
     t, q0, q, by_b, nq = record.t[n], record.q0[n], record.q[n], tables.by_b, record.q.shape[1]
@@ -245,7 +261,7 @@ def velocity_by_b(
 
 @compiled
 def position_by_b(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, x: Any, out: Any, transposed: Any
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, x: Array, out: Array, transposed: bool
 ) -> None:
     """Subtract the derivatives by the numbers of the equations of q times x."""
     t, q0, by_b, nq = record.t[n], record.q0[n], tables.by_b, record.q.shape[1]
@@ -259,9 +275,9 @@ def position_by_b(
 
 @compiled(entry=True)
 def backward(
-    entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, out: Any, beside: Any,
-    turned: Any,
-) -> Any:  # fmt: skip
+    entries: Entries, b: Array, record: Record, n: int, stage: int, tables: Tables, bars: Bars, given: Given,
+    out: Given, beside: Solved, turned: Turned,
+) -> tuple[int, int]:  # fmt: skip
     """From gradients by consistent states to those by what they were made of; (n, stage) of what needs new pivots."""
     while n < len(record.t):
         if record.defined[n] > 0.0:
@@ -269,7 +285,7 @@ def backward(
             if stage == NODE:
                 bars.q[:] = 0.0
                 bars.v[:] = 0.0
-                if not backward_node(entries, b, record, n, tables, bars, given, beside, turned):
+                if not backward_node(entries, b, record, n, tables, bars, given, beside, turned):  # type: ignore[arg-type]
                     return n, NODE
                 stage = PROJECTION
             if not backward_projection(entries, b, record, n, tables, bars, out, beside, turned):
@@ -283,8 +299,9 @@ def backward(
 
 @compiled
 def forward_projection(
-    entries: Any, b: Any, record: Any, n: Any, tables: Any, bars: Any, given: Any, beside: Any, solved: Any
-) -> Any:
+    entries: Entries, b: Array, record: Record, n: int, tables: Tables, bars: Bars, given: Given,
+    beside: Solved, solved: Solved,
+) -> bool:  # fmt: skip
     """The changes of q and v of state n, of those of q₀ and v₀, in place; false if pivots must be renewed."""
     if not factor_projection(entries, b, record, n, tables):
         return False
@@ -331,9 +348,9 @@ def forward_projection(
 
 @compiled(entry=True)
 def forward(
-    entries: Any, b: Any, record: Any, n: Any, stage: Any, tables: Any, bars: Any, given: Any, out: Any, beside: Any,
-    solved: Any,
-) -> Any:  # fmt: skip
+    entries: Entries, b: Array, record: Record, n: int, stage: int, tables: Tables, bars: Bars, given: Given,
+    out: Given, beside: Solved, solved: Solved,
+) -> tuple[int, int]:  # fmt: skip
     """The changes of consistent states of those of (q₀, v₀), which are given; (n, stage) of what needs new pivots."""
     while n < len(record.t):
         if record.defined[n] > 0.0:
@@ -342,7 +359,7 @@ def forward(
                 if not forward_projection(entries, b, record, n, tables, bars, given, beside, solved):
                     return n, NODE
                 stage = PROJECTION
-            if not forward_node(entries, b, record, n, tables, bars, out, beside):
+            if not forward_node(entries, b, record, n, tables, bars, out, beside):  # type: ignore[arg-type]
                 return n, PROJECTION
         else:
             copy(given.q[n], out.q[n])
@@ -354,33 +371,35 @@ def forward(
 class Operands(NamedTuple):
     """What the drivers of `lagrangian` take at every state (nt, …), and directions in which it changes."""
 
-    t: Any
-    q: Any
-    v: Any
-    a: Any
-    eta: Any
-    q_dot: Any
-    v_dot: Any
-    a_dot: Any
-    eta_dot: Any
-    xi: Any
-    lam: Any
-    nu: Any
-    lam_dot: Any
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    eta: Array
+    q_dot: Array
+    v_dot: Array
+    a_dot: Array
+    eta_dot: Array
+    xi: Array
+    lam: Array
+    nu: Array
+    lam_dot: Array
 
 
 class Changes(NamedTuple):
     """What they give: the changes of gradients by these (nt, …)."""
 
-    q: Any
-    v: Any
-    a: Any
-    eta: Any
-    lam: Any
+    q: Array
+    v: Array
+    a: Array
+    eta: Array
+    lam: Array
 
 
 @compiled(entry=True)
-def of_states(entry: Any, b: Any, b_dot: Any, record: Any, many: Any, x: Any, room: Any, found: Any) -> None:
+def of_states(
+    entry: Entry, b: Array, b_dot: Array, record: Record, many: int, x: Operands, room: Room, found: Changes
+) -> None:
     """The changes of the gradients of ℓ at all states, `many` at once; room.by_b has those by the numbers."""
     first = 0
     while first < len(x.t):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,7 @@ class ConsistentSweep:
             radau.Node._make(places), radau.Numbers(found.values, *found[2:]), by_b, radau.Trust.zeros(),
             *vectors, aligned(4, nq + m), *(aligned(nq + m, 1) for _ in range(2)), aligned(nq, 1),
         ])  # fmt: skip
-        self._go("find_multipliers", False)
+        self._go(loop.find_multipliers, False)
 
     def _room(self, operator: str) -> Array:
         return np.zeros(len(entries_of(self.system, operator)[0]))
@@ -86,7 +87,7 @@ class ConsistentSweep:
     ) -> tuple[radau.Given, loop.Solved]:
         """The changes of the consistent states for those of q₀, v₀ and the numbers; what was solved for."""
         found, solved = self.states(), self.solved()
-        self._go("forward", True, self._bars(b_dot), given, found, sources or NO_SOURCES, solved)
+        self._go(loop.forward, True, self._bars(b_dot), given, found, sources or NO_SOURCES, solved)
         return found, solved
 
     def backward(
@@ -94,18 +95,18 @@ class ConsistentSweep:
     ) -> tuple[radau.Given, Array]:
         """Gradients by q₀ and v₀ of those by consistent states, and by the numbers (len(b), 1); see `loop.Turned`."""
         bars, found = self._bars(np.zeros((len(self._b), 1))), self.states()
-        self._go("backward", True, bars, given, found, kept or NO_SOURCES, turned or UNTURNED)
+        self._go(loop.backward, True, bars, given, found, kept or NO_SOURCES, turned or UNTURNED)
         return found, bars.b
 
     def _bars(self, b: Array) -> radau.Bars:
         nq = self.system.nq
         return radau.Bars(np.zeros((nq, 1)), np.zeros((nq, 1)), np.array(b, dtype=float, order="C"))
 
-    def _go(self, name: str, staged: bool, *arrays: Any) -> None:
+    def _go(self, sweep: Callable[..., Any], staged: bool, *arrays: Any) -> None:
         """Through all states, with other pivots where they do not fit."""
         n, stage, tried, count = 0, loop.NODE, 0, len(self.record.t)
         size = self.system.nq + self.system.m
-        arranged = aligned(3, size, 1) if name == "backward" else aligned(4, size)
+        arranged = aligned(3, size, 1) if sweep is loop.backward else aligned(4, size)
         self._tables = self._tables._replace(node_arranged=arranged)
         while n < count and self.record.defined.any():
             if tried > len(TRUSTED):
@@ -114,7 +115,7 @@ class ConsistentSweep:
                 self._choose_pivots(n)
             self._tables.trust.change = TRUSTED[max(tried - 1, 0)]
             head = self._entries, self._b, self.record, n, *([stage] if staged else [])
-            found, before = link(getattr(loop, name))(*head, self._tables, *arrays), (n, stage)
+            found, before = link(sweep)(*head, self._tables, *arrays), (n, stage)
             n, stage = (int(found[0]), int(found[1])) if staged else (int(found), stage)
             tried = tried + 1 if (n, stage) == before else 1
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import importlib
+import pkgutil
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +15,7 @@ import numpy as np
 import pytest
 
 import sarrus
-from sarrus._jit.link import compiled, fingerprint, link
+from sarrus._jit.link import compiled, fingerprint, link, marked
 from sarrus._jit.scalars import Scalars
 
 SOURCES = Path(sarrus.__file__).parent
@@ -112,6 +114,11 @@ def test_documentation_and_annotations_do_not_matter_but_code_and_kinds_of_const
             "g is neither a compiled function nor a constant. Mark",
         ),
         ("def f(x):\n    return g + x", {"g": np.ones(1)}, "g is neither a compiled function nor a constant"),
+        (
+            "def f(x):\n    return g.FACTOR * x",
+            {"g": sarrus},
+            "g is neither a compiled function nor a constant",
+        ),
         ("def f(x):\n    return g(x)", {}, "g is not defined. Import it"),
         ("def f(x):\n    return f(x - 1)", {}, "in a circle: f → f"),
     ],
@@ -128,6 +135,17 @@ def test_wrong_variants_are_refused() -> None:
         link(both, scale=made)
     with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
         link(made)
+
+
+def test_a_function_that_uses_variables_of_another_is_refused() -> None:
+    factor = 2.0
+
+    @compiled
+    def inner(x: float) -> float:
+        return factor * x
+
+    with pytest.raises(TypeError, match="inner uses factor of an enclosing function"):
+        link(inner)
 
 
 def test_threads_link_one_function() -> None:
@@ -174,6 +192,15 @@ def test_scalars_have_one_memory_in_python_and_compiled_code() -> None:
     assert plain == control
     with pytest.raises(TypeError, match="size is a name of NumPy's records"):
         type("Wrong", (Scalars,), {"__annotations__": {"size": float}})
+
+
+def test_everything_that_compiled_functions_of_the_package_name_is_compiled_too() -> None:
+    """Without compiling them."""
+    for module in pkgutil.walk_packages([str(SOURCES / "analyses")], "sarrus.analyses."):
+        importlib.import_module(module.name)
+    own = [function for function in marked() if function.__module__.startswith("sarrus.analyses.")]
+    assert len(own) > 100
+    assert all(fingerprint(function) for function in own)
 
 
 def filled_later(tree: ast.Module) -> Iterator[str]:

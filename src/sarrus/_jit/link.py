@@ -27,6 +27,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Function = Callable[..., Any]
 CONSTANTS = (bool, int, float, complex, str, type(None), np.generic)
 COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+LIBRARIES = ("math", "cmath", "numpy")  # modules whose functions compiled code may call
 LINKING = threading.RLock()
 _entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
 _linked: dict[str, Any] = {}  # compiled functions by name
@@ -65,7 +66,8 @@ def link(function: F, **variants: Function) -> F:
     Raises
     ------
     TypeError
-        If a global is neither marked nor a constant, a module, or a record; or if no function has a variant's name.
+        If a global is neither marked nor a constant, a record, or a library of mathematics; or if no function has a
+        variant's name.
     """
     key = function, tuple(sorted(variants.items())) if variants else ()
     found = _links.get(key)
@@ -78,6 +80,11 @@ def link(function: F, **variants: Function) -> F:
 def fingerprint(function: Function, **variants: Function) -> str:
     """The name of the compiled form of a marked function, which identifies all that it depends on."""
     return _Linker(function, variants).name(function, entry=True)
+
+
+def marked() -> list[Function]:
+    """All marked functions of the modules that have been imported."""
+    return list(_entries)
 
 
 class _Linker:
@@ -171,6 +178,9 @@ def _check_marked(function: Function) -> None:
     if not _is_marked(function):
         name = getattr(function, "__name__", repr(function))
         raise TypeError(f"{name} cannot be linked. Mark it with `compiled`.")
+    if function.__code__.co_freevars:
+        names = ", ".join(function.__code__.co_freevars)
+        raise TypeError(f"{function.__name__} uses {names} of an enclosing function. Pass it as an argument.")
 
 
 def _token(value: Any) -> object:
@@ -181,7 +191,9 @@ def _token(value: Any) -> object:
         found = [_token(part) for part in value]
         return None if None in found else tuple(found)
     if isinstance(value, types.ModuleType):
-        return value.__name__
+        return (
+            value.__name__ if value.__name__ in LIBRARIES else None
+        )  # others may hold what is to be resolved
     name = getattr(value, "__module__", ""), getattr(value, "__qualname__", getattr(value, "__name__", ""))
     if isinstance(value, type):
         return *name, getattr(value, "_fields", ())

@@ -56,9 +56,9 @@ def jax_function(problem: Problem) -> Callable[[Any], Any]:
     responses.defvjp(lambda x: (responses(x), x), lambda x, bar: (pulled(x, bar),))
     pulled.defvjp(
         lambda x, bar: (pulled(x, bar), (x, bar)),
-        lambda kept, bar: (
-            called(problem.hvp_of_sum, size, kept[0], bar, kept[1]),
-            called(problem.jvp, count, kept[0], bar),
+        lambda stored, adjoint: (
+            called(problem.hvp_of_sum, size, stored[0], adjoint, stored[1]),
+            called(problem.jvp, count, stored[0], adjoint),
         ),
     )
 

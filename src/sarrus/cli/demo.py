@@ -52,7 +52,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     simulated = time.perf_counter() - simulated
     answer.show(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
     answer.show(
-        f"constraints kept to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
+        f"constraints satisfied to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
     )
     answer.show(_times(system, start))
     for file in _plots(folder, motion, report):

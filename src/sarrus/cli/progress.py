@@ -11,7 +11,7 @@ from .terminal import is_quiet
 
 WIDTH = 28
 PATIENCE = 3.0  # [s] without progress, before a message explains the possible reason
-FIRST = "the first run of a kind compiles what it needs, which is kept for the next"
+FIRST = "the first run of a kind compiles its kernels, which are cached for the next"
 
 
 class Bar:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from math import isfinite
 from pathlib import Path
 
-MOST_STEPS = 1_000_000  # output intervals: all states are kept in memory
+MOST_STEPS = 1_000_000  # output intervals: all states are in memory
 FIGURES = (".png", ".svg", ".pdf")
 SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 

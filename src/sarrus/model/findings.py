@@ -51,7 +51,7 @@ class Findings:
         return ModelError(error.message, part=part_name(path), field=error.field, where=where)
 
     def raise_first(self) -> None:
-        """Raise the first error that was kept, if any."""
+        """Raise the first collected error, if any."""
         if self.errors:
             self.errors[0].more = len(self.errors) - 1
             raise self.errors[0]

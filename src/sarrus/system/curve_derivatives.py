@@ -46,7 +46,7 @@ MANY: dict[str, Callable[..., Any]] = EVERY | {
 SIDE_BY_SIDE: dict[str, Callable[..., Any]] = MANY | {
     name: lambda curves, x, order=n: _values(curves, x, order) for name, n in ORDERS.items()
 }  # of arrays over elements and time
-KNOWN = 256  # functions of one variable whose derivatives are kept
+KNOWN = 256  # functions of one variable whose derivatives are cached
 
 
 class Part(NamedTuple):

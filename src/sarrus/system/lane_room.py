@@ -21,7 +21,7 @@ SMALL, LARGE, MOST = (
     1 << 14,
     1 << 20,
     1 << 23,
-)  # numbers: of arrays that are kept, and of all of them together
+)  # numbers: limits of stored arrays, and of all of them together
 UNUSED = 3  # references to an array that only the list below holds, while it is looked at
 _LENT: list[Array] = []
 _LOOKING = Lock()

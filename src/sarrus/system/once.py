@@ -1,4 +1,4 @@
-"""What do analyses make only once: of one system, or of all that have the same structure; kept while those live."""
+"""Cache of derived data of a system, or of all systems of the same structure, for as long as these exist."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from .system import System
 
 P = ParamSpec("P")
 T = TypeVar("T")
-MOST = 32  # things of one kind that are kept of one system: those that were asked for first are dropped
+MOST = 32  # cached values of one function for one system: the oldest are dropped
 
 Made = Callable[Concatenate[System, P], T]
 
 
 def once(make: Made[P, T]) -> Made[P, T]:
-    """A function of a system, and of things that can be looked up, that is called once for each of them.
+    """Cache a function of a system and of hashable arguments: it is called once for each combination.
 
-    What it makes must not be written to, and must not hold the system.
+    The result must not be modified, and must not refer to the system.
     """
-    return _kept(make, lambda system: system)
+    return _cached(make, lambda system: system)
 
 
 def once_alike(make: Made[P, T]) -> Made[P, T]:
-    """As `once`, called once for all systems of the same structure: it must not look at numbers, names, or curves."""
-    return _kept(make, lambda system: system.structure)
+    """As `once`, for all systems of one structure: the function must not use parameter values, names, or curves."""
+    return _cached(make, lambda system: system.structure)
 
 
-def _kept(make: Made[P, T], owner_of: Callable[[System], Any]) -> Made[P, T]:
-    kept: WeakKeyDictionary[Any, dict[Any, T]] = WeakKeyDictionary()
+def _cached(make: Made[P, T], owner_of: Callable[[System], Any]) -> Made[P, T]:
+    cache: WeakKeyDictionary[Any, dict[Any, T]] = WeakKeyDictionary()
 
     @wraps(make)
     def found(system: System, /, *args: P.args, **kwargs: P.kwargs) -> T:
-        made, key = kept.setdefault(owner_of(system), {}), (args, *sorted(kwargs.items()))
+        made, key = cache.setdefault(owner_of(system), {}), (args, *sorted(kwargs.items()))
         value = made.get(key)
         if value is None:
             value = make(system, *args, **kwargs)

@@ -42,7 +42,7 @@ class Structure:
         return {**self.__dict__, "groups": {}, "magnitudes": {}}
 
 
-RECENT = 16  # structures that are kept without a system
+RECENT = 16  # structures that are cached without a system
 SMALL = 2000  # coordinates of the systems whose structures are: larger ones take too much memory
 _recent: OrderedDict[Hashable, Structure] = OrderedDict()
 _known: WeakValueDictionary[Hashable, Structure] = WeakValueDictionary()

@@ -14,7 +14,7 @@ PER_FREEDOM = {
 COUNTS = {
     "nu": "{n} actuators are left out",
     "ntendon": "{n} tendons are left out",
-    "ngeom": "{n} shapes are kept for drawing: there is no contact",
+    "ngeom": "{n} shapes are used for drawing only: there is no contact",
 }
 
 
@@ -22,6 +22,6 @@ def notes(compiled: Any) -> list[str]:
     """Return one message for each kind of thing that is left out."""
     counts = {message: int(np.count_nonzero(getattr(compiled, key))) for key, message in PER_FREEDOM.items()}
     counts["springs of {n} joints are left out"] = int(np.count_nonzero(compiled.jnt_stiffness))
-    counts["limits of {n} joints are kept, not enforced"] = int(np.count_nonzero(compiled.jnt_limited))
+    counts["limits of {n} joints are stored, not enforced"] = int(np.count_nonzero(compiled.jnt_limited))
     counts |= {message: int(getattr(compiled, key)) for key, message in COUNTS.items()}
     return [message.format(n=n) for message, n in counts.items() if n]

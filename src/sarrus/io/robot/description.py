@@ -46,7 +46,7 @@ def combined(parts: Iterable[Inertial]) -> Inertial:
 
 
 class Visual(NamedTuple):
-    """What a link looks like: kept for drawing, never used in an equation.
+    """The shape of a link: for drawing only, never used in an equation.
 
     ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as the format gives them [m], for a mesh
     the scale; ``file`` the mesh as the description names it; ``pose`` in link axes.

@@ -33,7 +33,7 @@ def load_urdf(
     """Read a robot from a URDF file.
 
     Each link that moves becomes a body whose frame is the link's; links that are fixed to it are merged into it, and
-    their points and frames are had from ``robot.link(name)``. Limits and visuals are kept, not used.
+    their points and frames are had from ``robot.link(name)``. Limits and visuals are stored, not used.
 
     Parameters
     ----------

@@ -16,7 +16,9 @@ def notes(root: Element) -> list[str]:
     collisions = sum(1 for link in root.all("link") for _ in link.all("collision"))
     found.append(_count("{n} collision shapes are left out: there is no contact", collisions))
     found.append(_count("damping or friction of {n} joints is left out", sum(map(_lossy, root.all("joint")))))
-    found.append(_count("limits of {n} joints are kept, not enforced", sum(map(_limited, root.all("joint")))))
+    found.append(
+        _count("limits of {n} joints are stored, not enforced", sum(map(_limited, root.all("joint"))))
+    )
     return [message for message in found if message]
 
 

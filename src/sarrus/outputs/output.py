@@ -12,6 +12,7 @@ from typing import Any
 from ..model import Placed, SarrusError
 from ..model.show import suggest
 from ..system import System
+from ..system.once import once
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 
@@ -77,6 +78,12 @@ def outputs_of(system: System, part: str | None = None) -> Iterator[Output]:
     return (output for provider in PROVIDERS for output in provider(system, part))
 
 
+@once
+def _of_part(system: System, part: str, providers: int) -> dict[str, Output]:
+    """The outputs of a part by name, for so many providers."""
+    return {one.name: one for one in outputs_of(system, part)}
+
+
 def calls(method: str, *args: Any, at: int | None = None, **options: Any) -> Callable[[Any], Any]:
     """What a method of `Outputs` returns, or one component of it, as the record of an output."""
 
@@ -109,7 +116,7 @@ def find_output(system: System, name: str, most: Level = Level.ACCELERATION, whe
         raise TypeError(f"an output is given by its name, such as 'slider.x', got {name!r:.60}.")
     full = _spelt(name)
     part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
-    found = {one.name: one for one in outputs_of(system, part)}
+    found = _of_part(system, part, len(PROVIDERS))
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
     if full == part and full in {joint.name for joint in system.model.joints} and len(alone) == 1:
         return alone[0]  # a joint with a single coordinate

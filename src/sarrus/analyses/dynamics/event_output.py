@@ -27,14 +27,15 @@ class EventOutput:
     def __init__(self, system: System, text: str) -> None:
         self._system, self._tree, self._b = system, parse(text), system.b.copy()
         self._outputs = {name: find_output(system, name) for name in self._tree.names()}
-        self._near: dict[str, float | None] = {
-            name: None for name, one in self._outputs.items() if one.element and one.place is None
-        }
+        of_position = [name for name, one in self._outputs.items() if one.element and one.place is None]
+        self._measures = {name: measured(system, name, IMPACT) for name in of_position}
+        self._near: dict[str, float | None] = dict.fromkeys(of_position)
+        self._recording = any(one.element is None and one.place is None for one in self._outputs.values())
         self._rates: dict[str, Expression] = {name: self._tree.derivative(name) for name in self._outputs}
         self._motion: tuple[Independence, Motion] | None = None
 
     def _values(self, t: float, q: Array, v: Array) -> dict[str, float]:
-        if any(one.element is None for one in self._outputs.values()):
+        if self._recording:
             self._system.remember(q, self._b, t)
         return {name: self._value(name, one, t, q, v) for name, one in self._outputs.items()}
 
@@ -46,7 +47,7 @@ class EventOutput:
         near = self._near[name]
         if near is None and output.name not in self._system.joint_coordinates.names:
             near = self._recorded(output, t, q, v)
-        self._near[name] = measured(self._system, name, IMPACT).value(q, near)
+        self._near[name] = self._measures[name].value(q, near)
         return float(self._near[name] or 0.0)
 
     def _recorded(self, output: Output, t: float, q: Array, v: Array) -> float:
@@ -101,7 +102,8 @@ class EventOutput:
             if place is not None:
                 result[place] += rate
             elif name != "t":
-                result += rate * measured(self._system, name, IMPACT).gradient(q).toarray()[0]
+                measure = self._measures.get(name) or measured(self._system, name, IMPACT)
+                result += rate * measure.gradient(q).toarray()[0]
         return result
 
 

@@ -1,4 +1,4 @@
-"""Studies: one analysis for many values of a model's numbers, on one machine or many."""
+"""Studies: one analysis for many values of a model's parameters, on one machine or many."""
 
 from .conduct import study as study
 from .first_order import Uncertainty as Uncertainty

@@ -18,7 +18,7 @@ from .source import Source
 
 
 class Outcome(NamedTuple):
-    """What a case gave: the responses in their order, or a sentence; the seconds that it took; and its warnings."""
+    """The outcome of a case: the responses in their order, or a message; its time in seconds; and its warnings."""
 
     success: bool
     message: str
@@ -47,13 +47,13 @@ class Task:
         try:
             return pickle.dumps(self)
         except (pickle.PicklingError, AttributeError, TypeError) as wrong:
-            told = f"this study cannot be sent to another process ({wrong})"
+            message = f"this study cannot be sent to another process ({wrong})"
             raise SarrusError(
-                f"{told}; define its functions at the top of a module, or take workers=1"
+                f"{message}; define its functions at the top of a module, or take workers=1"
             ) from None
 
     def outcome(self, values: Mapping[str, float]) -> Outcome:
-        """Run one case; whatever goes wrong is a sentence."""
+        """Run one case; any failure is a message."""
         with collecting() as found:
             outcome = self._tried(values)
         return outcome._replace(warnings=found.messages)
@@ -62,8 +62,8 @@ class Task:
         began = time.perf_counter()
         try:
             return Outcome(True, "", self._responses(values), time.perf_counter() - began)
-        except SarrusError as told:
-            message = self.source.readable(str(told))
+        except SarrusError as error:
+            message = self.source.readable(str(error))
         except Exception as wrong:
             message = f"{type(wrong).__name__}: {wrong}"
         nothing = (float("nan"),) * len(self.responses)

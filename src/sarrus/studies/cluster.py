@@ -30,8 +30,8 @@ def dask_executor(address: str) -> Iterator[Executor]:
     try:
         client: Any = Client(address, timeout=WAIT, set_as_default=False)
     except (OSError, ValueError) as wrong:
-        told = f"no Dask scheduler answers at {address} ({type(wrong).__name__})"
-        raise SarrusError(f"{told}; start one with: dask scheduler") from None
+        message = f"no Dask scheduler answers at {address} ({type(wrong).__name__})"
+        raise SarrusError(f"{message}; start one with: dask scheduler") from None
     with client:
         _wait_for_workers(client, address)
         yield client.get_executor(pure=False)
@@ -41,5 +41,5 @@ def _wait_for_workers(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=WAIT)
     except TimeoutError:
-        told = f"the Dask scheduler at {address} has no worker"
-        raise SarrusError(f"{told}; start some with: dask worker {address}") from None
+        message = f"the Dask scheduler at {address} has no worker"
+        raise SarrusError(f"{message}; start some with: dask worker {address}") from None

@@ -87,8 +87,8 @@ def study(
     Parameters
     ----------
     model : as it was loaded or made
-    parameters : numbers of the model by name (``spring.k``, ``pin.point.x``), parameters of its file, or coordinates of
-        the guess (``start.q.crank.r.x``, for many starts); for each a list of values, a `Range` or a `Distribution`
+    parameters : parameters of the model by name (``spring.k``, ``pin.point.x``), parameters of its file, or coordinates
+        of the initial estimate (``start.q.crank.r.x``, for many starts); for each a list, `Range` or `Distribution`
     responses : formulas by name, ``{"reach": "max(slider.x)"}``, see `sarrus.studies.responses`; or functions of the
         result
     analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, or a function of the system that returns a result or
@@ -109,7 +109,7 @@ def study(
     Returns
     -------
     StudyTable
-        A case that failed has its sentence there, and stops no other.
+        A failed case has its message there, and stops no other.
 
     Raises
     ------
@@ -151,8 +151,8 @@ def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
     """Refuse parameters of the model's own initial state where the analysis has another start."""
     varied = [name for name in parameters if name.startswith(tuple(GUESS))]
     if varied and getattr(run, "start", None) is not None:
-        told = f"{varied[0]} varies the model's own initial state, in whose place the analysis has a start"
-        raise SarrusError(f"{told}. Leave one of them out.")
+        message = f"{varied[0]} varies the model's own initial state, in whose place the analysis has a start"
+        raise SarrusError(f"{message}. Leave one of them out.")
 
 
 def carry_out(
@@ -166,11 +166,11 @@ def carry_out(
 ) -> StudyTable:
     """Run the cases that are not done yet, in at most `time_limit` seconds. For parameters see `study`."""
     refuse_time_limit(time_limit, "total_time_limit")
-    told, ended = asked.facts(), list(asked.start_warnings())
+    facts, ended = asked.facts(), list(asked.start_warnings())
     try:
-        ledger = Ledger(Path(folder), told, asked.task.source.files) if folder is not None else None
+        ledger = Ledger(Path(folder), facts, asked.task.source.files) if folder is not None else None
     except NotSavedError as wrong:
-        return replace(table_of(told, {}), status=NOT_SAVED, warnings=announce([*ended, str(wrong)]))
+        return replace(table_of(facts, {}), status=NOT_SAVED, warnings=announce([*ended, str(wrong)]))
     outcomes = ledger.found if ledger else {}
     done = {case for case, outcome in outcomes.items() if outcome.success or not retry_failed}
     jobs = {case: asked.values(case) for case in range(len(asked.cases)) if case not in done}
@@ -202,7 +202,7 @@ def carry_out(
     finally:
         if ledger:
             ledger.close()
-    table = replace(table_of(told, outcomes), status=status, execution=execution)
+    table = replace(table_of(facts, outcomes), status=status, execution=execution)
     table = replace(table, warnings=(*ended, *table.warnings))
     announce(table.warnings)
     return table

@@ -13,13 +13,13 @@ from ..model.show import suggest
 
 @dataclass(frozen=True)
 class Entries:
-    """What stands in a file.
+    """The content of a file.
 
     Attributes
     ----------
     document : as it was read
     what : is described by it, "a study"
-    kind : stands before the names of entries in errors, "study, "
+    kind : precedes the names of keys in errors, "study, "
     """
 
     document: Document
@@ -37,10 +37,10 @@ class Entries:
             where, part = self.document.origin.where(path), ".".join(map(str, path))
             raise ModelError(str(wrong), where=where, part=self.kind + part) from None
 
-    def refused(self, sentence: str, *path: str | int) -> ModelError:
+    def refused(self, message: str, *path: str | int) -> ModelError:
         """An error with the line of an entry, or the name of the file."""
         origin = self.document.origin
-        return ModelError(sentence, where=origin.where(path) if path else origin.file)
+        return ModelError(message, where=origin.where(path) if path else origin.file)
 
     def check_keys(self, keys: Sequence[str], needed: Sequence[str]) -> None:
         """Refuse unknown and missing keys."""
@@ -54,7 +54,7 @@ class Entries:
             if key not in data:
                 raise self.refused(f"the file lacks the key {key!r}; give it")
 
-    def check_kind(self, key: str, kind: type, told: str) -> None:
+    def check_kind(self, key: str, kind: type, wanted: str) -> None:
         """Refuse an entry of another kind."""
         if key in self.document.data and not isinstance(self.document.data[key], kind):
-            raise self.refused(f"{key} must be {told}", key)
+            raise self.refused(f"{key} must be {wanted}", key)

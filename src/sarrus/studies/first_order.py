@@ -1,4 +1,4 @@
-"""How uncertain responses are, to first order: from one run and one adjoint sweep, beside thousands of random runs.
+"""Uncertainty of responses to first order, from one run and one adjoint sweep instead of thousands of random runs.
 
 With independent parameters of mean μ_i and standard deviation σ_i a response R has about the mean R(μ) and the variance
 Σ (∂R/∂μ_i σ_i)². It is what Monte Carlo converges to where R is nearly linear over the spread of the parameters.
@@ -63,8 +63,8 @@ class Uncertainty(Result):
         lines = [f"{'response':<{width}}{'mean':>14}{'std':>14}  parts in the variance"]
         for name, mean, std, parts in zip(self.responses, self.values, self.std, self.shares, strict=True):
             order = [k for k in np.argsort(-parts, kind="stable") if parts[k] > 0.005][:4]
-            told = ", ".join(f"{self.parameters[k]} {100 * parts[k]:.0f} %" for k in order)
-            lines.append(f"{name:<{width}}{mean:>14.6g}{std:>14.6g}  {told}")
+            message = ", ".join(f"{self.parameters[k]} {100 * parts[k]:.0f} %" for k in order)
+            lines.append(f"{name:<{width}}{mean:>14.6g}{std:>14.6g}  {message}")
         return "\n".join(lines)
 
 

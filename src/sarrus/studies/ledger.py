@@ -33,7 +33,7 @@ from ..results.folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .case import Outcome
 
 STUDY, CASES = "study.json", "cases.jsonl"
-BEGUN = {LOCK, CASES, STUDY + DRAFT}  # the files of a study before it is stored what is studied
+STARTED = {LOCK, CASES, STUDY + DRAFT}  # the files of a study before its description is stored
 FORMAT = 2
 SAME = ("model", "parameters", "sample", "analysis", "responses", "cases")  # what makes a study the same one
 CHECKSUM = ', "checksum": "'  # in a line, before the last entry
@@ -132,13 +132,15 @@ def read_study(folder: Path) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(read_file(place))
         written, own = found.pop("checksum", None), found.pop("format", None)
     except NoSavedDataError:
-        told = f"{folder}: holds no study; there is no readable {STUDY} in it."
-        raise NoSavedDataError(f"{told} Give the folder of a study.") from None
+        message = f"{folder}: holds no study; there is no readable {STUDY} in it."
+        raise NoSavedDataError(f"{message} Give the folder of a study.") from None
     except (ValueError, AttributeError, TypeError) as wrong:
         raise wrong if isinstance(wrong, SarrusError) else damaged(place) from None
     if own != FORMAT:
-        told = f"{place}: is in format {own}, and this version of Sarrus reads format {FORMAT}."
-        raise SavedDataError(f"{told} Open it with the version that wrote it, or study into another folder.")
+        message = f"{place}: is in format {own}, and this version of Sarrus reads format {FORMAT}."
+        raise SavedDataError(
+            f"{message} Open it with the version that wrote it, or study into another folder."
+        )
     if written != _checksum_of(found):
         raise damaged(place)
     return found
@@ -170,8 +172,8 @@ def _read(folder: Path, facts: Mapping[str, Any]) -> tuple[dict[int, Outcome], s
         text, _, written = line.decode(errors="replace").rpartition(CHECKSUM)
         last = _chained(last, text + "}")
         if written != f'{last}"}}':
-            told = f"{place}:{number}: is damaged: its checksum is wrong. Restore the file from a copy, or delete"
-            raise SavedDataError(f"{told} this line and all below it: their cases are run again.")
+            message = f"{place}:{number}: is damaged: its checksum is wrong. Restore the file from a copy, or delete"
+            raise SavedDataError(f"{message} this line and all below it: their cases are run again.")
         case, outcome = _outcome(json.loads(text + "}"))
         found[case] = outcome
     return found, last, end
@@ -196,16 +198,16 @@ def _locked(folder: Path) -> FolderLock:
     """The right to write the folder of a study, which is made if it is not there."""
     if (folder / STUDY).exists():
         read_study(folder)
-    elif folder.is_dir() and not _is_begun(folder):
-        told = f"{folder}: holds other files and no study, so it is not touched."
-        raise FolderTakenError(f"{told} Choose another folder, or an empty one.")
+    elif folder.is_dir() and not _is_started(folder):
+        message = f"{folder}: holds other files and no study, so it is not touched."
+        raise FolderTakenError(f"{message} Choose another folder, or an empty one.")
     return lock_folder(folder)
 
 
-def _is_begun(folder: Path) -> bool:
+def _is_started(folder: Path) -> bool:
     """Whether a folder is empty, or that of a study of which nothing is stored yet."""
     names = {place.name for place in folder.iterdir()}
-    if not names <= BEGUN or (LOCK in names and not is_lock(folder / LOCK)):
+    if not names <= STARTED or (LOCK in names and not is_lock(folder / LOCK)):
         return False
     return CASES not in names or not (folder / CASES).stat().st_size
 

@@ -103,7 +103,8 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     bounds = {name: limits for name, (limits, _) in changes.items()}
     if "fit" in data:
         misfits = [
-            file.part(lambda said: _misfit(said, place.parent), "fit", k) for k in range(len(data["fit"]))
+            file.part(lambda mapping: _misfit(mapping, place.parent), "fit", k)
+            for k in range(len(data["fit"]))
         ]
         return Sought(bounds=bounds, misfits=misfits, **sought)
     objective = file.part(
@@ -140,43 +141,47 @@ def _simulation(given: Any, folder: Path) -> Simulation:
     return run
 
 
-def _known(said: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
-    if not isinstance(said, dict):
+def _known(mapping: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
+    if not isinstance(mapping, dict):
         raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}")
-    for key in said:
+    for key in mapping:
         if key not in keys:
             raise SarrusError(f"{what} has no key {key!r}; {suggest(str(key), keys)}")
-    return said
+    return mapping
 
 
 def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     """Limits and start of ``{from: 1, to: 60, start: 10}``; any of them may be missing."""
-    said = _known(given or {}, ("from", "to", "start"), "a number that may change")
-    low, high = number(said.get("from", float("-inf"))), number(said.get("to", float("inf")))
+    mapping = _known(given or {}, ("from", "to", "start"), "a number that may change")
+    low, high = number(mapping.get("from", float("-inf"))), number(mapping.get("to", float("inf")))
     if not low < high:
         raise SarrusError(f"its limits must rise, but are {low:g} and {high:g}")
-    start = number(said["start"]) if "start" in said else None
+    start = number(mapping["start"]) if "start" in mapping else None
     if start is not None and not low <= start <= high:
         raise SarrusError(f"its start {start:g} is not between {low:g} and {high:g}")
     return (low, high), start
 
 
 def _within(name: str, given: Any, *, until: float, begin: float) -> Within:
-    said = _known(given, ("of", "lower", "upper"), "a constraint")
-    if "of" not in said:
+    mapping = _known(given, ("of", "lower", "upper"), "a constraint")
+    if "of" not in mapping:
         raise SarrusError("a constraint lacks its formula; give of")
-    limits = {key: number(said[key]) for key in ("lower", "upper") if key in said}
-    return Within(differentiable(Response(str(name), str(said["of"])), until, begin), **limits)
+    limits = {key: number(mapping[key]) for key in ("lower", "upper") if key in mapping}
+    return Within(differentiable(Response(str(name), str(mapping["of"])), until, begin), **limits)
 
 
 def _misfit(given: Any, folder: Path) -> Misfit:
-    said = _known(given, ("of", "file", "time", "column", "sigma"), "a measurement")
+    mapping = _known(given, ("of", "file", "time", "column", "sigma"), "a measurement")
     for key in ("of", "file", "sigma"):
-        if key not in said:
+        if key not in mapping:
             raise SarrusError(f"a measurement lacks the key {key!r}; give it")
-    output = str(said["of"])
-    rows = _columns(folder / str(said["file"]), str(said.get("time", "t")), str(said.get("column", output)))
-    sigma = number(said["sigma"])
+    output = str(mapping["of"])
+    rows = _columns(
+        folder / str(mapping["file"]),
+        str(mapping.get("time", "t")),
+        str(mapping.get("column", output)),
+    )
+    sigma = number(mapping["sigma"])
     if not sigma > 0:
         raise SarrusError(f"sigma must be greater than 0, but is {sigma:g}")
     return Misfit(output, name=output, at=tuple(rows[0]), data=tuple(rows[1]), sigma=sigma)

@@ -1,4 +1,4 @@
-"""What one parameter of a study may be: listed values, a range, or a distribution of SciPy."""
+"""The values of one parameter of a study: listed values, a range, or a distribution of SciPy."""
 
 from __future__ import annotations
 
@@ -170,8 +170,8 @@ def _of_mapping(given: dict[str, Any]) -> Parameter:
         name = str(given.pop("distribution"))
         return Distribution(name, {key: number(value) for key, value in given.items()}, **count)
     if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
-        told = f"its keys are {', '.join(given) or 'none'}"
-        raise SarrusError(f"{told}; give from and to (and count, log), or distribution and its arguments")
+        message = f"its keys are {', '.join(given) or 'none'}"
+        raise SarrusError(f"{message}; give from and to (and count, log), or distribution and its arguments")
     log = given.get("log", False)
     if not isinstance(log, bool):
         raise SarrusError(f"log must be true or false, but is {show(log)}")
@@ -201,7 +201,7 @@ def seconds(given: Any) -> float:
 
 
 def whole(given: Any, what: str, least: int = 1) -> int:
-    """A whole number, of at least 1 if nothing else is said."""
+    """A whole number, by default of at least 1."""
     is_number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
     if not is_number or not isfinite(given) or int(given) != given or given < least:
         raise SarrusError(f"{what} must be a whole number of at least {least}, but is {show(given)}")

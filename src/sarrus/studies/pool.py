@@ -1,4 +1,4 @@
-"""Where cases are run: in this process, in processes of our own, or in any executor of ``concurrent.futures``."""
+"""Execution of cases: in this process, in worker processes, or in any executor of ``concurrent.futures``."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write, tick: Tick)
     Raises
     ------
     SarrusError
-        If it breaks; what was done before is kept.
+        If it breaks; the results so far are stored.
     """
     packed, left = task.packed(), dict(jobs)
     task.prepare()
@@ -116,7 +116,7 @@ def _until_death(
 
 
 def _kill(pool: ProcessPoolExecutor) -> None:
-    """End the workers with what they are doing, after the pool has forgotten the cases that no worker has begun."""
+    """End the workers and their cases, after removing the cases that no worker has started."""
     workers = list((pool._processes or {}).values())
     pool.shutdown(wait=False, cancel_futures=True)
     time.sleep(FORGET)
@@ -163,8 +163,8 @@ def _lost(task: Task, message: str) -> Outcome:
 
 def _refuse_interactive(packed: bytes) -> None:
     if SCRIPT in packed and not hasattr(sys.modules["__main__"], "__file__"):
-        told = "a function of an interactive session cannot be sent to another process"
-        raise SarrusError(f"{told}; define it in a module, or take workers=1")
+        message = "a function of an interactive session cannot be sent to another process"
+        raise SarrusError(f"{message}; define it in a module, or take workers=1")
 
 
 def refuse_inside_start() -> None:
@@ -207,12 +207,12 @@ def _end_with_parent() -> None:
 def _without_script() -> Iterator[None]:
     """Hide the main module's file: a new process would run it first, and with it the study, again and again."""
     main: Any = sys.modules["__main__"]
-    kept = {name: main.__dict__.pop(name) for name in ("__file__", "__spec__") if name in main.__dict__}
+    removed = {name: main.__dict__.pop(name) for name in ("__file__", "__spec__") if name in main.__dict__}
     main.__spec__ = None
     try:
         yield
     finally:
-        main.__dict__.update(kept)
+        main.__dict__.update(removed)
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Responses of a run as formulas: ``max(slider.x) - min(slider.x)``, ``integral(abs(motor.torque.x))``.
 
-Names are outputs of a motion, and numbers of the model. Inside of a reduction they are histories over time; a history
-that is not reduced stands for its final value.
+Names are outputs of a motion, and parameters of the model. Inside a reduction they are histories over time; a history
+that is not reduced means its final value.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a study does in every case: one analysis of the case's system."""
+"""The analyses of a study: one analysis of the system of each case."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Run(ABC):
         Raises
         ------
         SarrusError
-            With its sentence, if the analysis failed.
+            With its message, if the analysis failed.
         """
         result = self.result(system, start, times, time.monotonic() + limit)
         if getattr(result, "status", "") == "stopped":  # by Ctrl-C, which is meant for the study
@@ -121,9 +121,12 @@ class Run(ABC):
         return self
 
     def described(self) -> dict[str, Any]:
-        """What a study file says."""
-        said = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {"type": self.kind, **{n: _plain(v) for n, v in said.items() if v is not None and v != np.inf}}
+        """The form in a study file."""
+        options = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {
+            "type": self.kind,
+            **{n: _plain(v) for n, v in options.items() if v is not None and v != np.inf},
+        }
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,7 @@ class Simulation(Run):
         return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
-        """The warnings of the assembly; what fails there is said by the cases."""
+        """The warnings of the assembly; the cases report its failures."""
         if self.start is not None:
             return ()
         with collecting() as found, suppress(SarrusError):
@@ -297,36 +300,38 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
         )
     if callable(given):
         return OwnRun(given)
-    said = dict(given) if isinstance(given, Mapping) else {"type": given}
-    kind = str(said.pop("type", "simulate"))
-    begin = said.get("start")
+    options = dict(given) if isinstance(given, Mapping) else {"type": given}
+    kind = str(options.pop("type", "simulate"))
+    begin = options.get("start")
     if folder is not None and isinstance(begin, Mapping) and "run" in begin:
-        said["start"] = {**begin, "run": str(folder / str(begin["run"]))}
+        options["start"] = {**begin, "run": str(folder / str(begin["run"]))}
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}; {suggest(str(kind), KINDS)}")
-    run: Run = _built(KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in said.items()})
+    run: Run = _built(
+        KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in options.items()}
+    )
     return run
 
 
-def _built(kind: Any, what: str, said: dict[str, Any]) -> Any:
+def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
     """A dataclass with its numbers converted."""
     known = {one.name: one for one in fields(kind)}
-    for name, value in said.items():
+    for name, value in options.items():
         if name not in known:
             raise SarrusError(f"{what} has no key {name!r}; {suggest(name, known)}")
         if name == "method":
-            said[name] = _method(value)
+            options[name] = _method(value)
         elif name == "start":
-            said[name] = value
+            options[name] = value
         elif name in ("steps",):
-            said[name] = whole(value, name)
+            options[name] = whole(value, name)
         elif known[name].type in ("str", "bool"):
             _refuse_other(value, str(known[name].type), f"{what}: {name}")
         else:
-            said[name] = number(value)
-    if "until" in known and "until" not in said:
+            options[name] = number(value)
+    if "until" in known and "until" not in options:
         raise SarrusError(f"{what} needs an end time; give until in s")
-    return kind(**said)
+    return kind(**options)
 
 
 def _refuse_other(value: Any, kind: str, what: str) -> None:
@@ -336,11 +341,11 @@ def _refuse_other(value: Any, kind: str, what: str) -> None:
 
 
 def _method(given: Any) -> Any:
-    said = dict(given) if isinstance(given, Mapping) else {"type": given}
-    kind = str(said.pop("type", "hht")).lower()
+    options = dict(given) if isinstance(given, Mapping) else {"type": given}
+    kind = str(options.pop("type", "hht")).lower()
     if kind not in METHODS:
         raise SarrusError(f"there is no method {kind!r}; {suggest(kind, METHODS)}")
-    return _built(METHODS[kind], f"the method {kind}", said)
+    return _built(METHODS[kind], f"the method {kind}", options)
 
 
 def _plain(value: Any) -> Any:
@@ -360,7 +365,7 @@ def _refuse_late(times: tuple[float, ...], until: float, begin: float = 0.0) -> 
 
 
 def _watch(until: float) -> Callable[[float], None]:
-    """Told of the progress of a run, ends it when its clock time is over."""
+    """Receives the progress of a run, and ends it after its time limit."""
 
     def watch(reached: float) -> None:
         if time.monotonic() > until:

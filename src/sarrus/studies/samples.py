@@ -1,4 +1,4 @@
-"""Which cases a study runs: all combinations, samples that fill the space, random ones, or listed ones."""
+"""The cases of a study: all combinations, space-filling samples, random ones, or listed ones."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Sample(ABC):
         """The values of all parameters in every case (n, p)."""
 
     def described(self) -> dict[str, Any]:
-        """What a study file says."""
+        """The form in a study file."""
         return {"type": self.kind, **asdict(self)}
 
 
@@ -146,10 +146,10 @@ def sample_of(given: Any) -> Sample:
     """
     if isinstance(given, Sample):
         return given
-    said = {"type": given or "grid"} if given is None or isinstance(given, str) else given
-    if not isinstance(said, Mapping):
+    options = {"type": given or "grid"} if given is None or isinstance(given, str) else given
+    if not isinstance(options, Mapping):
         raise SarrusError(f"a sample is a mapping with a type, but is {given!r}; give one as in Sobol(64)")
-    entries = {str(key): value for key, value in said.items()}
+    entries = {str(key): value for key, value in options.items()}
     kind = entries.pop("type", "grid")
     return _made(str(kind), entries)
 

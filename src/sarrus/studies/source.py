@@ -1,7 +1,7 @@
-"""Where the model of a case comes from: a model and the numbers that a case changes in it.
+"""The source of the model of a case: a model and the parameters that a case changes in it.
 
-Names are those of all analyses: numbers of the model (``spring.k``, ``rod.inertia.xx``, ``pin.point.x``), parameters of
-its file (``stroke``, ``crank.l``), and the guess from which a position is sought (``start.q.crank.r.x``).
+Names are those of all analyses: parameters of the model (``spring.k``, ``rod.inertia.xx``, ``pin.point.x``), parameters
+of its file (``stroke``, ``crank.l``), and the initial estimate of the assembly (``start.q.crank.r.x``).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Source:
 
     @classmethod
     def of(cls, model: Model) -> Source:
-        """The source of a model; its files are kept if it is still what they say."""
+        """The source of a model; its files are stored if the model still agrees with them."""
         found: object = model
         if not isinstance(found, Model):
             given = type(found).__name__
@@ -66,8 +66,10 @@ class Source:
         known = [*parameters, *written_numbers(self.model), *guess]
         for name in names:
             if name in self.model.parameters and not self.files:
-                told = f"{name!r} is a parameter of a file that {system.name} no longer follows"
-                raise SarrusError(f"{told}; study the model as it was loaded, or change its numbers directly")
+                message = f"{name!r} is a parameter of a file that {system.name} no longer follows"
+                raise SarrusError(
+                    f"{message}; study the model as it was loaded, or change its numbers directly"
+                )
             if name not in known:
                 raise SarrusError(f"{system.name} has no number {name!r}; {suggest(name, known)}")
 
@@ -81,10 +83,12 @@ class Source:
         system = System(with_numbers(model, numbers) if numbers else model)
         return system, _guess(system, values)
 
-    def readable(self, told: str) -> str:
-        """A sentence without the folder in which the files were written for a case."""
+    def readable(self, message: str) -> str:
+        """A message without the folder in which the files were written for a case."""
         return (
-            told.replace(f"{_unpacked(tuple(self.files.items())).parent}{os.sep}", "") if self.files else told
+            message.replace(f"{_unpacked(tuple(self.files.items())).parent}{os.sep}", "")
+            if self.files
+            else message
         )
 
 
@@ -131,7 +135,7 @@ def _unpacked(files: tuple[tuple[str, str], ...]) -> Path:
 
 
 def fingerprint(system: System) -> str:
-    """Hash of all names and numbers of a system: the same for the same mechanism, however it was said."""
+    """Hash of all names and numbers of a system: the same for the same mechanism, however it was described."""
     digest = hashlib.sha256()
     for names in (system.bodies, system.coordinate_names, system.row_names, system.number_names):
         digest.update(repr(list(names)).encode())

@@ -1,4 +1,4 @@
-"""What a study gives back: a table with a row for each case."""
+"""The result of a study: a table with a row for each case."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class StudyTable(Result):
     values : (n, p) of the parameters
     found : (n, r) the responses, nan where a case failed or was not run
     success : (n,) whether the case went well
-    messages : a sentence for each case that failed, an empty text for the others
+    messages : a message for each failed case, an empty text for the others
     seconds : (n,) that each case took
     facts : what was studied: model, sample with its seed, analysis, responses, versions
     status : "finished", "time limit", "stopped" or "not saved"; cases that were not run have no success and no message
@@ -73,13 +73,15 @@ class StudyTable(Result):
     def columns(self) -> dict[str, Any]:
         """All columns by name, with ``success``, ``message`` and ``seconds``."""
         numbers = {name: self[name] for name in (*self.parameters, *self.responses)}
-        told = np.array(self.messages, dtype=object)
-        return {**numbers, "success": self.success, "message": told, "seconds": self.seconds}
+        texts = np.array(self.messages, dtype=object)
+        return {**numbers, "success": self.success, "message": texts, "seconds": self.seconds}
 
     @property
     def failures(self) -> dict[int, str]:
-        """The sentence of every case that failed, by its number."""
-        return {case: told for case, told in enumerate(self.messages) if not self.success[case] and told}
+        """The message of every failed case, by its number."""
+        return {
+            case: message for case, message in enumerate(self.messages) if not self.success[case] and message
+        }
 
     def best(self, response: str, count: int = 1, *, largest: bool = False) -> list[dict[str, float]]:
         """The cases with the smallest (or largest) response, parameters and responses by name."""
@@ -118,7 +120,7 @@ class StudyTable(Result):
         }
 
     def to_array(self) -> np.ndarray[Any, Any]:
-        """A structured array of NumPy with all columns but the sentences."""
+        """A structured array of NumPy with all columns except the messages."""
         numbers = {name: column for name, column in self.columns.items() if name != "message"}
         kinds = [(name, np.asarray(column).dtype) for name, column in numbers.items()]
         found = np.zeros(len(self), dtype=kinds)
@@ -149,15 +151,15 @@ class StudyTable(Result):
 
     def _lines(self) -> Iterator[str]:
         failed = len(self) - int(np.sum(self.success))
-        told = f", {failed} without a result" if failed else ""
-        yield f"{self.name}: {len(self)} cases{told}, {self.seconds.sum():.3g} s of computing"
+        message = f", {failed} without a result" if failed else ""
+        yield f"{self.name}: {len(self)} cases{message}, {self.seconds.sum():.3g} s of computing"
         width = max([8, *(len(name) for name in self.responses)])
         heads = ("mean", "std", "least", "median", "largest")
         yield f"{'response':<{width}}" + "".join(f"{head:>14}" for head in heads)
         for name, found in self.statistics().items():
             yield f"{name:<{width}}" + "".join(f"{found[head]:>14.6g}" for head in heads)
-        for told, count in _counted(self.failures.values()):
-            yield f"{count} failed: {told}"
+        for message, count in _counted(self.failures.values()):
+            yield f"{count} failed: {message}"
 
 
 def _statistics(x: Array) -> dict[str, float]:
@@ -173,11 +175,11 @@ def _statistics(x: Array) -> dict[str, float]:
     }
 
 
-def _counted(sentences: Any, most: int = 3) -> list[tuple[str, int]]:
-    """The most frequent sentences."""
+def _counted(messages: Any, most: int = 3) -> list[tuple[str, int]]:
+    """The most frequent messages."""
     counts: dict[str, int] = {}
-    for told in sentences:
-        counts[told] = counts.get(told, 0) + 1
+    for message in messages:
+        counts[message] = counts.get(message, 0) + 1
     return sorted(counts.items(), key=lambda entry: -entry[1])[:most]
 
 

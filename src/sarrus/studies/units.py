@@ -18,8 +18,8 @@ def refuse_other_units(model: Model, name: str, given: Any) -> None:
         powers = unit_of(parse_expression(text), {})
         if not fits(powers, unit):
             expected = "a plain number" if unit == "1" else unit
-            told = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
-            raise SarrusError(f"{told}; give it in {expected}, or leave the unit away")
+            message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
+            raise SarrusError(f"{message}; give it in {expected}, or leave the unit away")
 
 
 def unit_of_number(model: Model, name: str) -> str:

@@ -1,4 +1,4 @@
-"""How many processes a study uses: as many as pay, measured on its first cases."""
+"""The number of processes of a study, chosen by the measured time of its first cases."""
 
 from __future__ import annotations
 

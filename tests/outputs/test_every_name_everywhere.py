@@ -291,6 +291,6 @@ def test_a_reaction_ends_a_run() -> None:
 
 
 def test_methods_of_earlier_versions_warn() -> None:
-    with pytest.warns(DeprecationWarning, match="Read the output by name"):
+    with pytest.warns(DeprecationWarning, match="Use the name of the output"):
         found = sr.sensitivity(run(), sr.Final(lambda o: o.tension("spring")), ["rod.mass"])
     assert found.value == pytest.approx(float(run().output("spring.tension").values[-1]))

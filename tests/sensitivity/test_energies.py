@@ -8,7 +8,7 @@ from tests.sensitivity.zoo import zoo
 
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
-from sarrus.outputs.energies import Along, members, plain, told
+from sarrus.outputs.energies import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
 from sarrus.system.curve_derivatives import evaluated
 
@@ -57,7 +57,7 @@ def by_complex_numbers(energy: str, x: np.ndarray, y: np.ndarray, b: np.ndarray)
     total = 0.0j
     for p in members(zoo(), energy):
         for k in range(p.count if plain(p) else 0):
-            one = told(p.variant, energy)
+            one = recorded(p.variant, energy)
             inputs = {("t",): 0.0}
             inputs |= {("numbers", n): b[p.at + k * p.kind.size() + n] for n in range(p.kind.size())}
             for i, first in enumerate(p.bodies[k]):

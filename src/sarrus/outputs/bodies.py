@@ -42,8 +42,8 @@ def points(system: System, part: str | None) -> Iterator[Output]:
     try:
         x, y, z = (float(number) for number in found["place"].split(","))
     except ValueError:
-        told = f"{system.name}: {part} is no point. Give three numbers, as in body(0.1, 0, 0).x."
-        raise UnknownOutput(told) from None
+        message = f"{system.name}: {part} is no point. Give three numbers, as in body(0.1, 0, 0).x."
+        raise UnknownOutput(message) from None
     yield from _of_point(str(part), found["body"], (x, y, z))
 
 

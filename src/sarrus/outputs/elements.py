@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache, partial
 from typing import Any, cast
@@ -23,11 +24,8 @@ LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
 @provides
 def elements(system: System, part: str | None) -> Iterator[Output]:
     """What the elements of forces and joints declare; of several elements of one part with a number."""
-    several: dict[tuple[str, str], int] = {}
     found = list(_members(system, part))
-    for p, k, _ in found:
-        for word in p.kind.outputs:
-            several[p.owners[k], word] = several.get((p.owners[k], word), 0) + 1
+    several = Counter((p.owners[k], word) for p, k, _ in found for word in p.kind.outputs)
     for p, k, number in found:
         for one in p.kind.outputs.values():
             name = f"{p.owners[k]}.{one.word}" + f".{number}" * (several[p.owners[k], one.word] > 1)
@@ -39,11 +37,11 @@ def elements(system: System, part: str | None) -> Iterator[Output]:
 
 def _members(system: System, part: str | None) -> Iterator[tuple[Population, int, int]]:
     """The elements that have outputs, each with its number among those of its owner; not those of bodies."""
-    count: dict[str, int] = {}
+    count = Counter[str]()
     for p in system.populations:
         for k, owner in enumerate(p.owners if p.kind.outputs else ()):
             if part in (None, owner) and owner not in system.bodies:
-                count[owner] = count.get(owner, 0) + 1
+                count[owner] += 1
                 yield p, k, count[owner]
 
 
@@ -67,21 +65,17 @@ def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Pla
 def _measuring(kind: Any, method: str, n: int) -> type[Primitive]:
     """A constraint whose Φ is an output of an element, with all its derivatives."""
 
+    def own(self: Any) -> Any:
+        return kind(*(getattr(self, name) for name in kind.fields))
+
     def Phi(self: Any, x: Any) -> Array:
-        own: Any = kind(*(getattr(self, name) for name in kind.fields))
-        return np.ravel(np.array(getattr(own, method)(x), dtype=object))[n : n + 1]
+        return np.ravel(np.array(getattr(own(self), method)(x), dtype=object))[n : n + 1]
 
-    def remember(self: Any, x: Any) -> Any:
-        own: Any = kind(*(getattr(self, name) for name in kind.fields))
-        return own.remember(x)
-
-    name = f"{kind.__name__}_{method}_{n}"
-    body = {
-        "Phi": Phi,
-        "remember": remember,
-        "__annotations__": dict(kind.fields),
-        "__module__": kind.__module__,
-    }
+    name, methods = (
+        f"{kind.__name__}_{method}_{n}",
+        {"Phi": Phi, "remember": lambda self, x: own(self).remember(x)},
+    )
+    body = methods | {"__annotations__": dict(kind.fields), "__module__": kind.__module__}
     made = type(name, (Primitive,), body, rows=1, bodies=kind.bodies, derivatives="automatic", rare=True)
     del Element.registry[name]
     return made

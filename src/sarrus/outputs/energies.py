@@ -37,7 +37,7 @@ DOTS = ("q_dot", "v_dot", NUMBERS_DOT)
 OWN = ("Curve", "Memory")  # fields that have other numbers at every time
 
 
-class Told(NamedTuple):
+class RecordedEnergy(NamedTuple):
     """The energy of one element, recorded, and its inputs: coordinates and rates (moving, 7), and numbers."""
 
     graph: Graph
@@ -63,7 +63,7 @@ def plain(p: Population) -> bool:
     return not any(field in OWN for field in p.kind.fields.values())
 
 
-def told(variant: Variant, energy: Energy) -> Told:
+def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     """½ vᵀ M v, or the sum of what `potential` returns."""
     graph, kind = Graph(), variant.kind
     q, v = (graph.inputs(name, variant.moving, WIDTH) for name in OPERANDS)
@@ -72,7 +72,9 @@ def told(variant: Variant, energy: Energy) -> Told:
     x, rate = local(variant, q, "q"), local(variant, v, "v")
     parts = element.potential(x) if energy == "potential" else _halves(rate, element.M_a(x, rate))
     value = sum(parts)
-    return Told(graph, value if isinstance(value, Expression) else graph.constant(value), q, v, numbers)
+    return RecordedEnergy(
+        graph, value if isinstance(value, Expression) else graph.constant(value), q, v, numbers
+    )
 
 
 def _halves(rate: Any, momentum: Any) -> list[Any]:
@@ -164,13 +166,13 @@ def _firsts(own: Sequence[Population]) -> list[int]:
 
 @cache
 def _slopes(variant: Variant, energy: Energy) -> Recording:
-    one = told(variant, energy)
+    one = recorded(variant, energy)
     return _recording(variant, energy, one.graph, OPERANDS, [block([one.value])], _gradient(one))
 
 
 @cache
 def _turns(variant: Variant, energy: Energy) -> Recording:
-    one = told(variant, energy)
+    one = recorded(variant, energy)
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
     dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]
     moved = [*dots[0].flat, *dots[1].flat, *graph.inputs(NUMBERS_DOT, len(one.numbers))]
@@ -179,7 +181,7 @@ def _turns(variant: Variant, energy: Energy) -> Recording:
     return _recording(variant, energy, graph, (*OPERANDS, *DOTS), [], change)
 
 
-def _gradient(one: Told) -> list[Any]:
+def _gradient(one: RecordedEnergy) -> list[Any]:
     return gradient(one.graph, one.value, [*one.q.flat, *one.v.flat, *one.numbers])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model.tape import Traced, whole
-from .energies import Along, Energy, members, plain, told
+from .energies import Along, Energy, members, plain, recorded
 from .recording import Recording
 
 
@@ -27,7 +27,7 @@ class EnergyRecording(Recording):
     def _summed(self, energy: Energy) -> Any:
         """The energy of all elements."""
         others = [p for p in members(self.system, energy) if not plain(p)]
-        every = [(p, told(p.variant, energy), k) for p in others for k in range(p.count)]
+        every = [(p, recorded(p.variant, energy), k) for p in others for k in range(p.count)]
         found = sum(self.replayed(p, k, one.graph, [one.value])[0] for p, one, k in every)
         along = Along(self.system, energy, self._b, *self.states[:3])
         return self._on_tape(along) + found if len(along.coordinates) else found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -13,6 +12,7 @@ from ..elements import Dot1, Dot2, Heading, Normalization
 from ..euler import A, B, E
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
+from ..model.deprecated import warn_deprecated
 from ..model.function import NEXT
 from ..model.marker import Marker
 from ..model.solid import GROUND
@@ -26,7 +26,7 @@ RENAMED = {"length": "length", "stretching": "rate", "tension": "tension", "coil
 
 
 class Outputs(EnergyRecording):
-    """Everything about a motion that a response may use; each number stands for its values at all times.
+    """Everything about a motion that a response may use; each number has its values at all times.
 
     ``o("slider.x")`` reads an output by its name; the methods give vectors as arrays of three.
 
@@ -67,12 +67,8 @@ class Outputs(EnergyRecording):
             raise AttributeError(
                 f"Outputs has no method {name!r}. Read outputs by name, as in o('slider.x')."
             )
-        word, told = (
-            RENAMED[name],
-            f"Outputs.{name} is deprecated. Read the output by name, as in o('spring.{RENAMED[name]}').",
-        )
-        warnings.warn(told, DeprecationWarning, stacklevel=2)
-        return lambda part, other="": self(f"{part}.{word or other}")
+        warn_deprecated(f"Outputs.{name}", "the name of the output, as in o('spring.tension')")
+        return lambda part, word=RENAMED[name]: self(f"{part}.{word}")
 
     def own(
         self,
@@ -125,20 +121,20 @@ class Outputs(EnergyRecording):
         return np.asarray(2 * (E(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
 
     def turn(self, body: str, axis: str) -> Any:
-        """The angle by which a body is turned about a global axis, with all turns; see `model.function.Turn`. [rad]"""
+        """The angle of a body about a global axis, see `model.function.Turn`; revolutions count. [rad]"""
         first, second = ("xyz".index(other) for other in NEXT[axis])
         matrix, at = A(self.vector("q", body)[3:]), self.system.coordinates_of(body)
         nodes = np.array([A(q[at][3:]) for q in self._angles.nodes.q])
         known = np.unwrap(np.arctan2(nodes[:, second, first], nodes[:, first, first]))
         found = np.arctan2(matrix[second, first], matrix[first, first])
-        return self._with_turns(found, np.interp(self.states.t, self._angles.nodes.t, known))
+        return self._with_revolutions(found, np.interp(self.states.t, self._angles.nodes.t, known))
 
-    def _with_turns(self, angle: Any, near: Array) -> Any:
-        """An angle with the turns that bring it near to known values."""
+    def _with_revolutions(self, angle: Any, near: Array) -> Any:
+        """An angle with the revolutions that bring it near to known values."""
         return angle + self.constant(TURN * np.round((near - angle.value) / TURN))
 
     def joint(self, name: str, *, rate: bool = False) -> Any:
-        """An angle with all turns or travel of a joint, ``pin.angle``, or its rate. [rad], [m], [1/s]"""
+        """An angle or displacement of a joint, ``pin.angle``, or its rate; revolutions count. [rad], [m], [1/s]"""
         every = self.system.joint_coordinates
         population, k = _element_at(every.populations, every.index(name))
         element, x = self.element(population, k, "c"), self.local(population, k, "q")
@@ -148,7 +144,9 @@ class Outputs(EnergyRecording):
             found = element.Phi(x)[0]
         else:
             c, s = (_projection(element, axis).Phi(x)[0] for axis in (element.f_i, element.g_i))
-            found = self._with_turns(np.arctan2(s, c) - element.angle, self._angles.near(name, self.states.t))
+            found = self._with_revolutions(
+                np.arctan2(s, c) - element.angle, self._angles.near(name, self.states.t)
+            )
         return found
 
     def multiplier(self, joint: str) -> Array:

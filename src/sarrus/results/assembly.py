@@ -1,4 +1,4 @@
-"""What assembly gives back."""
+"""The result of an assembly."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Assembly(Result):
     ----------
     q, v : (nq,)
     success : whether the constraints hold within the tolerance
-    message : one sentence: how it went, or which joints stay open by how much
+    message : one message: the outcome, or the joints that remain open, with their gaps
     residual : largest entry of |Φ|
     iterations : Newton steps taken
     lam : (m,) multipliers of the least change of q: W (q - q₀) + Φ_qᵀ lam = 0 where q is not held

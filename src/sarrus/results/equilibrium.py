@@ -1,4 +1,4 @@
-"""What the search for a static equilibrium gives back."""
+"""The result of the search for a static equilibrium."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Equilibrium(Result):
     q : (nq,)
     lam : (m,) multipliers of the joints and normalizations; for reactions, `System.reaction`
     success : whether the forces balance
-    message : one sentence: how it went, and how stable it is
+    message : one message: the outcome, and the stability
     stability : by the smallest of `squares`; "neutral" if some motion meets no resistance, "unknown" without success
     squares : (d,) eigenvalues of the constrained Hessian Zᵀ((Φ_qᵀ lam)_q - Q_q)Z in the metric of the mass matrix,
         rising: squares of the undamped angular frequencies [rad²/s²], negative where the equilibrium is unstable

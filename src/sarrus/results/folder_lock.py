@@ -39,7 +39,7 @@ class FolderLock:
 
     Parameters
     ----------
-    folder : in which the file `LOCK` is made; it says which process writes
+    folder : in which the file `LOCK` is created; it names the process that writes
 
     Raises
     ------
@@ -78,7 +78,7 @@ class FolderLock:
             _try_lock(self._file)
         except BlockingIOError:
             return True
-        except OSError:  # a file system without locks: what the file says must do
+        except OSError:  # a file system without locks: the content of the file must do
             process, host = _writer_in(self._path)
             return process > 0 and (host != socket.gethostname() or _is_alive(process))
         return False

@@ -10,7 +10,7 @@ from ..algebra import Array
 
 @dataclass(frozen=True)
 class JointMotion:
-    """Angles and travels of a joint with their rates, over time.
+    """Angles and displacements of a joint with their rates, over time.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class JointMotion:
 
     @property
     def angle(self) -> Array:
-        """The angle, with all turns (nt,). [rad]"""
+        """The angle, including all revolutions (nt,). [rad]"""
         return self._one(self.values, "angle")
 
     @property

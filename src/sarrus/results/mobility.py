@@ -1,4 +1,4 @@
-"""What the analysis of rank gives back: degrees of freedom, dependent equations, what motions remain."""
+"""The result of the rank analysis: degrees of freedom, redundant constraints, remaining motions."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _listed(names: tuple[str, ...]) -> str:
 
 
 def _grouped(directions: tuple[str, ...]) -> str:
-    """ "displacement along x, displacement along y, rotation about z" with each kind said once."""
+    """ "displacement along x, displacement along y, rotation about z" with each kind named once."""
     groups: dict[str, list[str]] = {}
     for direction in directions:
         for word in (" along ", " about "):

@@ -45,7 +45,7 @@ class Modes(Result):
     round_off : (k,) how exactly each eigenvalue is known: errors of the equations of motion, times its condition [1/s]
     energy_shares : (bodies, k) the part of the kinetic energy of each mode that each body has
     steady : how far the acceleration is from that of a steady motion [m/s²], [1/s²]
-    message : one sentence about stability
+    message : one message about stability
     """
 
     name: str

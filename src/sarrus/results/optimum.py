@@ -1,4 +1,4 @@
-"""What an optimization gives back."""
+"""The result of an optimization."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Optimum(Result):
     optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its
         value or size, and of the square root of the fall of the objective, over its changes in the search; 0 at an
         optimum. The same for an objective f as for a·f + b
-    message : one sentence: how it went
+    message : one message: the outcome
     history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
         not press against bounds, NaN where none was asked for; how far constraints are from being satisfied
     trace : (n, p) the values of the variables there
@@ -59,7 +59,7 @@ class Optimum(Result):
     spare : measured numbers beyond the fitted parameters
     quantile : standard deviations on both sides of a fitted parameter that hold 95 %
     feasible : whether all constraints hold
-    failures : sentences of the designs that could not be simulated
+    failures : messages of the designs that could not be simulated
     starts : the optima from several starts, the best one first
     start_reports : what became of every start, in their order, also of those that cannot be simulated
     seconds : that it took

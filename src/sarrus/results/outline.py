@@ -1,4 +1,4 @@
-"""Which points lie inside closed curves of quintic pieces: by their polylines, corrected between chord and curve."""
+"""Point-in-region test for closed curves of quintic pieces: by their polylines, corrected between chord and curve."""
 
 from __future__ import annotations
 

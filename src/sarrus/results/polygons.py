@@ -1,4 +1,4 @@
-"""Which points lie inside of closed polylines."""
+"""Point-in-polygon test for closed polylines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every result has: warnings, which are printed with it."""
+"""Base class of results: warnings, which are printed with each result."""
 
 from __future__ import annotations
 

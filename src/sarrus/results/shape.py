@@ -1,4 +1,4 @@
-"""How a workspace changes with the numbers of a design."""
+"""Derivatives of a workspace with respect to design variables."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ShapeDerivative(Result):
     by : derivatives by the names that were asked for
     kinked : length (area) of the boundary that several curves make at once, by different causes: there the derivatives
         are those of one of them
-    error : how wrong they may be, where an integration tells
+    error : their estimated errors, if an integration gives them
     """
 
     of: str

@@ -1,4 +1,4 @@
-"""A singular position that was found along a motion."""
+"""A singular configuration that was found along a motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Singularity:
     kind : "branch": the constraints become dependent and motions meet. "dead centre": the inputs stand still while the
         mechanism moves, so that they do not determine its motion.
     smallest : smallest singular value there, of equations scaled to unit gradients
-    message : one sentence
+    message : one message
     """
 
     at: float

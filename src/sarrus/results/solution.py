@@ -39,7 +39,7 @@ class State(NamedTuple):
     q, v, a : (nq,)
     lam : (m,)
     memory : (k,) what elements remember, such as the angle of a rotational spring with its revolutions
-    revolutions : (nc,) whole turns of the joints' angles beyond those nearest to their initial values
+    revolutions : (nc,) revolutions of the joints' angles beyond those nearest to their initial values
     """
 
     t: Any

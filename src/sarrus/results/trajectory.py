@@ -56,22 +56,22 @@ class Trajectory(Result):
     t : (nt,) [s]
     q, v, a : (nt, nq)
     lam : (nt, m) joint multipliers, then those of the normalizations
-    success, status, message : whether the end was reached; if not, why, in one sentence
+    success, status, message : whether the end was reached; if not, one message with the reason
     nfev : evaluations of the equations of motion
     njev, nlu : matrices of their derivatives formed, matrices factored
     nsteps, nrejected : steps accepted and rejected
     history : (nsteps, 5) end time, length, error estimate (1 is the tolerance), Newton iterations, and steps rejected
         before it, of each step
     events : what was found on the way, in the order of time
-    restitutions : of all impacts looked for, ``bounce.restitution``, also of those that never happened
+    restitutions : of all impacts looked for, ``bounce.restitution``, also of those that did not occur
     sol : the motion at any time, where it was asked for: `Solution`
-    joints : the system's angles and travels, which `joint` evaluates
+    joints : the system's angles and displacements, which `joint` evaluates
     violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
     kinetic_energy, potential_energy : (nt,) potential of gravity, springs, also with laws for their stiffness, and
         bushings [J]; contacts, stops, tyres and loads are left out
     singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
-    steps : all steps, where they were kept
+    steps : all steps, if they were stored
     memory : (nt, k) what elements remember at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
     final : the state where the run ended, which may be behind the last of the times
@@ -153,7 +153,7 @@ class Trajectory(Result):
         Raises
         ------
         ValueError
-            For a time at which the state was not kept.
+            For a time at which the state was not stored.
         """
         if self.final is not None and t == self.final.t:
             return self.final

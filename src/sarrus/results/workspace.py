@@ -197,7 +197,7 @@ class Workspace(Result):
     drawn : number of the part, counted from 0, in which the model's own position lies; None if it is not admissible
     status : "mapped"; "incomplete" if a curve was lost or a test failed; "time limit" or "stopped" (by the user).
         Unless it is "mapped", areas and lengths of the parts are nan.
-    message : one sentence
+    message : one message
     verification : of `sarrus.verify_workspace`, None before
     effort : work done
     map : the `WorkspaceMap` that made it, from which it can be continued

@@ -1,4 +1,4 @@
-"""How well a mechanism can move and turn at the places of its workspace: numbers on a grid."""
+"""Dexterity of a mechanism over its workspace: values on a grid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one output of a mechanism can reach: intervals between critical values."""
+"""The range of one output of a mechanism: intervals between critical values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .workspace import Status
 
 @dataclass(frozen=True)
 class CriticalValue:
-    """A value at which the output stands still against all admissible motions, or could be crossed.
+    """A value at which the output is stationary for all admissible motions, or that could be crossed.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What three outputs of a mechanism can reach: slices, volume and a surface of triangles."""
+"""The workspace of three outputs of a mechanism: slices, volume and a surface of triangles."""
 
 from __future__ import annotations
 

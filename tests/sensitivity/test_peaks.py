@@ -57,3 +57,28 @@ def test_a_short_pulse_is_not_lost() -> None:
     assert found.values[0] == pytest.approx(0.4388, abs=1e-3 * 0.7)
     assert found.values[1] < 0.425
     assert found.matrix[0] == pytest.approx(found.matrix[2], abs=1e-9)
+
+
+def test_the_top_of_a_parabola_between_samples() -> None:
+    """Exactly, as are its derivatives by height, place and curvature."""
+    t = np.linspace(0.0, 1.0, 11)
+    for top in (0.33, 0.67, 0.5):
+        g = 2.0 - 3.0 * (t - top) ** 2
+        for one in (sr.Peak("x"), sr.Maximum("x")):
+            assert one.value(g, t) == pytest.approx(2.0, abs=1e-14)
+            by = one.weights(g, t) @ np.array([np.ones_like(t), 6.0 * (t - top), -((t - top) ** 2)]).T
+            assert by == pytest.approx([1.0, 0.0, 0.0], abs=1e-13)
+
+
+@pytest.mark.parametrize("method", [sr.HHT(step=0.07), sr.HHT(step=0.3), sr.Radau()], ids=repr)
+def test_the_top_of_a_flight_between_steps(method: sr.HHT | sr.Radau) -> None:
+    """z₀ + v²/2g, which no step meets; the highest step is 2 % lower where steps are 0.3 s long."""
+    ball = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1), velocity=(0, 0, 5))
+    system = sr.System(sr.Model("ball", [ball], gravity=(0, 0, -9.81)))
+    run = sr.simulate(system, until=1.2, method=method, store_steps=True)
+    assert abs(run.steps.t - 5 / 9.81).min() > 0.01
+    names = ["ball.position.z", "ball.velocity.z", "gravity.z"]
+    found = sr.sensitivity(run, [sr.Peak("ball.z"), sr.Maximum("ball.z")], names)
+    for values, slopes in zip(found.values, found.matrix, strict=True):
+        assert values == pytest.approx(1 + 25 / (2 * 9.81), rel=1e-12)
+        assert slopes == pytest.approx([1.0, 5 / 9.81, 25 / (2 * 9.81**2)], rel=1e-10)

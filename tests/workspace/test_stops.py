@@ -92,7 +92,7 @@ def test_a_section_at_a_critical_height_is_told_at_once() -> None:
     system, tip = orthogonal_arm()
     began = time.process_time()
     with pytest.warns(sr.SarrusWarning, match="link_3.*z = 0.5 is a critical value. Fix it beside"):
-        found = sr.workspace(system, tip["x", "y"], fixed={tip["z"][0]: 0.5})
+        found = sr.workspace(system, tip["x", "y"], fixed={tip["z"][0]: 0.5}, time_limit=100.0)
     assert time.process_time() - began < 20
     assert not found.success
     assert np.isnan(found.area)

@@ -67,12 +67,16 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
         If there is no such output, or no rate of it.
     """
     output = find_output(system, name, Level.VELOCITY if rate else Level.ACCELERATION, "a rate of change")
+    unit, label = output.unit, output.label
+    if rate:
+        unit = f"{unit}/s"
+        label = f"rate of {output.name} [{unit}]"
+    if output.place is not None and result.q.ndim > 1:  # of a saved run only this column is read
+        values = np.asarray((result.v if rate else result.q)[:, output.place])
+        return Series(output.name, unit, label, np.asarray(result.t), values)
     outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
     found, t = output.record(outputs), np.asarray(outputs.t.value)
-    if not rate:
-        return Series(output.name, output.unit, output.label, t, over(found, t))
-    unit = f"{output.unit}/s"
-    return Series(output.name, unit, f"rate of {output.name} [{unit}]", t, over(_rate(outputs, found), t))
+    return Series(output.name, unit, label, t, over(_rate(outputs, found) if rate else found, t))
 
 
 def over(found: Any, t: Array) -> Array:

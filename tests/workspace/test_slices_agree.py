@@ -8,7 +8,8 @@ from benchmarks.workspace_attack import Hinges
 
 import sarrus as sr
 from sarrus.analyses.workspace.mapping import WorkspaceMap
-from sarrus.analyses.workspace.slicing import Asked, Slicer
+from sarrus.analyses.workspace.seeds import Start
+from sarrus.analyses.workspace.slicing import Asked, Slicer, _left_out
 
 from .mechanisms import spatial_arm
 
@@ -32,6 +33,35 @@ def test_a_slice_that_leaves_out_its_neighbours_boundary_is_made_again() -> None
     slices.known[1.0] = replace(right, loops=loops, area=0.8 * right.area)
     slices.at([1.05])
     assert slices.known[1.0].area == pytest.approx(right.area, rel=1e-6)
+
+
+def test_every_pair_is_compared_once_and_none_that_began_from_each_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    compared: list[tuple[float, float]] = []
+    monkeypatch.setattr(
+        Slicer, "_leaves_out", lambda _, one, other: compared.append((one.height, other.height))
+    )
+    slices = slicer()
+    slices.at([1.0])
+    slices.at([1.05])
+    slices.at([1.1])
+    slices.at([1.0])
+    assert compared == [(1.0, 1.05), (1.05, 1.1)]  # later slices began from earlier ones
+    slices.known[1.05] = replace(slices.known[1.05])
+    slices.at([1.0])
+    assert sorted(compared[2:]) == [(1.0, 1.05), (1.05, 1.0), (1.05, 1.1), (1.1, 1.05)]
+
+
+def test_positions_of_a_neighbour_that_a_new_slice_leaves_out_are_found() -> None:
+    system, output, _ = spatial_arm(PLACES, AXES, TIP)
+    map_ = WorkspaceMap(system, output[:2], fixed={output[2]: 1.5}).run()
+    starts = [Start(one.stratum.key, one.points[len(one.points) // 2].x) for one in map_.branches]
+    assert not _left_out(map_, starts)
+    sizes = [np.linalg.norm(one.points[0].u) for one in map_.branches]
+    outermost = [one for one, size in zip(map_.branches, sizes, strict=True) if size > 0.99 * max(sizes)]
+    map_.explorer.branches = [one for one in map_.explorer.branches if one not in outermost]
+    assert len(_left_out(map_, starts)) == len(outermost)
 
 
 def test_a_position_outside_makes_a_map_incomplete() -> None:

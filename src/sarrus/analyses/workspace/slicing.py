@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from ...algebra import Array
 from ...model import Model
@@ -32,6 +33,7 @@ from .watch import SLICES, reached
 FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
 NEWTON = 8  # steps
+DEPENDENT = 1e-9  # of the largest pivot of rows; those that may depend on others need singular values
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 MOST_REMADE = 3  # times that a slice is made again because it leaves out positions of its neighbours
@@ -96,7 +98,7 @@ class Slicer:
         self.problem = _formulated(system, asked)
         self.known: dict[float, Slice] = {}
         self._made_from: dict[float, set[float]] = {}
-        self._compared: dict[float, Slice] = {}
+        self._compared: dict[tuple[float, float], tuple[Slice, Slice]] = {}
         self._remade: dict[float, int] = {}
 
     def at(self, heights: Iterable[float]) -> list[Slice]:
@@ -123,14 +125,18 @@ class Slicer:
                     self.known[height] = replace(self.known[height], success=False)
 
     def _contradicted(self) -> Iterator[float]:
-        """Heights of complete slices outside of which lie positions of a neighbour, moved to their height."""
+        """Heights of complete slices outside of which lie positions of a neighbour, moved to their height.
+
+        Each pair of slices is compared once. A slice that began from a neighbour was compared with it when it was made.
+        """
         good = sorted((one for one in self.known.values() if one.success), key=lambda one: one.height)
         for a, b in [both for pair in pairwise(good) for both in (pair, pair[::-1])]:
-            if self._compared.get(a.height) is a and self._compared.get(b.height) is b:
+            last = self._compared.get((a.height, b.height), (None, None))
+            if last[0] is a and last[1] is b:
                 continue
+            self._compared[a.height, b.height] = a, b
             if self._leaves_out(b, a):
                 yield b.height
-        self._compared |= {one.height: one for one in good}
 
     def _leaves_out(self, one: Slice, other: Slice) -> bool:
         problem = self.problem.held_at(_height_of(self.problem), one.height)
@@ -152,12 +158,13 @@ class Slicer:
 
     def _map(self, heights: Sequence[float]) -> None:
         """Make slices, or make them again, from those around them that are known and complete."""
-        for height in heights:
-            near = {one.height for one in self._good_around(height)}
-            self._made_from[height] = self._made_from.get(height, set()) | near
+        near = {height: self._good_around(height) for height in heights}
+        for height, around in near.items():
+            self._made_from.setdefault(height, set()).update(one.height for one in around)
         tasks = [Task(height, self._near(height), self._met(height)) for height in heights]
         for one in self._made(tasks):
             self.known[one.height] = one
+            self._compared |= {(other.height, one.height): (other, one) for other in near[one.height]}
             reached(len(self.known), SLICES)
 
     def _made(self, tasks: Sequence[Task]) -> Iterator[Slice]:
@@ -224,7 +231,8 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
     map_ = WorkspaceMap.of(problem, seed, REPEATS if task.starts else FIRST_REPEATS, longest)
-    for start in _moved(problem, task.starts):
+    moved = list(_moved(problem, task.starts))
+    for start in moved:
         map_.explorer.start(*start)
         _followed(map_)
     for q in _settled(problem, task.positions):
@@ -232,11 +240,21 @@ def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> Workspac
         _followed(map_)
     map_.run()
     for _ in range(ROUNDS):
-        if not (outside := map_.positions_outside()):
+        if not (outside := [*map_.positions_outside(), *_left_out(map_, moved)]):
             break
         for q in outside:
             look_around(map_, q)
     return map_
+
+
+def _left_out(map_: WorkspaceMap, starts: Sequence[Start]) -> list[Array]:
+    """Positions on the boundary of neighbours, moved to this slice, that lie outside of it."""
+    if not starts or not map_.branches:
+        return []
+    p, region = map_.problem, map_.region()
+    u = np.array([p.values(start.x[: p.n])[p.m + p.outputs] for start in starts])
+    outside = region.outside(u, NEARLY * float(np.ptp(u, axis=0).max()))
+    return [starts[k].x[: p.n] for k in np.flatnonzero(outside)]
 
 
 def _seed(seed: int, height: float) -> int:
@@ -304,12 +322,21 @@ def _by_newton(stratum: Stratum, x: Array) -> Array | None:
         linear = stratum.linear(x)
         if abs(linear.G).max() <= TOLERANCE:
             return x
-        step = np.linalg.lstsq(linear.G_x, -linear.G, rcond=1e-12)[0]
+        step = _least(linear.G_x, -linear.G)
         size = float(np.linalg.norm(step))
         if size > min(last, FAR):
             return None
         x, last = x + step, size
     return None
+
+
+def _least(G_x: Array, right: Array) -> Array:
+    """The solution of least size, by the QR factors of the transpose; where rows are dependent, by singular values."""
+    Q, R = np.linalg.qr(G_x.T)
+    pivots = abs(np.diagonal(R))
+    if pivots.min() <= DEPENDENT * pivots.max():
+        return np.asarray(np.linalg.lstsq(G_x, right, rcond=1e-12)[0])
+    return np.asarray(Q @ solve_triangular(R, right, trans="T", check_finite=False))
 
 
 def _corner(problem: Problem, key: Active, q: Array) -> Start | None:
@@ -326,11 +353,13 @@ def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool
     if not map_.branches:
         return Slice(height, 0.0, 0.0, (), (), False)
     rates, kinked = area_rates(map_.problem, map_.region()) if derivatives else (None, 0.0)
-    found, region, units = map_.result(), map_.region(), map_.problem.units[map_.problem.outputs]
+    p, region = map_.problem, map_.region()
+    units = p.units[p.outputs]
     area, perimeter = region.area * float(units.prod()), region.perimeter * float(units.max())
     starts = [(branch.stratum.key, branch.points[len(branch.points) // 2].x) for branch in map_.branches]
     starts += [(vertex.key, vertex.q) for vertex in map_.explorer.vertices if vertex.kind == "corner"]
-    barriers = tuple(curve.u for curve in found.of_kind("barrier") if not curve.again)
+    curves = region.curves([p.table[k].name for k in p.limited])
+    barriers = tuple(curve.u for curve in curves if curve.kind == "barrier" and not curve.again)
     loops = tuple(_loops(region))
     error = region.area_error(Tally()) * float(units.prod()) + moved * perimeter
     return Slice(height, area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)

@@ -218,8 +218,19 @@ def _inner(map_: WorkspaceMap, region: Region) -> tuple[int, int]:
         target = piece.arc.point(at) + DEPTH * left * (1 if region.can[region.sides[k, 0]] else -1)
         if region.can[region.cells.locate(target[None])[0]]:
             tried += 1
-            reached += reach(map_.problem, target, _starts(map_, region, k), 8, map_.random) is not None
+            reached += _is_reached(map_, target, _starts(map_, region, k))
     return tried, reached
+
+
+def _is_reached(map_: WorkspaceMap, target: Array, near: Array) -> bool:
+    """Whether inverse kinematics leads to a place from the nearest of some positions, or from any that was met.
+
+    Around a void much smaller than the mechanism, all near positions are singular, and steps from them lead nowhere.
+    """
+    return any(
+        reach(map_.problem, target, starts, tries, map_.random) is not None
+        for starts, tries in ((near, 8), (np.array(map_.met), len(map_.met)))
+    )
 
 
 def _evenly(region: Region) -> Iterator[tuple[int, float]]:

@@ -254,7 +254,7 @@ def _left_out(map_: WorkspaceMap, starts: Sequence[Start]) -> list[Array]:
     p, region = map_.problem, map_.region()
     u = np.array([p.values(start.x[: p.n])[p.m + p.outputs] for start in starts])
     outside = region.outside(u, NEARLY * float(np.ptp(u, axis=0).max()))
-    return [starts[k].x[: p.n] for k in np.flatnonzero(outside)]
+    return [starts[k].x[: p.n] for k in np.flatnonzero(outside).tolist()]
 
 
 def _seed(seed: int, height: float) -> int:

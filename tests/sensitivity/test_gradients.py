@@ -9,9 +9,10 @@ from tests.sensitivity.frozen import again, differenced, values
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity import sweep
-from sarrus.analyses.sensitivity.blocks import Blocks
 from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.steps import sweep
+from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
+from sarrus.analyses.sensitivity.steps.record import Record
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 
@@ -184,11 +185,16 @@ def test_a_design_that_describes_another_model_is_refused() -> None:
 def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     """That of a matrix of any numbers has pivots where there is nothing."""
     run, wanted = swung("HHT"), both("HHT")[1].matrix
-    blocks, chosen = Blocks(run.system, 1, None), []
-    blocks.matrix.numbers.values[:] = np.random.default_rng(1).normal(size=len(blocks.matrix.numbers.values))
-    monkeypatch.setitem(sweep.ORDERS, run.steps, blocks.arrange())
-    choose = sweep.Sweep._evaluate_at
-    monkeypatch.setattr(sweep.Sweep, "_evaluate_at", lambda *at: chosen.append(at[1:]) or choose(*at))
+    record, chosen, factors = Record(run.system, run.steps), [], []
+    for one in record.operations:
+        own = OperationMatrix(run.system, one.tables)
+        own.numbers.values[:] = np.random.default_rng(1).normal(size=len(own.numbers.values))
+        factors.append(own.matrix.in_panels() if len(one) else None)
+    order = factors, sweep.Sweep(record, len(RESPONSES))._blocks.matrices(factors)
+    key = (*(len(one) > 0 for one in record.operations), False)
+    monkeypatch.setitem(sweep.ORDERS, run.steps, {key: order})
+    choose = sweep.Sweep._pivots
+    monkeypatch.setattr(sweep.Sweep, "_pivots", lambda *at: chosen.append(at[1:]) or choose(*at))
     found = sr.sensitivity(run, RESPONSES).matrix
     assert chosen
     assert (abs(found - wanted).max(axis=1) < 1e-10 * abs(wanted).max(axis=1)).all()

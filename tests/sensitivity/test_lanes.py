@@ -12,19 +12,17 @@ from sarrus._jit.link import link
 from sarrus._jit.pointer import call_kernels
 from sarrus._jit.vector import LANES
 from sarrus.analyses.sensitivity import by_numbers
-from sarrus.analyses.sensitivity.block_loop import (
-    UNKNOWN,
-    Entries,
-    Refinement,
-    solve_lane,
-    solve_lane_transposed,
-)
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
 from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
 from sarrus.analyses.sensitivity.panel_loop import Factors
 from sarrus.analyses.sensitivity.row_order import by_rows
 from sarrus.analyses.sensitivity.step_matrix import unsigned
+from sarrus.analyses.sensitivity.steps.block_loop import UNKNOWN
+from sarrus.analyses.sensitivity.steps.changes import changes
+from sarrus.analyses.sensitivity.steps.record import STEP, Record
+from sarrus.analyses.sensitivity.steps.sweep_loop import CHANGE, solve_lane, solve_lane_transposed
+from sarrus.analyses.sensitivity.steps.tables import DRIVERS
 from sarrus.system import lane_room
 from sarrus.system.lane_room import aligned, room
 
@@ -38,9 +36,7 @@ def states(system: sr.System) -> dict[str, np.ndarray]:
     """One state in each lane (lanes, size)."""
     rng = np.random.default_rng(3)
     sizes = {"lam": system.m, "nu": system.m}
-    found = {
-        n: rng.normal(size=(LANES, sizes.get(n, system.nq))) for n in ("v", "a", "xi", "eta", "lam", "nu")
-    }
+    found = {n: rng.normal(size=(LANES, sizes.get(n, system.nq))) for n in ("v", "a", "xi", "lam", "nu")}
     near = system.q0 + 0.01 * rng.normal(size=(LANES, system.nq))
     return found | {"t": rng.uniform(size=(LANES, 1)), "q": near}
 
@@ -50,7 +46,7 @@ def side_by_side(x: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(x.T).reshape(-1)
 
 
-@pytest.mark.parametrize("kind", Entries._fields)
+@pytest.mark.parametrize("kind", DRIVERS)
 def test_operators_of_all_lanes_are_those_of_single_states(crank: sr.System, kind: str) -> None:
     names = GROUPS[kind]
     group, at = crank.group(*names), states(crank)
@@ -112,26 +108,27 @@ def test_a_solution_is_refined_where_factors_have_grown() -> None:
     assert np.allclose(growth, 1 + np.array(squares), rtol=1e-9)
     solve, refined, found = (
         link(solve_lane_transposed),
-        Refinement.of(0.0, growth[0], 1e-12),
+        np.array([0.0, growth[0], 1e-12]),
         np.zeros((n, 1)),
     )
     for lane, A in enumerate(matrices):
         solve(factors[lane], refined, growth[lane], right, found, np.zeros((3, n, 1)))
         assert np.allclose(A.T @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
-        assert (refined.change > 0.0) == (lane == LANES - 1)  # the last relative change
+        assert (refined[CHANGE] > 0.0) == (lane == LANES - 1)  # the last relative change
 
 
 def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> None:
     """What is told is the largest change of any panel that was refined; the first one needs none."""
     (matrices, factors, growth), told = factored(5), []
-    solve, refined = link(solve_lane), Refinement.of(UNKNOWN, 0.0, 1e-12)
+    solve, refined = link(solve_lane), np.array([UNKNOWN, 0.0, 1e-12])
     right, found, work = (aligned(*shape, COLUMNS) for shape in ((5,), (5,), (3, 5)))
     for lane, A in enumerate(matrices):
         for own in (np.zeros(right.shape), np.random.default_rng(7).normal(size=right.shape)):
             right[:] = own
-            solve(factors[lane], by_rows(factors[lane]), refined, growth[lane], lane > 0, right, found, work)
+            rows = by_rows(factors[lane])
+            solve(factors[lane], rows.upper, rows.whole, refined, growth[lane], lane > 0, right, found, work)
             assert np.allclose(A @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
-            told.append(refined.change)
+            told.append(refined[CHANGE])
     assert told[0] == 0.0 < told[1] < 1e-12 < told[-1] < UNKNOWN
     assert set(told[1:-1]) == {told[1]}
 
@@ -150,21 +147,26 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
     at, random, width = states(crank), np.random.default_rng(4), 2
     dots = random.normal(size=(5, len(crank.b)))
     dots[0], dots[1, np.arange(len(crank.b)) != 30], dots[2, random.random(len(crank.b)) < 0.9] = 0, 0, 0
-    moved = by_numbers.moved(crank, "step", dots, width)
+    run = sr.simulate(crank, until=1e-3, store_steps=True)
+    tables = Record(crank, run.steps).operations[STEP].tables
+    moved = changes(crank, [None, tables, None], dots, width)
     order = [side_by_side(at[name]) for name in ("t", *by_numbers.CHANGES[:-1])]
-    for n, (column, element) in enumerate(zip(moved.columns, moved.elements, strict=True)):
-        every, out = moved.entry, moved.results[moved.first[n] * LANES : moved.first[n + 1] * LANES]
+    for column, element, _, first, last in moved.calls.values:
+        every, out = moved.entry, moved.results[first * LANES : last * LANES]
         own = every._replace(
             addresses=every.addresses[element : element + 1], starts=every.starts[element : element + 2]
         )
         call_kernels(own, crank.b, *order, dots[column], out, out)
-    assert 0 < len(moved.columns) < len(dots) * sum(p.count for p in crank.populations)
+    assert 0 < len(moved.calls.values) < len(dots) * sum(p.count for p in crank.populations)
     for lane in range(LANES):
         R_b, Phi_b = by_numbers_of_step(crank, {name: x[lane] for name, x in at.items()})
         wanted = vstack([R_b, Phi_b]) @ dots.T
         for p in range(3):
-            part, panel = slice(moved.ends[p], moved.ends[p + 1]), np.zeros((crank.nq + crank.m, width))
-            np.add.at(panel.reshape(-1), moved.places[part], moved.results.reshape(-1, LANES)[part, lane])
+            part = slice(*moved.places.starts[moved.panels + p : moved.panels + p + 2])
+            panel, chosen = np.zeros((crank.nq + crank.m, width)), moved.chosen.values[part]
+            np.add.at(
+                panel.reshape(-1), moved.places.values[part], moved.results.reshape(-1, LANES)[chosen, lane]
+            )
             own = wanted[:, width * p : width * (p + 1)]
             assert np.allclose(panel[:, : own.shape[1]], own, rtol=1e-11, atol=1e-10)
 

@@ -16,8 +16,9 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.sensitivity import stages_matrix
-from sarrus.analyses.sensitivity.radau_chain import RadauChain
-from sarrus.analyses.sensitivity.radau_sweep import RadauSweep
+from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.steps.record import STEP, Record
+from sarrus.analyses.sensitivity.steps.sweep import ORDERS, Sweep
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
@@ -82,7 +83,7 @@ def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
 def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> None:
     system, steps = zoo(), zoo_run().steps
     db, dq, dv = changes(zoo_run(), 1)
-    found, start = RadauChain(system, steps).along(db, dq, dv), steps.start
+    found, start = Chain(system, steps).along(db, dq, dv), steps.start
 
     def moved(e: float) -> object:
         other = sr.System(with_numbers(system.model, {}))
@@ -148,6 +149,7 @@ def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> N
     """Where they cannot be trusted there is an order of their own, with the same derivatives."""
     wanted = sr.sensitivity(swung(), sr.Final("slider.x"))
     monkeypatch.setattr(stages_matrix, "LEAST", 2.0)
+    monkeypatch.delitem(ORDERS, swung().steps)
     found = sr.sensitivity(swung(), sr.Final("slider.x"))
     assert not np.array_equal(found.matrix, wanted.matrix)
     assert found.matrix == pytest.approx(wanted.matrix, abs=1e-12 * abs(wanted.matrix).max())
@@ -156,11 +158,10 @@ def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> N
 def test_the_factors_of_the_vehicle_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
     run = sr.simulate(system, until=0.01, method=sr.Radau(), store_steps=True)
-    sweep = RadauSweep(system, run.steps, 1)
+    sweep = Sweep(Record(system, run.steps), 1)
 
     def factors() -> int:
-        sweep._choose_pivots("backward", len(run.steps), 0)
-        return len(sweep._tables.step.factors)
+        return len(sweep._pivots(STEP, sweep.record.operations[STEP], 0).factors)
 
     few = factors()
     monkeypatch.setattr(stages_matrix, "LEAST", 2.0)

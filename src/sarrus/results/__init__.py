@@ -15,7 +15,7 @@ from .sequences import Listed, Product, Singularities
 from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import NoSolution, Solution, State
-from .steps import Pieces, RadauSteps, Steps, StepsTaken, Turn
+from .steps import AlphaSteps, Pieces, RadauSteps, StabilizedSteps, Steps, StepsTaken, Turn
 from .trajectory import BodyMotion, Trajectory
 from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
 from .workspace_field import WorkspaceField
@@ -23,6 +23,7 @@ from .workspace_range import CriticalValue, WorkspaceRange
 from .workspace_volume import Slice, WorkspaceVolume
 
 __all__ = [
+    "AlphaSteps",
     "Asked",
     "Assembly",
     "BodyMotion",
@@ -52,6 +53,7 @@ __all__ = [
     "Singularity",
     "Slice",
     "Solution",
+    "StabilizedSteps",
     "StartReport",
     "State",
     "StateDerivatives",

@@ -55,22 +55,58 @@ class StepsTaken:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Steps(StepsTaken):
+class AlphaSteps(StepsTaken):
     """The steps of HHT or generalized-α.
 
     Attributes
     ----------
-    removed : (n,) which part of the defect of the velocity constraints was removed before each step
     x : (n + 1, nq) the method's own acceleration
     """
 
-    removed: Array = field(repr=False)
     x: Array = field(repr=False)
 
     @property
     def nbytes(self) -> int:
         """Memory that the states take [bytes]."""
         return super().nbytes + self.x.nbytes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Steps(AlphaSteps):
+    """The steps on the index-3 equations.
+
+    Attributes
+    ----------
+    removed : (n,) which part of the defect of the velocity constraints was removed before each step
+    correction, impulse : (n, nq), (n, m) change of the velocities that removes all of it, and its multipliers; zero
+        where nothing was removed
+    """
+
+    removed: Array = field(repr=False)
+    correction: Array = field(repr=False)
+    impulse: Array = field(repr=False)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the states take [bytes]."""
+        return super().nbytes + self.correction.nbytes + self.impulse.nbytes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StabilizedSteps(AlphaSteps):
+    """The steps on the stabilized index-2 equations.
+
+    Attributes
+    ----------
+    eta : (n, m) multipliers of the position constraints' stabilization
+    """
+
+    eta: Array = field(repr=False)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the states take [bytes]."""
+        return super().nbytes + self.eta.nbytes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,7 +11,7 @@ import numpy as np
 from ..._jit.link import link
 from ...algebra import Array
 from ...model.arguments import Number, real
-from ...results import Assembly, Steps, StepsTaken
+from ...results import Assembly, StabilizedSteps, Steps, StepsTaken
 from ...system import System
 from ..closure import round_off_of
 from ..factored import DENSE_BELOW, SingularSystem
@@ -74,8 +74,6 @@ class _Alpha(Prescribed):
             )
         if not self.stabilized:
             return AlphaStepper(system, scheme, start, settings)
-        if settings.store_steps:
-            raise ValueError("with stabilized=True no steps are kept for derivatives; leave one of them out")
         from .stabilized import StabilizedStepper
 
         return StabilizedStepper(system, scheme, start, settings)
@@ -122,10 +120,12 @@ class GeneralizedAlpha(_Alpha):
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 
 
-def _record(system: System, room: int) -> loop.Record:
-    """Room for the steps of one call of the loop."""
+def _record(system: System, room: int, kind: type[StepsTaken] | None) -> loop.Record:
+    """Room for the steps of one call of the loop, with what only steps of a kind have if they are stored."""
     nq, m, places = system.nq, system.m, len(system.memory_places)
-    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (room, places), *[(room,)] * 3, (0,)]
+    corrected, stabilized = (room if kind is one else 0 for one in (Steps, StabilizedSteps))
+    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (corrected, nq), (corrected, m), (stabilized, m)]
+    shapes += [(room, places), *[(room,)] * 3, (0,)]
     return loop.Record._make(np.zeros(shape) for shape in shapes)
 
 
@@ -145,6 +145,7 @@ class AlphaStepper(Implicit):
     """
 
     apart = True
+    kind: type[StepsTaken] = Steps
 
     def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
@@ -157,7 +158,8 @@ class AlphaStepper(Implicit):
         nq, m = system.nq, system.m
         self._control: loop.Control = loop.Control.zeros()
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        self.keeping = Keeping(system, _record(system, self._chunk), Steps, settings)
+        kind = self.kind if settings.store_steps else None
+        self.keeping = Keeping(system, _record(system, self._chunk, kind), self.kind, settings)
         self._tolerance = settings.tolerances.for_loop()
         self._arrays: Any = None
         self._vain = 0
@@ -169,7 +171,7 @@ class AlphaStepper(Implicit):
         self.matrix.numbers.keep(self.independence.kept)
         self._advance, self._weigh = link(loop.advance), weigh
         self._entries: Any = loop.Entries(**entries(system, KINDS))
-        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m)
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m, nq + m)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)
         self._state: Any = loop.State(*(np.zeros(length) for length in widths))
@@ -343,12 +345,13 @@ class AlphaStepper(Implicit):
         """All that is needed to go on, see `Stepper`."""
         ready = self._arrays is not None
         found = self._saved() | self.keeping.state() | {"noise": self._memory.noise}
+        found["correction"] = self._memory.correction
         return found | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
-        self._memory.noise[:] = state["noise"]
+        self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
         self.matrix.numbers.keep(self.independence.kept)
         self.keeping.resume(state, self.matrix.numbers.left_out)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}

@@ -73,7 +73,11 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Operators' outputs and work arrays; `noise` is the round-off of every equation of Φ."""
+    """Operators' outputs and work arrays.
+
+    noise : the round-off of every equation of Φ
+    correction : s and σ of `rescale` for the whole defect that the velocities had at the start of the step
+    """
 
     Phi: Array
     Phi_qT_lam: Array
@@ -86,6 +90,7 @@ class Memory(NamedTuple):
     solution: Array
     previous: Array
     noise: Array
+    correction: Array
 
 
 class Matrix(NamedTuple):
@@ -163,6 +168,8 @@ class Record(NamedTuple):
     h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
     error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     t, q, v, a, x, lam : its end
+    correction, impulse : s and σ of `rescale`, if there is room for them; zero where nothing was removed
+    eta : multipliers of the stabilized equations, if there is room for them
     memory : what elements remember there
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
@@ -175,6 +182,9 @@ class Record(NamedTuple):
     a: Array
     x: Array
     lam: Array
+    correction: Array
+    impulse: Array
+    eta: Array
     memory: Array
     error: Array
     iterations: Array
@@ -452,13 +462,18 @@ def rescale(
     for k in range(len(memory.rate)):
         memory.right[n + k] = (memory.rate[k] + memory.Phi_t[k]) * (1.0 - matrix.left_out[k])
     backsolve(matrix.placed, memory.right, memory.solution)
+    if control.defect == 1.0:
+        for k in range(len(memory.correction)):
+            memory.correction[k] = memory.solution[k]
     for k in range(n):
         state.v0[k] -= (1.0 - ratio * ratio) * memory.solution[k]
     control.defect *= ratio * ratio
 
 
 @compiled
-def keep(record: Record, row: int, t: float, h: float, state: State, control: Control) -> None:
+def keep(
+    record: Record, row: int, t: float, h: float, state: State, memory: Memory, control: Control
+) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
     record.rejected[row] = control.rejected_since
@@ -467,6 +482,12 @@ def keep(record: Record, row: int, t: float, h: float, state: State, control: Co
         record.a[row, k], record.x[row, k] = state.a1[k], state.x1[k]
     for k in range(len(state.lam0)):
         record.lam[row, k] = state.lam1[k]
+    if len(record.correction) > 0:
+        n, factor = len(state.q0), 1.0 if control.defect != 1.0 else 0.0
+        for k in range(n):
+            record.correction[row, k] = factor * memory.correction[k]
+        for k in range(len(state.lam0)):
+            record.impulse[row, k] = factor * memory.correction[n + k]
 
 
 @compiled
@@ -540,7 +561,7 @@ def advance(
                 return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         control.t = until if ended else t0 + h
-        keep(record, taken, control.t, h, state, control)
+        keep(record, taken, control.t, h, state, memory, control)
         record.error[taken], record.iterations[taken] = error, iterations
         accept(state)
         control.last_h, control.defect = h, 1.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..._jit.link import link
+from ...results import StabilizedSteps
 from . import alpha_loop
 from . import stabilized_loop as loop
 from .alpha import KINDS, AlphaStepper
@@ -30,12 +31,14 @@ def _advance() -> Any:
         predict=loop.predict,
         accept=loop.accept,
         rescale=loop.rescale,
+        keep=loop.keep,
     )
 
 
 class StabilizedStepper(AlphaStepper):
     """HHT or generalized-α at work on the stabilized equations of one system, see `AlphaStepper`."""
 
+    kind = StabilizedSteps
     host = None  # M and Φ_q stand elsewhere than in the equations of motion
     _motion = Implicit._motion
 
@@ -46,7 +49,7 @@ class StabilizedStepper(AlphaStepper):
         self._advance, self._weigh = _advance(), weigh
         self._entries = loop.Entries(**entries(system, (*KINDS, "TURNING")))
         whole = 2 * (nq + m)
-        rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, m, nq, whole)
+        rows = (m, nq, nq, nq, nq, m, m, nq + m, whole, nq, m, 0, nq, whole)
         self._memory = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m, m, m, nq, nq)
         self._state = loop.State(*(np.zeros(length) for length in widths))

@@ -17,8 +17,9 @@ from typing import NamedTuple
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ...algebra import Array
-from .alpha_loop import Control, Scheme, Tolerance, size, stretch
+from .alpha_loop import Control, Record, Scheme, Tolerance, size, stretch
 from .alpha_loop import accept as plain_accept
+from .alpha_loop import keep as plain_keep
 from .alpha_loop import predict as plain_predict
 from .alpha_loop import residual as plain_residual
 from .alpha_loop import update as plain_update
@@ -62,6 +63,7 @@ class Memory(NamedTuple):
     solution: Array
     previous: Array
     noise: Array
+    correction: Array
     Phi_qT_eta: Array
     whole: Array
 
@@ -203,3 +205,13 @@ def rescale(
     """A new step size; velocities satisfy their constraints, so that none of their defect is removed."""
     stretch(ratio, state)  # type: ignore[arg-type]
     control.beta = 0.0
+
+
+@compiled
+def keep(
+    record: Record, row: int, t: float, h: float, state: State, memory: Memory, control: Control
+) -> None:
+    """Write an accepted step into the record."""
+    plain_keep(record, row, t, h, state, memory, control)  # type: ignore[arg-type]
+    for k in range(len(state.eta1) if len(record.eta) > 0 else 0):
+        record.eta[row, k] = state.eta1[k]

@@ -18,7 +18,6 @@ from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
 from ...system.lane_drivers import block, entry, entry_with, own_rows, own_tables
-from ...system.lane_room import room
 from ...system.once import once_alike
 from .shares import STATES, Share, concerned
 
@@ -34,32 +33,6 @@ def gradient_entry(system: System, kind: str) -> Any:
     return entry(every, [_gradient(p.variant, kind) for p in every], ("numbers",), "gradient")
 
 
-class Moved(NamedTuple):
-    """What changes of the numbers do to the equations of an operation: a call for every element that a column touches.
-
-    entry : the driver and the table of each element by itself
-    dots : (columns, len(b)) the changes
-    columns, elements : of each call
-    first : where the results of each call begin, and the end
-    ends : where those of each panel of columns begin, and the end
-    places : where in a panel each result belongs: its equation times the panel's width, and the column
-    results : in lanes
-    """
-
-    entry: pointer.Entry
-    dots: Array
-    columns: Array
-    elements: Array
-    first: Array
-    ends: Array
-    places: Array
-    results: Array
-
-
-_NO, _END = np.zeros(0, np.int64), np.zeros(1, np.int64)
-UNMOVED = Moved(pointer.NONE, np.zeros((0, 0)), _NO, _NO, _END, _END, _NO, np.zeros(0))  # of sweeps backwards
-
-
 class Elements(NamedTuple):
     """The elements of some kinds one after another: drivers, equations of results, and whose each number is, or -1."""
 
@@ -67,24 +40,6 @@ class Elements(NamedTuple):
     rows: Array
     first: Array
     owners: Array
-
-
-def moved(system: System, kind: str, dots: Array, width: int) -> Moved:
-    """For changes of the numbers (columns, len(b)), in panels of some width."""
-    touched = np.any(dots != 0.0, axis=0)
-    own = tuple(n for n, p in enumerate(concerned(system, kind)) if touched[p.at : p.end].any())
-    found = elements(system, kind, own)
-    columns, numbers = np.nonzero(dots[:, : system.nb])
-    count = len(found.first) - 1
-    calls = np.unique((columns * count + found.owners[numbers])[found.owners[numbers] >= 0])
-    columns, chosen = np.divmod(calls, max(count, 1))
-    sizes = np.diff(found.first)[chosen]
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    rows = found.rows[np.repeat(found.first[chosen] - first[:-1], sizes) + np.arange(first[-1])]
-    places = width * rows + np.repeat(columns % width, sizes)
-    panels = np.arange(-(-len(dots) // width) + 1)
-    ends = first[np.searchsorted(columns, width * panels)]
-    return Moved(found.entry, dots, columns, chosen, first, ends, places, room(int(first[-1])))
 
 
 @once_alike

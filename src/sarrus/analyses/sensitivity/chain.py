@@ -8,14 +8,15 @@ from functools import cached_property
 import numpy as np
 
 from ...algebra import Array
-from ...results import Pieces, Steps, StepsTaken
+from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.lane_room import used
 from ..assembly_derivatives import AssemblyDerivatives
-from .curves import Curves
 from .start import Start
-from .sweep import Sweep
-from .sweep_loop import Bars, Given, Sources
+from .steps.curves import Curves
+from .steps.record import ACCELERATIONS, Record
+from .steps.sweep import PerOperation, Sweep
+from .steps.sweep_loop import Nodes as Ends
 
 FIELDS = ("q", "v", "a", "lam", "shift")
 
@@ -61,9 +62,14 @@ class Nodes:
         states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
         return np.asarray(states + self.shift.T @ dots.shift)
 
-    def after_start(self) -> Given:
+    def after_start(self) -> Ends:
         """The ends of the steps."""
-        return Given(self.q[1:], self.v[1:], self.a[1:], self.lam[1:])
+        return Ends(self.q[1:], self.v[1:], self.a[1:], self.lam[1:])
+
+    def asks_for_motion(self) -> Array:
+        """The nodes after the first of which accelerations or multipliers have gradients."""
+        asked = self.a[1:].any(axis=(1, 2)) | self.lam[1:].any(axis=(1, 2))
+        return np.flatnonzero(asked) + 1
 
 
 @dataclass(frozen=True)
@@ -80,21 +86,26 @@ class Gradients:
 
 
 class Chain:
-    """The derivatives of one run that was simulated with ``store_steps=True``.
+    """The derivatives of one run without events that was simulated with ``store_steps=True``.
 
     Parameters
     ----------
     system, steps : the run
-    moving : whether it begins at a time that moves: its change stands behind those of all numbers
+    moving : whether it begins at a time that moves: its change is behind those of all numbers
     """
 
-    def __init__(self, system: System, steps: Steps, moving: bool = False) -> None:
+    def __init__(self, system: System, steps: StepsTaken, moving: bool = False) -> None:
         self.system, self.steps, self._moving = system, steps, moving
 
     @cached_property
     def assembly(self) -> AssemblyDerivatives:
         """The derivatives of the assembly from which the run started."""
         return AssemblyDerivatives(self.system, self.steps.start)
+
+    @cached_property
+    def record(self) -> Record:
+        """The operations of the run."""
+        return Record(self.system, self.steps)
 
     @cached_property
     def start(self) -> Start:
@@ -104,7 +115,7 @@ class Chain:
     @cached_property
     def curves(self) -> Curves:
         """The derivatives by the numbers of curves."""
-        return Curves(self.system, self.steps, self._moving)
+        return Curves(self.record, self._moving)
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
@@ -115,13 +126,19 @@ class Chain:
 
     def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
         """The same for changes of the first state."""
-        found, (sweep, bars, sources) = Nodes.unwritten(self.steps, db.shape[1]), self._begun(q, v, db)
-        found.q[0], found.v[0], found.a[0], found.lam[0] = bars.q, bars.v, bars.a, bars.lam
-        sweep.forward(bars, found.after_start(), 0, len(self.steps), sources=sources)
+        found = Nodes.unwritten(self.steps, db.shape[1])
+        self.swept(q, v, db, found)
         return found
 
+    def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> None:
+        """Write the derivatives of all states, and perhaps the changes of all stages."""
+        sweep, state, sources = self._begun(self.record, q, v, db)
+        for name in ("q", "v", "a", "lam"):
+            getattr(found, name)[0] = sweep.block(state, name)
+        sweep.forward(state, found.after_start(), stored, sources)
+
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
-        """The changes (r, k) of responses whose gradients by the states are given; those of states are not kept."""
+        """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
         found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, [len(self.steps)])
         return found[0]
 
@@ -134,25 +151,40 @@ class Chain:
     def _weighed(
         self, given: Nodes, q: Array, v: Array, db: Array, stops: list[int]
     ) -> tuple[Array, list[Array]]:
-        """By a sweep with some stops, at which q', v', a' are told."""
-        sweep, bars, sources = self._begun(q, v, db)
-        pairs = ((given.q, bars.q), (given.v, bars.v), (given.a, bars.a), (given.lam, bars.lam))
-        told: list[Array] = []
-        total, at = np.asarray(sum(by[0].T @ bar for by, bar in pairs)), 0
+        """By a sweep with some stops, at which q', v', a' are stored."""
+        record = self._with_motion_at(given) if len(stops) == 1 else self.record
+        sweep, state, sources = self._begun(record, q, v, db)
+        pairs = ((name, sweep.block(state, name)) for name in ("q", "v", "a", "lam"))
+        total, at, ends = (
+            np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs)),
+            0,
+            list[Array](),
+        )
         for stop in stops:
-            by = Given(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
-            total = total + sweep.weighed(bars, by, at, stop, sources)
-            at, told = stop, [*told, bars.q.copy(), bars.v.copy(), bars.a.copy()]
-        return total, told
+            by = Ends(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
+            if stop > at:
+                total = total + sweep.weighed(state, by, sources, at, stop)
+            at = stop
+            ends += [sweep.block(state, name).copy() for name in ("q", "v", "a")]
+        return total, ends
 
-    def _begun(self, q: Array, v: Array, db: Array) -> tuple[Sweep, Bars, Sources | None]:
+    def _with_motion_at(self, given: Nodes) -> Record:
+        """The operations, with accelerations by the equations of motion only at nodes where they have gradients."""
+        if not len(self.record.operations[ACCELERATIONS]):
+            return self.record
+        return Record(self.system, self.steps, given.asks_for_motion())
+
+    def _begun(
+        self, record: Record, q: Array, v: Array, db: Array
+    ) -> tuple[Sweep, Array, PerOperation | None]:
         """A sweep, the derivatives of the first state, and what curves do besides."""
-        sweep = Sweep(self.system, self.steps, db.shape[1], db)
-        bars = sweep.bars(db)
-        bars.q[:], bars.v[:] = q, v
-        bars.a[:], bars.lam[:] = self.start.along(bars.q, bars.v, db)
-        bars.x[:] = bars.a
-        return sweep, bars, self.curves.sources(db) if self.curves.moved_by(db) else None
+        curves = self.curves if record is self.record else Curves(record, self._moving)
+        sweep = Sweep(record, db.shape[1], db)
+        a, lam = self.start.along(q, v, db)
+        first = {"q": q, "v": v, "a": a, "lam": lam}
+        for name, by in record.description.extra.items():
+            first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
+        return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states are given."""
@@ -162,18 +194,44 @@ class Chain:
 
     def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
-        sweep = Sweep(self.system, self.steps, given.q.shape[2])
-        bars = sweep.bars(np.zeros((self.curves.width, given.q.shape[2])))
-        kept = sweep.kept() if self.curves else None
-        sweep.backward(bars, given.after_start(), 0, len(self.steps), kept)
-        by_q, by_v, by_b = self.through_start(given, bars)
-        return by_q, by_v, by_b if kept is None else by_b + self.curves.gradient(kept)
+        record = self._with_motion_at(given)
+        sweep, back = Sweep(record, given.q.shape[2]), BackwardState(self.curves.width, given.q.shape[2])
+        curves = self.curves if record is self.record else Curves(record, self._moving)
+        back.over(sweep, curves, given, 0)
+        return back.through_start(self.start, given)
 
-    def through_start(self, given: Nodes, bars: Bars) -> tuple[Array, Array, Array]:
-        """The same, where those by the start of the first step are known."""
-        solved = self.start.adjoint(bars.a + bars.x + given.a[0], given.lam[0])
-        by_q, by_v, by_b = self.start.transposed(*solved)
-        return by_q + bars.q + given.q[0], by_v + bars.v + given.v[0], by_b + bars.b
+
+class BackwardState:
+    """Gradients of responses carried backwards over steps: by the state, and by the numbers (width, columns)."""
+
+    def __init__(self, width: int, columns: int) -> None:
+        self.b = np.zeros((width, columns))
+        self.state: Array | None = None
+
+    def over(self, sweep: Sweep, curves: Curves, given: Nodes, first: int) -> None:
+        """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them."""
+        self.sweep = sweep
+        self.state = sweep.state() if self.state is None else self.state
+        solved = sweep.unknowns() if curves else None
+        by_b = sweep.backward(self.state, given.after_start(), first, solved)
+        self.b[: len(by_b)] += by_b
+        if solved is not None:
+            self.b += curves.gradient(solved)
+
+    def by_first(self, given: Nodes) -> dict[str, Array]:
+        """Gradients by q, v, a and λ of the first state."""
+        assert self.state is not None
+        found = {name: self.sweep.block(self.state, name) + getattr(given, name)[0] for name in FIELDS[:4]}
+        for name, by in self.sweep.record.description.extra.items():
+            for own, factor in by.items():
+                found[own] = found[own] + factor * self.sweep.block(self.state, name)
+        return found
+
+    def through_start(self, start: Start, given: Nodes) -> tuple[Array, Array, Array]:
+        """Gradients by q and v of the first state, and by the numbers."""
+        first = self.by_first(given)
+        by_q, by_v, by_b = start.transposed(*start.adjoint(first["a"], first["lam"]))
+        return by_q + first["q"], by_v + first["v"], by_b + self.b
 
 
 def by_joints(explicit: Array, own: Array) -> Array:

@@ -1,39 +1,30 @@
-"""Which chain of derivatives belongs to the steps of a run: as many as there are methods that keep steps."""
+"""The derivatives that belong to the steps of a run, without events or with some."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from ...results import Pieces, RadauSteps, Steps, StepsTaken
+from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.time_derivatives import timed
 from .chain import Chain
 from .parameters import Parameters
 from .piece_chain import PieceChain
-from .radau_chain import RadauChain
 
-AnyChain: TypeAlias = Chain | PieceChain | RadauChain
+AnyChain: TypeAlias = Chain | PieceChain
 
 
 def chain_of(system: System, steps: StepsTaken | Pieces, restitutions: Iterable[str] = ()) -> AnyChain:
     """The chain of a run, for first derivatives, by restitutions of impacts too."""
     if isinstance(steps, Pieces):
         moving = timed(system)
-        chains = [_chain_of(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
+        chains = [Chain(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
         return PieceChain(system, steps, chains, list(restitutions))
-    return _chain_of(system, steps)
+    return Chain(system, steps)
 
 
-def _chain_of(system: System, steps: StepsTaken, moving: bool = False) -> Chain | RadauChain:
-    """The chain of steps without events; `moving`: of a system that depends on time, beginning after an event."""
-    if isinstance(steps, RadauSteps):
-        return RadauChain(system, steps, moving)
-    assert isinstance(steps, Steps)
-    return Chain(system, steps, moving)
-
-
-def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain | RadauChain:
+def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Chain:
     """The chain of a run, for second derivatives too.
 
     Raises
@@ -47,4 +38,4 @@ def curved_chain(system: System, steps: StepsTaken | Pieces, parameters: Paramet
         )
     if isinstance(steps, Pieces):
         raise ValueError("second derivatives need a run without events; leave the events out")
-    return _chain_of(system, steps)
+    return Chain(system, steps)

@@ -37,7 +37,7 @@ from .piece_chain import Backward
 from .pieces import PieceSampling, Where, angles_of, sampling_of
 from .responses import At, AtEvent, Final, Integral, Response, told_apart
 from .sampling import Sampling
-from .stretches import stretches_of
+from .stretches import Stretches
 from .turn import TurnDerivatives
 from .undefined import undefined
 
@@ -288,7 +288,7 @@ class LongGradient:
         weights = [np.asarray(one.weights(g, samples.where.t)) for one, g, samples in whole]
         by_times = [np.asarray(one.by_times(g, samples.where.t)) for one, g, samples in whole]
         total = Totals.zeros(run.system, parameters, k)
-        back = Backward(run.system, stretches_of(run.system, run.kind, k), k, parameters.c_size)
+        back = Backward(run.system, Stretches(run.system, k), k, parameters.c_size)
         for n in reversed(range(len(run))):
             self._over(n, weights, by_times, total, back)
             if report is not None:

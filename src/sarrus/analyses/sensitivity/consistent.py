@@ -28,8 +28,8 @@ from ..minimum_norm import MinimumNorm
 from . import consistent_loop as loop
 from .chain import Nodes
 from .consistent_sweep import ConsistentSweep
+from .node_loop import Given
 from .pieces import PieceSampling
-from .radau_sweep_loop import Given
 from .reported import Changes, Place, Reported
 from .sampling import Sampling, apart
 
@@ -298,13 +298,11 @@ class ConsistentSampling(Sampling):
         )
         rate = {"q": record.q0, "q_dot": q0_dot}
         moved, by_moved = sweep.changes(
-            "rate", b, **rate, xi=w, lam=record.rho, lam_dot=rho_dot, a=record.dv, a_dot=v_dot - v0_dot
+            "impulse", b, **rate, xi=w, lam=record.rho, lam_dot=rho_dot, a=record.dv, a_dot=v_dot - v0_dot
         )
-        drift, by_drift = sweep.changes(
-            "rate", b, q=record.q, q_dot=q_dot, nu=-zeta, eta=record.v, eta_dot=v_dot
-        )
+        drift, by_drift = sweep.changes("rate", b, q=record.q, q_dot=q_dot, nu=-zeta, v=record.v, v_dot=v_dot)
         put, by_put = sweep.changes(
-            "rate", b, **rate, xi=w2, lam=record.sigma, lam_dot=sigma_dot, a=record.dq,
+            "impulse", b, **rate, xi=w2, lam=record.sigma, lam_dot=sigma_dot, a=record.dq,
             a_dot=(q_dot - q0_dot) * record.between[:, None],
         )  # fmt: skip
         place, by_place = sweep.changes("place", b, q=record.q, q_dot=q_dot, nu=zeta2)
@@ -312,7 +310,7 @@ class ConsistentSampling(Sampling):
             node=np.concatenate([node.a, node.lam], axis=1),
             node_q=node.q,
             node_v=node.v,
-            velocity=np.concatenate([moved.a + drift.eta, moved.lam], axis=1),
+            velocity=np.concatenate([moved.a + drift.v, moved.lam], axis=1),
             position=np.concatenate([put.a + place.q, put.lam], axis=1),
             q=drift.q,
             q0=moved.q + put.q - put.a,

@@ -7,7 +7,7 @@ M₀ = M(q₀) and J₀ = Φ_q(q₀):
     M₀ (v - v₀) + J₀ᵀρ = 0,   Φ_q(q) v + Φ_t(q) = 0;
     M a + Φ_qᵀλ = Q + S,      Φ_q a = γ   at q and v.
 
-The first two have the matrix [M₀, J₀ᵀ; Φ_q(q), 0], the last one that of a node of Radau (`radau_sweep_loop`). At a node
+The first two have the matrix [M₀, J₀ᵀ; Φ_q(q), 0], the last one that of `node_loop`. At a node
 q is on the constraints already. All vectors are arrays (n, 1).
 """
 
@@ -20,11 +20,9 @@ from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ..dynamics.placed import leave_out
-from .block_loop import put
 from .columns_loop import ByRows, solve_columns
-from .hessian_loop import Room, clear, take
-from .panel_loop import Factors, copy, refactor, solve_columns_transposed
-from .radau_sweep_loop import (
+from .lanes_loop import clear_lanes
+from .node_loop import (
     Bars,
     ByNumbers,
     Entries,
@@ -39,6 +37,7 @@ from .radau_sweep_loop import (
     quiet,
     subtract,
 )
+from .panel_loop import Factors, copy, refactor, solve_columns_transposed
 
 NODE, PROJECTION = 0, 1  # what is done next
 
@@ -86,7 +85,7 @@ class Projection(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """All that does not change from state to state; see `radau_sweep_loop.Tables`, whose names those of nodes are."""
+    """All that does not change from state to state; as far as nodes are concerned by the names of `node_loop`."""
 
     node: Factors
     node_values: Array
@@ -118,7 +117,7 @@ class Solved(NamedTuple):
 
 
 class Turned(NamedTuple):
-    """What the change of an adjoint takes from the gradients, or nothing; by names of `radau_sweep_loop.Turned`."""
+    """What the change of an adjoint takes from the gradients, or nothing; for nodes by the names of `node_loop`."""
 
     node: Array
     node_q: Array
@@ -285,7 +284,7 @@ def backward(
             if stage == NODE:
                 bars.q[:] = 0.0
                 bars.v[:] = 0.0
-                if not backward_node(entries, b, record, n, tables, bars, given, beside, turned):  # type: ignore[arg-type]
+                if not backward_node(entries, b, record, n, tables, bars, given, beside, turned):
                     return n, NODE
                 stage = PROJECTION
             if not backward_projection(entries, b, record, n, tables, bars, out, beside, turned):
@@ -359,7 +358,7 @@ def forward(
                 if not forward_projection(entries, b, record, n, tables, bars, given, beside, solved):
                     return n, NODE
                 stage = PROJECTION
-            if not forward_node(entries, b, record, n, tables, bars, out, beside):  # type: ignore[arg-type]
+            if not forward_node(entries, b, record, n, tables, bars, out, beside):
                 return n, PROJECTION
         else:
             copy(given.q[n], out.q[n])
@@ -375,11 +374,9 @@ class Operands(NamedTuple):
     q: Array
     v: Array
     a: Array
-    eta: Array
     q_dot: Array
     v_dot: Array
     a_dot: Array
-    eta_dot: Array
     xi: Array
     lam: Array
     nu: Array
@@ -392,8 +389,53 @@ class Changes(NamedTuple):
     q: Array
     v: Array
     a: Array
-    eta: Array
     lam: Array
+
+
+class Room(NamedTuple):
+    """Operands and results of one call, in lanes."""
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    q_dot: Array
+    v_dot: Array
+    a_dot: Array
+    xi: Array
+    lam: Array
+    nu: Array
+    lam_dot: Array
+    by_q: Array
+    by_v: Array
+    by_a: Array
+    by_lam: Array
+    by_b: Array
+
+
+@compiled
+def clear(room: Room) -> None:
+    """Adjoint variables and results begin with zero."""
+    clear_lanes(room.xi)
+    clear_lanes(room.nu)
+    clear_lanes(room.by_q)
+    clear_lanes(room.by_v)
+    clear_lanes(room.by_a)
+    clear_lanes(room.by_lam)
+
+
+@compiled
+def put(x: Array, lane: int, weight: float, out: Array) -> None:
+    """A lane of out = weight x."""
+    for k in range(len(x)):
+        out[k * LANES + lane] = weight * x[k]
+
+
+@compiled
+def take(x: Array, lane: int, weight: float, out: Array) -> None:
+    """Out += weight x of a lane."""
+    for k in range(len(x) // LANES):
+        out[k] += weight * x[k * LANES + lane]
 
 
 @compiled(entry=True)
@@ -413,24 +455,21 @@ def of_states(
             put(x.q[n], lane, 1.0, room.q)
             put(x.v[n], lane, 1.0, room.v)
             put(x.a[n], lane, 1.0, room.a)
-            put(x.eta[n], lane, 1.0, room.eta)
             put(x.q_dot[n], lane, 1.0, room.q_dot)
             put(x.v_dot[n], lane, 1.0, room.v_dot)
             put(x.a_dot[n], lane, 1.0, room.a_dot)
-            put(x.eta_dot[n], lane, 1.0, room.eta_dot)
             put(x.lam[n], lane, 1.0, room.lam)
             put(x.lam_dot[n], lane, 1.0, room.lam_dot)
             put(x.xi[n], lane, used, room.xi)
             put(x.nu[n], lane, used, room.nu)
         call_kernels(
-            entry, b, room.t, room.q, room.v, room.a, room.eta, room.q_dot, room.v_dot, room.a_dot, room.eta_dot,
+            entry, b, room.t, room.q, room.v, room.a, room.q_dot, room.v_dot, room.a_dot,
             room.xi, room.lam, room.nu, room.lam_dot, b_dot,
-            room.by_q, room.by_v, room.by_a, room.by_eta, room.by_lam, room.by_b,
+            room.by_q, room.by_v, room.by_a, room.by_lam, room.by_b,
         )  # fmt: skip
         for lane in range(count):
             take(room.by_q, lane, 1.0, found.q[first + lane])
             take(room.by_v, lane, 1.0, found.v[first + lane])
             take(room.by_a, lane, 1.0, found.a[first + lane])
-            take(room.by_eta, lane, 1.0, found.eta[first + lane])
             take(room.by_lam, lane, 1.0, found.lam[first + lane])
         first += count

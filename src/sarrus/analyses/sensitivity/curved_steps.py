@@ -1,4 +1,4 @@
-"""The steps of a run of HHT or generalized-α differentiated twice: the way along a direction, and the way back.
+"""The steps of a run differentiated twice: the way along a direction, and the way back.
 
 A step backwards whose adjoint changes has the contracted second derivatives of its equations as sources.
 """
@@ -6,7 +6,7 @@ A step backwards whose adjoint changes has the contracted second derivatives of 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,12 +14,21 @@ from ..._jit.link import link
 from ..._jit.vector import LANES
 from ...algebra import Array
 from ...results import StepsTaken
-from ...system.lane_room import aligned
-from . import hessian_loop
-from .chain import Chain, Nodes
-from .lagrangian import Change, change_at, lagrangian, room
-from .sweep import Sweep
-from .sweep_loop import Given, Kept, Sources
+from ...system.lane_room import room
+from .chain import BackwardState, Chain, Nodes
+from .lagrangian import Change, change_at, lagrangian
+from .steps import second_order_loop as loop
+from .steps.blocks import Blocks, run_of
+from .steps.changes import joined
+from .steps.layout import kinds_of
+from .steps.sweep import PerOperation, Sweep
+
+
+class Solved(NamedTuple):
+    """The adjoint variables of all operations, and of the start."""
+
+    operations: PerOperation
+    start: tuple[Array, Array]
 
 
 class Back(NamedTuple):
@@ -28,91 +37,67 @@ class Back(NamedTuple):
     q: Array
     v: Array
     b: Array
-    solved: Any
-
-
-class CurvedSteps(Protocol):
-    """The steps of one run, differentiated twice."""
-
-    def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> Any:
-        """Write the changes of all nodes, with those of the numbers and of the first state; what was solved for."""
-
-    def back(self, nodes: Nodes, turned: Any | None) -> Back:
-        """Back through all steps, with the changes of their equations where an adjoint changes."""
-
-    def turned(self, b_dot: Array, moved: Nodes, solved: Any, adjoint: Any) -> tuple[Any, Array]:
-        """The changes of the equations of all steps, and what they add to the gradient by the numbers.
-
-        With the changes of the numbers and of the nodes, and with what was solved for along them and on the way back.
-        """
-
-
-class Solved(NamedTuple):
-    """What was solved for in the steps, and at the start."""
-
-    kept: Kept
-    start: tuple[Array, Array]
+    solved: Solved
 
 
 class Turned(NamedTuple):
-    """The changes of the equations of all steps, and of the start."""
+    """The changes of the Lagrangians of all operations, and of the start."""
 
-    sources: Sources
+    sources: PerOperation
     start: Change
 
 
-class AlphaCurvedSteps:
-    """See `CurvedSteps`."""
+class CurvedSteps:
+    """The steps of one run, differentiated twice."""
 
     def __init__(self, chain: Chain) -> None:
         self._chain, self._system, self._steps = chain, chain.system, chain.steps
 
     @cached_property
     def _sweep(self) -> Sweep:
-        return Sweep(self._system, self._steps, 1)
+        return Sweep(self._chain.record, 1)
 
-    def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> Kept:
-        """See `CurvedSteps`."""
-        sweep, start = Sweep(self._system, self._steps, 1, b), self._chain.start
-        bars, kept = sweep.bars(b), sweep.kept()
-        bars.q[:], bars.v[:] = q, v
-        bars.a[:], bars.lam[:] = start.along(bars.q, bars.v, b)
-        bars.x[:] = bars.a
-        nodes.q[0], nodes.v[0], nodes.a[0], nodes.lam[0] = bars.q, bars.v, bars.a, bars.lam
-        sweep.forward(bars, nodes.after_start(), 0, len(self._steps), kept)
-        return kept
+    def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> PerOperation:
+        """Write the changes of all nodes, with those of the numbers and of the first state; those of all stages."""
+        stages = self._sweep.stages()
+        self._chain.swept(q, v, b, nodes, stages)
+        return stages
 
     def back(self, nodes: Nodes, turned: Turned | None) -> Back:
-        """See `CurvedSteps`."""
-        sweep, start = self._sweep, self._chain.start
-        bars, kept = sweep.bars(), sweep.kept()
-        sources = turned.sources if turned else None
-        sweep.backward(bars, nodes.after_start(), 0, len(self._steps), kept, sources)
-        a_bar, lam_bar = bars.a + bars.x + nodes.a[0], nodes.lam[0].copy()
-        q_bar, v_bar, b_bar = bars.q + nodes.q[0], bars.v + nodes.v[0], bars.b
+        """Back through all steps, with the changes of their equations where an adjoint changes."""
+        back, sweep, start = BackwardState(len(self._system.b), 1), self._sweep, self._chain.start
+        back.state, solved = sweep.state(), sweep.unknowns()
+        by_b = sweep.backward(back.state, nodes.after_start(), 0, solved, turned.sources if turned else None)
+        back.b[: len(by_b)] += by_b
+        back.sweep = sweep
+        first = back.by_first(nodes)
         if turned:
-            change = turned.start
-            a_bar, lam_bar = a_bar - change.a[:, None], lam_bar - change.lam[:, None]
-            q_bar, v_bar = q_bar - change.q[:, None], v_bar - change.v[:, None]
-        solved = start.adjoint(a_bar, lam_bar)
-        by_q, by_v, by_b = start.transposed(*solved)
-        return Back(q_bar + by_q, v_bar + by_v, b_bar + by_b, Solved(kept, solved))
+            for name in ("q", "v", "a", "lam"):
+                first[name] = first[name] - getattr(turned.start, name)[:, None]
+        of_start = start.adjoint(first["a"], first["lam"])
+        by_q, by_v, by_b = start.transposed(*of_start)
+        return Back(first["q"] + by_q, first["v"] + by_v, back.b + by_b, Solved(solved, of_start))
 
-    def turned(self, b_dot: Array, moved: Nodes, solved: Kept, adjoint: Solved) -> tuple[Turned, Array]:
-        """See `CurvedSteps`."""
-        steps, nq, m = self._steps, self._system.nq, self._system.m
-        widths = (nq + m, nq, nq) * 2
-        sources = Sources._make(aligned(len(steps), width) for width in widths)
-        dots = Given._make(np.ascontiguousarray(getattr(moved, k)[:, :, 0]) for k in Given._fields)
-        operands = (np.ascontiguousarray(x[:, :, 0]) for x in adjoint.kept[:2])
-        own = Kept._make([*operands, adjoint.kept.s])
-        changed = np.ascontiguousarray(solved.rescale[:, :, 0])
-        work, head, record = room(self._system), (steps.b.copy(), b_dot.copy()), self._sweep.record
-        entries = [lagrangian(self._system, kind) for kind in ("step", "rate")]
-        link(hessian_loop.of_steps)(steps.scheme, entries[0], *head, record, dots, own, work, sources)
-        link(hessian_loop.of_rescales)(entries[1], *head, record, dots, own, changed, work, sources)
+    def turned(
+        self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: Solved
+    ) -> tuple[Turned, Array]:
+        """The changes of the equations of all steps, and what they add to the gradient by the numbers.
+
+        With the changes of the numbers, of the nodes and of the stages, and the adjoint variables.
+        """
+        system, record = self._system, self._chain.record
+        structures = [one.tables.structure for one in record.operations if len(one)]
+        entries = [lagrangian(system, kind) for kind in kinds_of(structures, system)]
+        ends = np.cumsum([0, *(len(entry.addresses) for entry in entries)]).astype(np.int64)
+        sizes = {"lam_dot": system.m, "nu": system.m, "by_lam": system.m, "by_b": len(system.b)}
+        work = loop.Operands._make(room(sizes.get(name, system.nq)) for name in loop.Operands._fields)
+        blocks, found = Blocks(record, 0, None), self._sweep.stages()
+        link(loop.change)(
+            blocks.layout, joined(entries), ends, self._steps.b.copy(), b_dot.copy(), run_of(record, 0), stages.series,
+            adjoint.operations.series, blocks.block, work, found.series,
+        )  # fmt: skip
         start = self._start(b_dot, moved, adjoint.start)
-        return Turned(sources, start), work.by_b.reshape(-1, LANES).sum(axis=1) + start.b
+        return Turned(found, start), work.by_b.reshape(-1, LANES).sum(axis=1) + start.b
 
     def _start(self, b_dot: Array, moved: Nodes, adjoint: tuple[Array, Array]) -> Change:
         """The changes of the equations of motion at the start."""

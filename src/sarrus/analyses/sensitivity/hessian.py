@@ -13,12 +13,10 @@ import numpy as np
 
 from ...algebra import Array
 from .chain import FIELDS, Chain, Nodes, by_joints
-from .curved_steps import AlphaCurvedSteps, CurvedSteps, remembered
+from .curved_steps import CurvedSteps, remembered
 from .evaluation import Evaluation
 from .lagrangian import Change, change_at
 from .parameters import Parameters
-from .radau_chain import RadauChain
-from .radau_curved_steps import RadauCurvedSteps
 
 
 class Moved(NamedTuple):
@@ -49,14 +47,12 @@ class Curvature:
     """
 
     def __init__(
-        self, chain: Chain | RadauChain, evaluation: Evaluation, parameters: Parameters, response: int = 0
+        self, chain: Chain, evaluation: Evaluation, parameters: Parameters, response: int = 0
     ) -> None:
         self._chain, self._evaluation, self._parameters = chain, evaluation, parameters
         self._response, self._system, self._steps = response, chain.system, chain.steps
         evaluation.refuse_redundant(response)
-        self._way: CurvedSteps = (
-            RadauCurvedSteps(chain) if isinstance(chain, RadauChain) else AlphaCurvedSteps(chain)
-        )
+        self._way = CurvedSteps(chain)
 
     @cached_property
     def _first(self) -> Adjoined:
@@ -81,7 +77,7 @@ class Curvature:
             rate, place = changes["rate"], changes["place"]
             axes, own = changes["axes"], self._chain.assembly.rates.selection
             change = (
-                rate.q + place.q + axes.q, place.lam, rate.eta + axes.eta, np.concatenate([rate.lam, own @ axes.lam])
+                rate.q + place.q + axes.q, place.lam, rate.v + axes.v, np.concatenate([rate.lam, own @ axes.lam])
             )  # fmt: skip
             b_bar = b_bar - (rate.b + place.b)[:, None]
         assembly = self._chain.assembly.adjoint(q_bar[:, 0], v_bar[:, 0], change)
@@ -117,7 +113,7 @@ class Curvature:
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         rate = change_at(
             system, "rate", t, b, b_dot, found.mu, -adjoint.y2[: system.m], mu_dot[: system.m],
-            q=found.q, eta=found.v, xi=adjoint.x2, q_dot=q_dot, eta_dot=v_dot,
+            q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip
         place = change_at(
             system,
@@ -140,10 +136,10 @@ class Curvature:
         own, found, adjoint = self._chain.assembly.rates.selection, self._steps.start, first.assembly
         if not own.any():
             none = np.zeros(self._system.nq)
-            return Change(none, none, none, none, np.zeros(joints.m), np.zeros(len(joints.b)))
+            return Change(none, none, none, np.zeros(joints.m), np.zeros(len(joints.b)))
         q_dot, _, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         m = self._system.m
         return change_at(
             joints, "rate", 0.0, joints.b, moved.c[: len(joints.b), 0], found.nu @ own, -adjoint.y2[m:] @ own,
-            mu_dot[m:] @ own, q=found.q, eta=found.v, xi=adjoint.x2, q_dot=q_dot, eta_dot=v_dot,
+            mu_dot[m:] @ own, q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip

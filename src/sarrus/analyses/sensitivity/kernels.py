@@ -12,7 +12,6 @@ from ...system import System
 from ..dynamics.placed import entries_of
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "velocity": ("Phi_q_xi", "Phi_t"),
     "jacobian": ("Phi_q", "Phi_qT_lam_q"),
     "inertia": ("M", "M_a_q", "S_q", "S_v"),
     "stiffness": ("Q_q", "Q_v"),

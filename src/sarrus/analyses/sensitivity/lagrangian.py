@@ -20,9 +20,8 @@ from ...algebra import Array
 from ...elements.recorder import Variant
 from ...system import System
 from ...system.lane_drivers import block, entry
+from ...system.lane_room import room
 from ...system.once import once_alike
-from .block_loop import Lanes
-from .hessian_loop import Room
 from .shares import STATES, Share, concerned
 
 DOTS = tuple(f"{name}_dot" for name in STATES)
@@ -31,12 +30,11 @@ RESULTS = (*STATES, "lam", "b")
 
 
 class Change(NamedTuple):
-    """The change of the gradient of ℓ by coordinates, rates, accelerations, η (nq,), by λ (m,), by the numbers."""
+    """The change of the gradient of ℓ by coordinates, rates, accelerations (nq,), by λ (m,), by the numbers."""
 
     q: Array
     v: Array
     a: Array
-    eta: Array
     lam: Array
     b: Array
 
@@ -67,14 +65,6 @@ def _record(variant: Variant, kind: str) -> Recording:
     return share.recording(OPERANDS, [*bodies, block(rows), block(numbers)])
 
 
-def room(system: System) -> Room:
-    """Operands and results of one call, all zero."""
-    nq, m = system.nq, system.m
-    lengths = {"t": 1, "lam": m, "nu": m, "lam_dot": m, "by_lam": m, "by_b": len(system.b)}
-    arrays: dict[str, Any] = {name: np.zeros(LANES * lengths.get(name, nq)) for name in Room._fields}
-    return Room(**arrays | {"steps": np.zeros(LANES, np.int64), "lanes": Lanes.zeros()})
-
-
 def change_at(
     system: System,
     kind: str,
@@ -90,7 +80,7 @@ def change_at(
     given = {"lam": lam, "nu": nu, "lam_dot": lam_dot, **x}
     none = np.zeros(system.nq)
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
-    work = room(system)
-    found = [getattr(work, f"by_{name}") for name in RESULTS]
+    sizes = {"lam": system.m, "b": len(system.b)}
+    found = [room(sizes.get(name, system.nq)) for name in RESULTS]
     call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
     return Change._make(out[::LANES].copy() for out in found)

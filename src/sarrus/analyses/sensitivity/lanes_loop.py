@@ -114,9 +114,9 @@ def factor_lanes(
 
 
 @compiled
-def turn_lanes(sheet: Array, count: int, turned: Array, to: int) -> None:
-    """Entries of an array in lanes, multiples of their number: one lane's after another (lanes, entries), from `to`."""
-    stride: Any = np.uint64(turned.shape[1])
-    target = turned.reshape(turned.shape[0] * turned.shape[1])[to:]
+def turn_lanes(sheet: Array, count: int, turned: Array, stride: int, to: int) -> None:
+    """Entries of an array in lanes, multiples of their number, to stretches of an array, one for each lane."""
+    step: Any = np.uint64(stride)
+    target = turned[to:]
     for k in range(np.uint64(0), np.uint64(count), WIDE):
-        turn(sheet, k, target, stride)
+        turn(sheet, k, target, step)

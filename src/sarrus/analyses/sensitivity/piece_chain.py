@@ -14,8 +14,7 @@ from ...system import System
 from ...system.time_derivatives import timed
 from .chain import Chain, Gradients, Nodes, by_joints, through
 from .pieces import angles_of
-from .radau_chain import RadauChain
-from .stretches import Stretches, stretches_of
+from .stretches import Stretches
 from .turn import TurnDerivatives
 
 KINDS = ("q", "v", "a")
@@ -38,7 +37,7 @@ class PieceChain:
         self,
         system: System,
         steps: Pieces,
-        chains: Sequence[Chain | RadauChain],
+        chains: Sequence[Chain],
         restitutions: Sequence[str],
     ) -> None:
         self.system, self.steps, self._chains, self._restitutions = system, steps, chains, restitutions
@@ -101,7 +100,7 @@ class PieceChain:
 
     def gradients(self, given: Nodes) -> Gradients:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
-        stretches = stretches_of(self.system, type(self.steps.pieces[0]), given.q.shape[2])
+        stretches = Stretches(self.system, given.q.shape[2])
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
         back.over(self.steps, given, self._turns.__getitem__)
         by_b, by_q, by_v, by_c = through(self._chains[0].assembly, back.q, back.v)

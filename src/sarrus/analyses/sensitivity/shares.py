@@ -5,7 +5,8 @@ kernels of every kind of element:
 
     place:   ℓ = λᵀΦ_q ξ + νᵀΦ
     step:    ℓ = λᵀΦ_q ξ + νᵀΦ + ξᵀ(M a - Q - S)
-    rate:    ℓ = λᵀΦ_q ξ - νᵀ(Φ_q η + Φ_t) + ξᵀM a
+    rate:    ℓ = λᵀΦ_q ξ - νᵀ(Φ_q v + Φ_t)
+    impulse: ℓ = λᵀΦ_q ξ - νᵀ(Φ_q v + Φ_t) + ξᵀM a
     motion:  ℓ = λᵀΦ_q ξ + νᵀ(Φ_q a - γ(q, v)) + ξᵀ(M a - Q - S)
 """
 
@@ -28,7 +29,7 @@ from ...system import System
 from ...system.lane_drivers import local
 from ...system.population import Population
 
-STATES = ("q", "v", "a", "eta")  # operands of bodies besides ξ
+STATES = ("q", "v", "a")  # operands of bodies besides ξ
 
 
 class Share:
@@ -78,7 +79,7 @@ def _share(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: Array, t:
     """ℓ of one element."""
     if isinstance(element, Primitive):
         return _of_constraint(element, kind, x, lam, nu)
-    if kind == "rate":
+    if kind == "impulse":
         return _dot(x["xi"], element.M_a(x["q"], x["a"]))
     if isinstance(element, Force):
         return -_dot(x["xi"], element.Q(x["q"], x["v"], t))  # type: ignore[attr-defined]
@@ -92,7 +93,7 @@ def _of_constraint(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: A
         return first + nu @ element.Phi(q)
     if kind == "motion":
         return first + nu @ (element.Phi_q_xi(q, x["a"]) - element.gamma(q, x["v"]))
-    rate = element.Phi_q_xi(q, x["eta"])
+    rate = element.Phi_q_xi(q, x["v"])
     drift = element.Phi_t(q) if element.timed else None
     return first - nu @ (rate if drift is None else rate + drift)
 
@@ -107,6 +108,6 @@ def concerned(system: System, kind: str) -> list[Population]:
 
 
 def _absent(p: Population, kind: str) -> bool:
-    if kind == "place":
+    if kind in ("place", "rate"):
         return not issubclass(p.kind, Primitive)
-    return kind == "rate" and issubclass(p.kind, Force)
+    return kind == "impulse" and issubclass(p.kind, Force)

@@ -1,0 +1,142 @@
+"""Description of an implicit method: what a step solves for, its stages, its equations, and the state after it.
+
+A step of length h solves R(z; y₀, b) = 0 for its unknowns z. Everything is data: the stages (q, v, a, λ, μ) are affine
+in the state before the step, y₀, and in z, with coefficients that depend on h and on the ratio of h to the length of
+the step before; R consists of equations of a few kinds at the stages; the state after the step is affine in y₀ and z.
+Tangent, adjoint and second-order sweeps are derived from this, for all methods.
+
+Choose unknowns and scales so that the Newton matrix stays well conditioned as h falls: v h in place of v, and so on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+COORDINATES, CONSTRAINTS = "coordinates", "constraints"  # sizes of blocks: nq, and m
+ROLES = ("q", "v", "a", "lam", "mu")  # of a stage, besides its rate
+Affine = Mapping[
+    str, Any
+]  # block of the state or of the unknowns → coefficient: a number, or one for each step
+
+
+class Stage(NamedTuple):
+    """A stage, at t₀ + time · h; each of its quantities by blocks of the state before the step and of the unknowns.
+
+    `rate` is what the kinematic equation sets to -Φ_qᵀμ.
+    """
+
+    time: float = 1.0
+    q: Affine = {}  # noqa: RUF012
+    v: Affine = {}  # noqa: RUF012
+    a: Affine = {}  # noqa: RUF012
+    lam: Affine = {}  # noqa: RUF012
+    mu: Affine = {}  # noqa: RUF012
+    rate: Affine = {}  # noqa: RUF012
+
+
+class Equation(NamedTuple):
+    """An equation at a stage, multiplied by a scale.
+
+    The kinds:
+
+        motion        M a + Φ_qᵀλ - Q - S
+        position      Φ
+        velocity      Φ_q v + Φ_t
+        acceleration  Φ_q a - γ
+        kinematic     rate + Φ_qᵀμ
+        impulse       M a + Φ_qᵀλ
+
+    Of the equations of constraints and the blocks of multipliers among the unknowns there are equally many: where an
+    equation is redundant, its multiplier, in the same place of both orders, is zero.
+    """
+
+    kind: str
+    stage: int = 0
+    scale: Any = 1.0
+
+
+class Step(NamedTuple):
+    """Stages, equations, and the blocks of the state that change; the others keep their values."""
+
+    stages: tuple[Stage, ...]
+    equations: tuple[Equation, ...]
+    update: Mapping[str, Affine]
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A step or another operation of a run, with coefficients for all its occurrences.
+
+    Attributes
+    ----------
+    state, unknowns : sizes of blocks by name, `COORDINATES` or `CONSTRAINTS`
+    step : its coefficients
+    """
+
+    state: Mapping[str, str]
+    unknowns: Mapping[str, str]
+    step: Step
+
+
+@dataclass(frozen=True)
+class Description:
+    """An implicit method.
+
+    Attributes
+    ----------
+    unknowns : sizes of blocks by name
+    step : of the length h and of its ratio to the step before, numbers or arrays with one for each step
+    extra : blocks of the state besides q, v, a and λ: how each begins, by these
+    projects : whether a part of the defect of the velocity constraints is removed when the step size changes
+    damps : whether round-off in the multipliers decays from step to step
+
+    Where the update has no a, accelerations and multipliers at the ends of steps are those of the equations of motion.
+    """
+
+    unknowns: Mapping[str, str]
+    step: Callable[[Any, Any], Step]
+    extra: Mapping[str, Affine]
+    projects: bool = False
+    damps: bool = False
+
+    @property
+    def state(self) -> dict[str, str]:
+        """Sizes of the blocks of the state."""
+        return {**dict.fromkeys(("q", "v", "a", *self.extra), COORDINATES), "lam": CONSTRAINTS}
+
+    def operation(self, h: Any, ratio: Any) -> Operation:
+        """Steps of some lengths."""
+        return Operation(self.state, self.unknowns, self.step(h, ratio))
+
+
+def combined(*terms: tuple[Any, Affine]) -> Affine:
+    """The sum of affine maps, each times a factor."""
+    found: dict[str, Any] = {}
+    for factor, affine in terms:
+        for name, coefficient in affine.items():
+            found[name] = found.get(name, 0.0) + factor * coefficient
+    return found
+
+
+def projection(state: Mapping[str, str], removed: Any) -> Operation:
+    """A part of the defect of the velocity constraints is removed by the least change s of v in the metric of M.
+
+    M s + Φ_qᵀσ = 0, Φ_q s = Φ_q v + Φ_t.
+    """
+    stage = Stage(0.0, q={"q": 1.0}, v={"v": 1.0, "s": -1.0}, a={"s": 1.0}, lam={"sigma": 1.0})
+    equations = (Equation("impulse"), Equation("velocity", scale=-1.0))
+    return Operation(
+        state,
+        {"s": COORDINATES, "sigma": CONSTRAINTS},
+        Step((stage,), equations, {"v": {"v": 1.0, "s": -removed}}),
+    )
+
+
+def accelerations(state: Mapping[str, str]) -> Operation:
+    """Accelerations and multipliers of the equations of motion at the state that was reached."""
+    stage = Stage(q={"q": 1.0}, v={"v": 1.0}, a={"a_end": 1.0}, lam={"lam_end": 1.0})
+    equations = (Equation("motion"), Equation("acceleration"))
+    update = {"a": {"a_end": 1.0}, "lam": {"lam_end": 1.0}}
+    return Operation(state, {"a_end": COORDINATES, "lam_end": CONSTRAINTS}, Step((stage,), equations, update))

@@ -1,0 +1,74 @@
+"""Generalized-α (Chung and Hulbert 1993), HHT among it: one stage at the end of a step.
+
+The unknowns are accelerations and multipliers at the end (Arnold and Brüls 2007); ã is the method's own acceleration,
+
+    (1 - α_m) ã₁ + α_m ã₀ = (1 - α_f) a₁ + α_f a₀,
+    q₁ = q₀ + h v₀ + h² ((½ - β) ã₀ + β ã₁),    v₁ = v₀ + h ((1 - γ) ã₀ + γ ã₁).
+
+When h changes, ã₀ - a₀, which is proportional to h, is rescaled. Stabilized (Arnold, Brüls and Cardona 2015) q₁ is an
+unknown, too, q₁ = (as above) - Φ_q(q₀)ᵀη, and both constraints hold at the end.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from .description import CONSTRAINTS, COORDINATES, Affine, Description, Equation, Stage, Step, combined
+
+DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
+
+
+def generalized_alpha(
+    alpha_m: float, alpha_f: float, beta: float, gamma: float, stabilized: bool = False
+) -> Description:
+    """The method with some coefficients."""
+    blocks = {"A": COORDINATES, "L": CONSTRAINTS}
+    if stabilized:
+        blocks = {"Q": COORDINATES, **blocks, "E": CONSTRAINTS}
+    step = partial(_stabilized if stabilized else _plain, (alpha_m, alpha_f, beta, gamma))
+    own: dict[str, Affine] = {"x": {"a": 1.0}}
+    return Description(blocks, step, own, projects=not stabilized, damps=gamma - 0.5 > DAMPS)
+
+
+Coefficients = tuple[float, float, float, float]
+
+
+def _end(method: Coefficients, h: Any, ratio: Any, unit: Any) -> tuple[Affine, Affine, Affine]:
+    """q₁, v₁ and ã₁ by the state before and by the unknown A, which is a₁ over `unit`."""
+    m, f, beta, gamma = method
+    before: Affine = {"a": 1.0 - ratio, "x": ratio}  # ã₀ for the new step size
+    mixed = (-m / (1 - m), before), (f / (1 - m), {"a": 1.0}), ((1 - f) / (1 - m) * unit, {"A": 1.0})
+    after = combined(*mixed)
+    q = combined((1.0, {"q": 1.0, "v": h}), (h * h * (0.5 - beta), before), (h * h * beta, after))
+    return q, combined((1.0, {"v": 1.0}), (h * (1 - gamma), before), (h * gamma, after)), after
+
+
+def _weights(method: Coefficients, h: Any) -> tuple[Any, Any]:
+    """β' and γ', the derivatives of q₁ and v₁ by a₁."""
+    m, f, beta, gamma = method
+    return beta * h * h * (1 - f) / (1 - m), gamma * h * (1 - f) / (1 - m)
+
+
+def _plain(method: Coefficients, h: Any, ratio: Any) -> Step:
+    beta, _ = _weights(method, h)
+    q, v, x = _end(method, h, ratio, 1.0)
+    stage = Stage(q=q, v=v, a={"A": 1.0}, lam={"L": 1.0})
+    equations = (Equation("motion"), Equation("position", scale=1 / beta))
+    return Step((stage,), equations, {"q": q, "v": v, "a": stage.a, "x": x, "lam": stage.lam})
+
+
+def _stabilized(method: Coefficients, h: Any, ratio: Any) -> Step:
+    """The unknowns are q₁, β'a₁, β'λ₁ and η; Φ_q(q₀) is at the end's time, too."""
+    beta, gamma = _weights(method, h)
+    predicted, v, x = _end(method, h, ratio, 1 / beta)
+    shift = combined((1.0, {"Q": 1.0}), (-1.0, predicted))
+    start = Stage(q={"q": 1.0}, mu={"E": 1.0}, rate=shift)
+    end = Stage(q={"Q": 1.0}, v=v, a={"A": 1 / beta}, lam={"L": 1 / beta})
+    equations = (
+        Equation("kinematic", 0),
+        Equation("motion", 1, beta),
+        Equation("position", 1),
+        Equation("velocity", 1, beta / gamma),
+    )
+    return Step((start, end), equations, {"q": end.q, "v": v, "a": end.a, "x": x, "lam": end.lam})

@@ -1,0 +1,231 @@
+"""Room for blocks of operations that are linearized together, and the matrices of one run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...._jit import pointer
+from ...._jit.vector import LANES
+from ....algebra import Array
+from ....system import System
+from ....system.lane_room import room, used
+from ....system.once import once_alike
+from ...dynamics.placed import Numbers
+from ...dynamics.placed import layout_of as pattern_of
+from ..by_numbers import gradient_entry
+from ..columns_loop import COLUMNS, Rows
+from ..kernels import GROUPS
+from ..panel_loop import Factors
+from ..row_order import by_rows, no_rows, rows_of
+from ..step_matrix import unsigned
+from .block_loop import UNKNOWN, Block, Kernels, Matrices, Run
+from .changes import UNCHANGED, changes, joined
+from .layout import drivers_of, kinds_of, layout_of
+from .record import Record
+from .stacked import Ragged, ragged, series
+from .tables import DRIVERS, Structure, Tables, tables_of
+
+OPERATIONS = 3  # see `record`
+SOURCES = 10  # different arrays of recorded values, at most
+# Relative change of a solution by its refinement up to which the others of a block are not refined, where round-off in
+# multipliers decays
+PLAIN = 1e-12
+
+
+class Product(NamedTuple):
+    """The matrix by which changes of the stages enter the right sides: parts, places, pattern; and by rows."""
+
+    parts: Array
+    places: Array
+    indptr: Array
+    indices: Array
+    rows: Rows
+
+
+@once_alike
+def product_of(system: System, structure: Structure) -> Product:
+    """The product of an operation."""
+    tables = tables_of(system, structure)
+    numbers = Numbers(system, tables.names, tables.like)
+    layout = pattern_of(system, max(tables.moved, tables.n), numbers.like, tables.product)
+    sizes = [(numbers.start[part.name], len(numbers.views[part.name])) for part in tables.product]
+    parts = np.column_stack([np.array(sizes, np.int64).reshape(-1, 2), layout.first]).astype(np.int64)
+    indptr = layout.indptr[: tables.moved + 1]
+    rows = rows_of(indptr, layout.indices, np.arange(len(layout.indices)), tables.n)
+    place, starts, indices = unsigned((layout.place, indptr, layout.indices))
+    return Product(parts, place, starts, indices, rows)
+
+
+def _whole(count: int) -> int:
+    """The next multiple of the number of lanes."""
+    return -(-count // LANES) * LANES
+
+
+class Blocks:
+    """Blocks of the operations of one run.
+
+    Parameters
+    ----------
+    record : of the run
+    columns : how many derivatives or responses are swept at once
+    b_dot : (len(system.b), k) changes of the numbers, for a sweep forward
+
+    Attributes
+    ----------
+    width : how many columns are handled side by side: forward those of a panel, or a single one; backward all
+    structures : of the operations, None where one does not occur
+    panels : whether several columns are swept forward
+    layout, kernels : see `layout` and `block_loop`
+    block : see `block_loop`
+    """
+
+    def __init__(self, record: Record, columns: int, b_dot: Array | None) -> None:
+        system = record.system
+        self._system, self._columns = system, columns
+        tables = [one.tables if len(one) else None for one in record.operations]
+        self.tables: list[Tables | None] = tables
+        structures = tuple(one.structure if one else None for one in tables)
+        self.structures = structures
+        self.layout = layout_of(system, structures)
+        self.panels = b_dot is not None and b_dot.shape[1] > 1
+        self.width = COLUMNS if self.panels else columns
+        present = tuple(one for one in structures if one)
+        self._products = [product_of(system, one) if one else None for one in structures]
+        self.kernels = _kernels(system, present, b_dot is not None)
+        self.block = self._block(record, b_dot)
+
+    def _block(self, record: Record, b_dot: Array | None) -> Block:
+        layout, system = self.layout, self._system
+        columns = 0 if b_dot is not None else self._columns
+        parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
+        values, adjoint = room(layout.values_size), int(layout.adjoints[-1, 1])
+        for tables, (_, redundant, _) in zip(self.tables, layout.values, strict=True):
+            if tables:  # the ones of the unit matrix, behind the numbers of redundant equations
+                first = redundant + tables.m
+                values[first * LANES : (first + tables.nq) * LANES] = 1.0
+        refined = np.ones((OPERATIONS, 3))
+        refined[:, 2] = PLAIN if record.description.damps else 0.0
+        moved = UNCHANGED
+        if b_dot is not None:
+            moved = changes(system, self.tables, np.ascontiguousarray(b_dot.T), self.width)
+        return Block(
+            index=np.zeros((OPERATIONS, LANES), np.int64), used=np.zeros((OPERATIONS, 2), np.int64),
+            states=room(layout.states_size), values=values, weights=room(max(parts)), sheet=room(0), turned=room(0),
+            starts=np.zeros(OPERATIONS, np.int64), strides=np.zeros(OPERATIONS, np.int64),
+            cuts=np.zeros((OPERATIONS, 4), np.int64), work=room(int(layout.n.max())),
+            growth=np.full((OPERATIONS, LANES), UNKNOWN), refined=refined, adjoint=room(adjoint, columns),
+            by_b=room(system.nb, columns), moved=moved,
+        )  # fmt: skip
+
+    def arrange(self, factors: Sequence[Factors | None]) -> None:
+        """Room for factors of all operations, in their orders of pivots."""
+        cuts, ends = np.zeros((OPERATIONS, 4), np.int64), []
+        for op, (own, product) in enumerate(zip(factors, self._products, strict=True)):
+            if own and product:
+                sizes = (len(own.factors), len(own.data), len(product.indices))
+                cuts[op] = np.cumsum([0, *map(_whole, sizes)])
+            ends.append(cuts[op, 3] * LANES)
+        starts = np.cumsum([0, *ends])
+        sheet = max(int(max(cut[2], cut[3] - cut[2])) for cut in cuts)
+        self.block = self.block._replace(
+            sheet=used(LANES * sheet), turned=used(int(starts[-1])), starts=starts[:-1].astype(np.int64),
+            strides=cuts[:, 3].copy(), cuts=cuts,
+        )  # fmt: skip
+
+    def matrices(self, factors: Sequence[Factors | None]) -> Matrices:
+        """Patterns of all operations one after another."""
+        return _matrices(factors, self._products, self.panels)
+
+    def gradient(self) -> Array:
+        """What the adjoint variables have given for the gradient by the numbers (nb, k), which is taken."""
+        found = -self.block.by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
+        self.block.by_b[:] = 0.0
+        return np.asarray(found)
+
+
+@once_alike
+def _kernels(system: System, structures: tuple[Structure, ...], forward: bool) -> Kernels:
+    """The drivers that operations need."""
+    needed = drivers_of(structures, system)
+    operators: dict[str, Any] = {
+        name: system.group(*GROUPS[name]).entry_in_lanes if name in needed else pointer.NONE
+        for name in DRIVERS
+    }
+    gradients = [] if forward else [gradient_entry(system, kind) for kind in kinds_of(structures, system)]
+    ends = np.cumsum([0, *(len(entry.addresses) for entry in gradients)]).astype(np.int64)
+    return Kernels(**operators, gradient=joined(gradients), gradients=ends)
+
+
+def run_of(record: Record, first: int) -> Run:
+    """The run as compiled code takes it, from step `first` on."""
+    steps, operations = record.steps, record.operations
+    tables = [one.tables for one in operations]
+    none = np.zeros((0, 0))
+    coefficients = series([one.coefficients() if len(one) else none for one in operations])
+    unknowns = np.array([len(own.by_state) for own in tables], np.int64)
+    pairs = list(zip(operations, tables, strict=True))
+    weights = [one.weights(own.weights) if len(one) else none for one, own in pairs]
+    product = [one.weights(own.product_weights) if len(one) else none for one, own in pairs]
+    arrays, pieces = dict[int, Array](), []
+    for one in operations:
+        rows = np.zeros((0, 3), np.int64)
+        for source in one.sources.values() if len(one) else ():
+            arrays.setdefault(id(source.values), source.values)
+            own = [list(arrays).index(id(source.values)), source.first, source.stride]
+            rows = np.append(rows, [own], axis=0)
+        pieces.append(rows)
+    sources = tuple(arrays.values()) + (np.zeros((0, 0)),) * (SOURCES - len(arrays))
+    bounds = [(np.searchsorted(one.steps, first), len(one)) for one in operations]
+    own_steps, nodes = [one.steps for one in operations], [one.nodes for one in operations]
+    whole = {"steps": own_steps, "nodes": nodes, "alike": record.alike}
+    integers: dict[str, Any] = {
+        name: series([x[:, None] for x in own], np.int64) for name, own in whole.items()
+    }
+    return Run(
+        coefficients=coefficients, unknowns=unknowns, weights=series(weights), product_weights=series(product),
+        scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
+        sources=sources, pieces=ragged(pieces), bounds=np.array(bounds, np.int64), memory=steps.memory,
+        places=steps.places, left_out=steps.left_out.astype(float), **integers,
+    )  # fmt: skip
+
+
+def _matrices(
+    factors: Sequence[Factors | None], products: Sequence[Product | None], panels: bool
+) -> Matrices:
+    """Patterns of all operations one after another."""
+    none = np.zeros(0, np.uint64)
+
+    def stacked(of: Sequence[Any], name: str) -> Ragged:
+        empty = np.zeros((0, 3), np.int64) if name == "parts" else none
+        return ragged([empty if one is None else getattr(one, name) for one in of], empty.dtype)
+
+    names = (
+        "parts",
+        "places",
+        "indptr",
+        "indices",
+        "pointers",
+        "rows",
+        "diagonal",
+        "ends",
+        "row_place",
+        "column_order",
+    )
+    rows = [by_rows(one) if one and panels else None for one in factors]
+    by = (
+        [one.upper if one else no_rows() for one in rows],
+        [one.whole if one else no_rows() for one in rows],
+        [one.rows if one and panels else no_rows() for one in products],
+    )
+    wide = (
+        Rows._make(ragged([getattr(one, name) for one in own], np.uint64) for name in Rows._fields)
+        for own in by
+    )
+    return Matrices(
+        *(stacked(factors, name) for name in names),
+        *(stacked(products, name) for name in ("parts", "places", "indptr", "indices")),
+        *wide,
+    )

@@ -1,0 +1,228 @@
+"""The operations of a run: their coefficients, the recorded stages, and the times at which they occur."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import AlphaSteps, RadauSteps, StabilizedSteps, Steps, StepsTaken
+from ....system import System
+from ...dynamics.methods.collocation import radau
+from ...dynamics.methods.description import (
+    Description,
+    Operation,
+    accelerations,
+    projection,
+)
+from ...dynamics.methods.generalized_alpha import generalized_alpha
+from .tables import Quantity, Tables, Weight, structure_of, tables_of
+
+PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
+VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
+RADAU = radau()
+
+
+class Source(NamedTuple):
+    """Recorded values: rows of an array, of occurrence k the row first + k stride."""
+
+    values: Array
+    first: int = 0
+    stride: int = 1
+
+    def all(self, count: int) -> Array:
+        """Of all occurrences."""
+        return self.values[self.first :: self.stride][:count]
+
+
+@dataclass(frozen=True)
+class Occurrences:
+    """All occurrences of an operation in a run.
+
+    Attributes
+    ----------
+    operation, tables : with coefficients for all of them
+    steps : (count,) the step to which each belongs
+    nodes : (count,) whose redundant equations are left out
+    times : (count, stages) [s]
+    sources : values of the stages' quantities
+    """
+
+    operation: Operation
+    tables: Tables
+    steps: Array
+    nodes: Array
+    times: Array
+    sources: Mapping[Quantity, Source]
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.steps)
+
+    def column(self, coefficient: Any) -> Array:
+        """A coefficient at all occurrences."""
+        return np.asarray(np.broadcast_to(coefficient, (len(self),)))
+
+    def _columns(self, coefficients: list[Any]) -> Array:
+        found = np.empty((len(self), len(coefficients)))
+        for k, coefficient in enumerate(coefficients):
+            found[:, k] = coefficient
+        return found
+
+    def coefficients(self) -> Array:
+        """Of the terms of the affine maps, in the order of `Tables` (count, terms)."""
+        tables, step = self.tables, self.operation.step
+        of_stages = [
+            getattr(step.stages[s], name)[by] for (s, name), by in (*tables.by_state, *tables.by_unknowns)
+        ]
+        return self._columns(
+            [*of_stages, *(step.update[to][by] for to, by in (*tables.from_state, *tables.from_unknowns))]
+        )
+
+    def weights(self, weights: list[Weight]) -> Array:
+        """Of the parts of a matrix (count, parts)."""
+        step, found = self.operation.step, []
+        for sign, equation, coefficient in weights:
+            weight = sign if equation is None else sign * step.equations[equation].scale
+            if coefficient is not None:
+                (s, name), by = coefficient
+                weight = weight * getattr(step.stages[s], name)[by]
+            found.append(weight)
+        return self._columns(found)
+
+    @cached_property
+    def scales(self) -> Array:
+        """Of the equations (count, equations)."""
+        return self._columns([equation.scale for equation in self.operation.step.equations])
+
+    def stages_at(self, k: int) -> list[dict[str, Array | float]]:
+        """The values of all stages at one occurrence."""
+        found: list[dict[str, Array | float]] = [{"t": float(t)} for t in self.times[k]]
+        for (s, name), source in self.sources.items():
+            found[s][name] = np.ascontiguousarray(source.values[source.first + source.stride * k])
+        return found
+
+
+def description_of(steps: StepsTaken) -> Description:
+    """The method that took some steps."""
+    if isinstance(steps, RadauSteps):
+        return RADAU
+    assert isinstance(steps, AlphaSteps)
+    scheme = steps.scheme
+    coefficients = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    return generalized_alpha(*coefficients, isinstance(steps, StabilizedSteps))
+
+
+def _stages_of(steps: StepsTaken) -> dict[Quantity, Source]:
+    """Where the stages of all steps are recorded."""
+    if isinstance(steps, RadauSteps):
+        moved = steps.stage_v - steps.v[:-1, None]
+        a = np.einsum("ij,njk->nik", steps.scheme.inverse, moved) / steps.h[:, None, None]
+        own = {"q": steps.stage_q, "v": steps.stage_v, "a": a, "lam": steps.stage_lam, "mu": steps.stage_mu}
+        count = a.shape[1]
+        flat = {name: np.ascontiguousarray(x).reshape(-1, x.shape[2]) for name, x in own.items()}
+        return {(i, name): Source(x, i, count) for i in range(count) for name, x in flat.items()}
+    end = 1 if isinstance(steps, StabilizedSteps) else 0
+    found = {(end, name): Source(getattr(steps, name), 1) for name in ("q", "v", "a", "lam")}
+    if isinstance(steps, StabilizedSteps):
+        found |= {(0, "q"): Source(steps.q), (0, "mu"): Source(steps.eta)}
+    return found
+
+
+class Record:
+    """A run as sweeps take it.
+
+    Parameters
+    ----------
+    system : System
+    steps : of the run
+    nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
+        of the steps; by default at all ends of steps
+    """
+
+    def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
+        self.system, self.steps = system, steps
+        self.description = description_of(steps)
+        self.state = self.description.state
+        self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
+
+    def _steps(self) -> Occurrences:
+        steps, h = self.steps, self.steps.h
+        ratio = np.append(1.0, h[1:] / h[:-1])
+        operation = self.description.operation(h, ratio)
+        ends = {0.0: steps.t[:-1], 1.0: steps.t[1:]}
+        times = [ends.get(one.time, steps.t[:-1] + one.time * h) for one in operation.step.stages]
+        every = np.arange(len(steps))
+        tables = tables_of(self.system, structure_of(operation))
+        found = _stages_of(steps)
+        sources = {key: found[key] for key in tables.recorded}
+        return Occurrences(operation, tables, every, every + 1, np.stack(times, axis=1), sources)
+
+    def very_short(self) -> Occurrences:
+        """The last step, if it were very short."""
+        last, own = self.operations[STEP], self.operations[STEP].steps[-1:]
+        operation = self.description.operation(VERY_SHORT * self.steps.h[-1:], np.ones(1))
+        sources = {key: Source(x.all(len(last))[-1:]) for key, x in last.sources.items()}
+        return Occurrences(operation, last.tables, own, own + 1, last.times[-1:], sources)
+
+    def _projections(self) -> Occurrences:
+        steps = self.steps
+        if self.description.projects:
+            assert isinstance(steps, Steps)
+            at = np.flatnonzero(steps.removed)
+            s, sigma, removed = steps.correction[at], steps.impulse[at], steps.removed[at]
+        else:
+            at, s, sigma, removed = np.zeros(0, np.int64), steps.q[:0], steps.lam[:0], np.zeros(0)
+        operation = projection(self.state, removed)
+        values = {"q": steps.q[at], "v": steps.v[at] - s, "a": s, "lam": sigma}
+        return self._at_nodes(operation, at, at, at + 1, values)
+
+    def _accelerations(self, nodes: Array | None) -> Occurrences:
+        steps, operation = self.steps, accelerations(self.state)
+        given = "a" in self.operations_update()
+        at = np.zeros(0, np.int64) if given else np.arange(1, len(steps) + 1) if nodes is None else nodes
+        values = {name: getattr(steps, name)[at] for name in ("q", "v", "a", "lam")}
+        return self._at_nodes(operation, at - 1, at, at, values)
+
+    def operations_update(self) -> Mapping[str, Any]:
+        """What a step sets."""
+        return self.description.step(1.0, 1.0).update
+
+    def _at_nodes(
+        self, operation: Operation, own: Array, at: Array, nodes: Array, values: dict[str, Array]
+    ) -> Occurrences:
+        tables = tables_of(self.system, structure_of(operation))
+        sources = {(0, name): Source(np.ascontiguousarray(x)) for name, x in values.items()}
+        return Occurrences(operation, tables, own, nodes, self.steps.t[at][:, None], sources)
+
+    @cached_property
+    def alike(self) -> list[Array]:
+        """For each operation a number that is the same where elements remembered and left out the same."""
+        found = []
+        for one in self.operations:
+            if not len(self.steps.left_out) and not len(self.steps.places):
+                found.append(np.zeros(len(one), np.int64))
+                continue
+            memory, left_out = self.steps.memory[one.steps], self.left_out(one)
+            differ = np.any(memory[1:] != memory[:-1], axis=1) | np.any(left_out[1:] != left_out[:-1], axis=1)
+            found.append(np.cumsum(np.append(False, differ))[: len(one)])
+        return found
+
+    def left_out(self, of: Occurrences) -> Array:
+        """Redundant equations at all occurrences of an operation (count, m), or (count, 0) where there are none."""
+        known = self.steps.left_out
+        return known[of.nodes].astype(float) if len(known) else np.zeros((len(of), 0))
+
+    def memory(self, of: Occurrences) -> dict[int, Array]:
+        """What elements remember at all occurrences, by place in b."""
+        return dict(zip(self.steps.places.tolist(), self.steps.memory[of.steps].T, strict=True))
+
+    def numbers(self, n: int) -> Array:
+        """The elements' numbers, with what they remember during step n."""
+        b = self.steps.b.copy()
+        b[self.steps.places] = self.steps.memory[n]
+        return b

@@ -1,0 +1,131 @@
+"""Changes of the Lagrangians of all operations along a direction, several at once. (Functions that are compiled.)"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ...._jit.link import compiled
+from ...._jit.pointer import Entry, call_kernels
+from ...._jit.vector import LANES
+from ..lanes_loop import clear_lanes
+from .block_loop import collect, gather, remember
+from .layout import (
+    BY_A,
+    BY_LAM,
+    BY_Q,
+    BY_V,
+    KIND,
+    LAM,
+    NU_EQUATION,
+    NU_ROW,
+    SIGN,
+    XI_EQUATION,
+    XI_ROW,
+    A,
+    Q,
+    T,
+    V,
+)
+from .stacked import at, row
+
+
+class Operands(NamedTuple):
+    """Operands and results of one call besides the states, in lanes: see `lagrangian`."""
+
+    q_dot: Any
+    v_dot: Any
+    a_dot: Any
+    lam_dot: Any
+    xi: Any
+    nu: Any
+    by_q: Any
+    by_v: Any
+    by_a: Any
+    by_lam: Any
+    by_b: Any
+
+
+@compiled
+def put(x: Any, first: Any, weight: Any, lane: Any, out: Any) -> None:
+    """A lane of out = weight times entries of x from a place on; zero if there is none."""
+    for k in range(len(out) // LANES):
+        out[k * LANES + lane] = weight * x[first + k] if first >= 0 else 0.0
+
+
+@compiled
+def take(x: Any, lane: Any, first: Any, out: Any) -> None:
+    """Entries of out from a place on += a lane of x."""
+    if first >= 0:
+        for k in range(len(x) // LANES):
+            out[first + k] += x[k * LANES + lane]
+
+
+@compiled
+def change_group(
+    layout: Any, entry: Any, b: Any, b_dot: Any, run: Any, op: Any, group: Any, dots: Any, adjoint: Any, block: Any,
+    work: Any, sources: Any,
+) -> None:  # fmt: skip
+    """One group of equations of the occurrences in a block."""
+    for lane in range(LANES):
+        k = block.index[op, lane]
+        moved, mu, scales = at(dots, op, k).values, at(adjoint, op, k).values, at(run.scales, op, k).values
+        put(moved, group[BY_Q], 1.0, lane, work.q_dot)
+        put(moved, group[BY_V], 1.0, lane, work.v_dot)
+        put(moved, group[BY_A], 1.0, lane, work.a_dot)
+        put(moved, group[BY_LAM], 1.0, lane, work.lam_dot)
+        used = 1.0 if lane < block.used[op, 0] else 0.0
+        put(mu, group[XI_ROW], used * scales[group[XI_EQUATION]], lane, work.xi)
+        put(mu, group[NU_ROW], used * group[SIGN] * scales[group[NU_EQUATION]], lane, work.nu)
+    clear_lanes(work.by_q)
+    clear_lanes(work.by_v)
+    clear_lanes(work.by_a)
+    clear_lanes(work.by_lam)
+    t, q, v = (
+        block.states[group[T] * LANES :],
+        block.states[group[Q] * LANES :],
+        block.states[group[V] * LANES :],
+    )
+    a, lam = block.states[group[A] * LANES :], block.states[group[LAM] * LANES :]
+    call_kernels(
+        entry, b, t, q, v, a, work.q_dot, work.v_dot, work.a_dot, work.xi, lam, work.nu, work.lam_dot, b_dot,
+        work.by_q, work.by_v, work.by_a, work.by_lam, work.by_b,
+    )  # fmt: skip
+    for lane in range(block.used[op, 0]):
+        out = at(sources, op, block.index[op, lane]).values
+        take(work.by_q, lane, group[BY_Q], out)
+        take(work.by_v, lane, group[BY_V], out)
+        take(work.by_a, lane, group[BY_A], out)
+        take(work.by_lam, lane, group[BY_LAM], out)
+
+
+@compiled
+def change_operation(
+    layout: Any, entries: Any, ends: Any, b: Any, b_dot: Any, run: Any, op: Any, dots: Any, adjoint: Any, block: Any,
+    work: Any, sources: Any,
+) -> None:  # fmt: skip
+    """All occurrences of an operation."""
+    k, groups = run.bounds[op, 0], row(layout.groups, op).values
+    while k < run.bounds[op, 1]:
+        collect(run, op, k, 1, block)
+        gather(layout, run, op, block)
+        remember(b, run, op, block)
+        for n in range(len(groups)):
+            group = groups[n]
+            first, last = ends[group[KIND]], ends[group[KIND] + 1]
+            own = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
+            change_group(layout, own, b, b_dot, run, op, group, dots, adjoint, block, work, sources)
+        k += block.used[op, 0]
+
+
+@compiled(entry=True)
+def change(
+    layout: Any, entries: Any, ends: Any, b: Any, b_dot: Any, run: Any, dots: Any, adjoint: Any, block: Any, work: Any,
+    sources: Any,
+) -> None:  # fmt: skip
+    """Of all operations; what the changes add to the gradient by the numbers is left in `work`.
+
+    dots, adjoint : changes of the stages' quantities, adjoint variables
+    sources : takes the changes of the gradients by the stages' quantities
+    """
+    for op in range(len(run.bounds)):
+        change_operation(layout, entries, ends, b, b_dot, run, op, dots, adjoint, block, work, sources)

@@ -1,0 +1,269 @@
+"""A run differentiated operation by operation: forward with columns of derivatives, or backward with gradients."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ...._jit.link import link
+from ....algebra import Array
+from ....results import StepsTaken
+from ....system.lane_room import aligned
+from ...linear import SingularMatrix
+from ..panel_loop import Factors
+from ..stages_matrix import StagesMatrix
+from . import sweep_loop as loop
+from .block_loop import Matrices
+from .blocks import OPERATIONS, Blocks, run_of
+from .maps import maps_of
+from .matrix import OperationMatrix
+from .record import STEP, Occurrences, Record
+from .stacked import Series, parts_of, series
+
+# Last relative change of a solution up to which pivots are kept: those of a very short step, those chosen for this one
+TRUSTED = (1e-8, 1e-3)
+Order = tuple[list[Factors | None], Matrices]  # of pivots of all operations
+# With which the sweeps of a run begin
+ORDERS: WeakKeyDictionary[StepsTaken, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
+NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
+NO_NODES = loop.Nodes._make(np.zeros((0, 0, 0)) for _ in loop.Nodes._fields)
+NOT_WEIGHED = loop.Weighed(
+    NO_NODES, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
+)
+
+
+class PerOperation(NamedTuple):
+    """Arrays with a row for each occurrence of each operation, and the same as compiled code takes them."""
+
+    parts: list[Array]
+    series: Series
+
+    @classmethod
+    def of(cls, parts: list[Array]) -> PerOperation:
+        """Of arrays (occurrences, entries, columns)."""
+        stacked = series([x.reshape(len(x), -1) if x.size else np.zeros((0, 1)) for x in parts])
+        return cls(parts_of(stacked, [x.shape for x in parts]), stacked)
+
+
+class Sweep:
+    """The derivatives of the operations of one run.
+
+    Parameters
+    ----------
+    record : of the run
+    columns : how many derivatives or responses are swept at once
+    b_dot : (len(system.b), k) changes of the numbers, for `forward`
+    """
+
+    def __init__(self, record: Record, columns: int, b_dot: Array | None = None) -> None:
+        self.record, self.columns = record, columns
+        self.b = record.steps.b.copy()
+        self._blocks = Blocks(record, columns, b_dot)
+        self.rows = next(one for one in self._blocks.tables if one).state
+        self.state_size = next(one for one in self._blocks.tables if one).state_size
+        self._work = self._make_work(b_dot is not None)
+        self._order: Order | None = None
+        self._inherited: list[Factors | None] = []
+
+    def over(self, record: Record) -> Sweep:
+        """Go on with other steps of the same run, those before; the sweep for them."""
+        if [len(one) > 0 for one in record.operations] != [one is not None for one in self._blocks.tables]:
+            found = Sweep(record, self.columns)
+            found._inherited = self._order[0] if self._order else []
+            return found
+        self.record = record
+        return self
+
+    def _make_work(self, forward: bool) -> loop.Work:
+        layout, width = self._blocks.layout, self._blocks.width
+        n, stages = int(layout.n.max()), int(layout.stages.max())
+        vectors = [aligned(n, width), aligned(n, width), aligned(3, n, width)]
+        maps = maps_of(self.record.system, self._blocks.structures, width, forward)
+        return loop.Work._make([*vectors, aligned(stages * width), maps, np.zeros(1), np.zeros(1, np.int64)])
+
+    def state(self, **blocks: Array) -> Array:
+        """Derivatives of the state, or by it (entries, columns), of some blocks; the others are zero."""
+        found = np.zeros((self.state_size, self.columns))
+        for name, x in blocks.items():
+            found[self.rows[name] : self.rows[name] + len(x)] = x
+        return found
+
+    def block(self, state: Array, name: str) -> Array:
+        """A block of the state."""
+        first, system = self.rows[name], self.record.system
+        return state[first : first + (system.m if name == "lam" else system.nq)]
+
+    def unknowns(self) -> PerOperation:
+        """Room for the adjoint variables of all operations."""
+        sizes = [(len(one), one.tables.n, self.columns) for one in self.record.operations]
+        return PerOperation.of([np.zeros(size) for size in sizes])
+
+    def stages(self) -> PerOperation:
+        """Room for changes of the stages' quantities of all operations."""
+        sizes = [(len(one), one.tables.stage_size, self.columns) for one in self.record.operations]
+        return PerOperation.of([np.zeros(size) for size in sizes])
+
+    def backward(
+        self,
+        state: Array,
+        given: loop.Nodes,
+        first: int = 0,
+        stored: PerOperation | None = None,
+        sources: PerOperation | None = None,
+    ) -> Array:
+        """From the end to the start of step `first`, in place; the gradient by the numbers of the elements (nb, k).
+
+        Parameters
+        ----------
+        state : gradients by the state at the end (entries, columns)
+        given : gradients of responses by the ends of the steps from `first` on
+        stored : takes the adjoint variables
+        sources : changes of the gradients of the Lagrangians by the stages' quantities, where an adjoint changes
+        """
+        timeline, run = self._timeline(first), run_of(self.record, first)
+        e, self._work.done[0] = len(timeline.operations) - 1, 0
+        arrays = (
+            state,
+            given,
+            (stored.series if stored else NOTHING),
+            (sources.series if sources else NOTHING),
+        )
+        tried = (-1, 0)
+        while e >= 0:
+            matrices = self._arranged()
+            e = int(link(loop.backward)(
+                self._blocks.layout, self._blocks.kernels, self.b, run, timeline, e, 0, matrices, self._blocks.block,
+                self._work, *arrays,
+            ))  # fmt: skip
+            if e >= 0:
+                tried = self._choose_pivots(timeline, e, tried)
+        return self._blocks.gradient()
+
+    def forward(
+        self,
+        state: Array,
+        given: loop.Nodes | None = None,
+        stored: PerOperation | None = None,
+        sources: PerOperation | None = None,
+        first: int = 0,
+        last: int | None = None,
+    ) -> None:
+        """Through the steps first:last, in place; derivatives at their ends are written to `given`.
+
+        `sources` are changes of the equations besides those by the numbers of elements; `stored` takes the changes of
+        the stages' quantities.
+        """
+        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last)
+
+    def weighed(
+        self,
+        state: Array,
+        by: loop.Nodes,
+        sources: PerOperation | None = None,
+        first: int = 0,
+        last: int | None = None,
+    ) -> Array:
+        """The same, but given their gradients by the states at the ends of the steps, the changes of responses (r, k).
+
+        No derivatives of states are stored but those at the last end, in `state`.
+        """
+        count, size = by.q.shape[2], self.state_size
+        width, panels = self._blocks.width, -(-self.columns // self._blocks.width)
+        ends, rows = (np.zeros(n, np.uint64) for n in (count + 1, count * size))
+        weighed = loop.Weighed(by, ends, rows, np.zeros(count * size), aligned(panels, count * width))
+        self._forward(state, NO_NODES, weighed, None, sources, first, last)
+        return self._from_panels(weighed.total)
+
+    def _forward(
+        self, state: Array, given: Any, weighed: Any, stored: Any, sources: Any, first: int, last: int | None
+    ) -> None:
+        timeline, run, e = self._timeline(first, last), run_of(self.record, first), 0
+        panels, tried = self._in_panels(state), (-1, 0)
+        self._work.done[0] = 0
+        beside = (stored.series if stored else NOTHING), (sources.series if sources else NOTHING)
+        while e < len(timeline.operations):
+            matrices = self._arranged()
+            e = int(link(loop.forward)(
+                self._blocks.layout, self._blocks.kernels, self.b, run, timeline, e, self.columns, matrices,
+                self._blocks.block, self._work, panels, given, weighed, *beside,
+            ))  # fmt: skip
+            if e < len(timeline.operations):
+                tried = self._choose_pivots(timeline, e, tried)
+        state[:] = self._from_panels(panels)
+
+    def _timeline(self, first: int, last: int | None = None) -> loop.Timeline:
+        """The operations of some steps."""
+        end = len(self.record.steps) if last is None else last
+        operations = np.concatenate([np.full(len(one), n) for n, one in enumerate(self.record.operations)])
+        occurrences = np.concatenate([np.arange(len(one)) for one in self.record.operations])
+        steps = np.concatenate([one.steps for one in self.record.operations])
+        order = np.argsort(steps * OPERATIONS + operations, kind="stable")
+        order = order[(steps[order] >= first) & (steps[order] < end)]
+        own = steps[order]
+        nodes = np.where(np.append(own[1:] != own[:-1], True)[-len(own) :], own - first, -1)
+        return loop.Timeline(operations[order], occurrences[order], nodes)
+
+    def _in_panels(self, state: Array) -> Array:
+        """The derivatives of the state of a panel one after another; those missing in the last are zero."""
+        width = self._blocks.width
+        found = aligned(-(-self.columns // width), len(state) * width)
+        for p, panel in enumerate(found.reshape(-1, len(state), width)):
+            own = state[:, p * width : (p + 1) * width]
+            panel[:, : own.shape[1]] = own
+        return found
+
+    def _from_panels(self, found: Array) -> Array:
+        """Rows with all columns."""
+        panels, width = len(found), self._blocks.width
+        rows = found.reshape(panels, -1, width).swapaxes(0, 1).reshape(-1, panels * width)
+        return rows[:, : self.columns]
+
+    def _arranged(self) -> Any:
+        """The matrices, at first in the orders of pivots of a very short step, chosen once for a run."""
+        if self._order is None:
+            present = tuple(one is not None for one in self._blocks.tables)
+            orders = ORDERS.setdefault(self.record.steps, {})
+            known = None if self._inherited else orders.get((*present, self._blocks.panels))
+            if known is None:
+                factors = [self._pivots(n, one, len(one) - 1) for n, one in enumerate(self.record.operations)]
+                factors[STEP] = self._pivots(STEP, self.record.very_short(), 0)
+                pairs = zip(factors, self._inherited, strict=False)
+                factors[: len(self._inherited)] = [own and (before or own) for own, before in pairs]
+                known = orders[*present, self._blocks.panels] = factors, self._blocks.matrices(factors)
+            self._order, self._work.trusted[0] = known, TRUSTED[0]
+            self._blocks.arrange(known[0])
+        return self._order[1]
+
+    def _choose_pivots(self, timeline: loop.Timeline, e: int, tried: tuple[int, int]) -> tuple[int, int]:
+        """An order of pivots for the matrix that is factored next; where it was chosen, and how often before."""
+        times = tried[1] + 1 if tried[0] == e else 0
+        op, k = int(timeline.operations[e]), int(timeline.occurrences[e])
+        one = self.record.operations[op]
+        if times > 1:
+            t = self.record.steps.t[one.steps[k] + 1]
+            raise SingularMatrix(f"the equations of the step to t = {t:.6g} s are singular")
+        assert self._order is not None
+        factors = [
+            self._pivots(n, one, k, times == 0) if n == op else x for n, x in enumerate(self._order[0])
+        ]
+        self._order = factors, self._blocks.matrices(factors)
+        self._blocks.arrange(factors)
+        self._work.trusted[0] = TRUSTED[times]
+        return e, times
+
+    def _pivots(self, op: int, of: Occurrences, k: int, in_blocks: bool = True) -> Factors | None:
+        """The order of the pivots for an occurrence of an operation; None where there is none."""
+        if self._blocks.tables[op] is None:
+            return None
+        record, n = self.record, int(of.steps[k])
+        own = OperationMatrix(record.system, of.tables)
+        left_out = (
+            record.steps.left_out[of.nodes[k]] if len(record.steps.left_out) else np.zeros(record.system.m)
+        )
+        own.evaluate(record.numbers(n), left_out.astype(float), of.stages_at(k))
+        own.matrix.weights[:] = of.weights(of.tables.weights)[k]
+        if isinstance(own.matrix, StagesMatrix):
+            own.matrix.in_blocks = in_blocks
+        return own.matrix.in_panels()

@@ -1,0 +1,525 @@
+"""Tangent and adjoint sweeps over the operations of a run, whatever the method, as functions that are compiled.
+
+An operation with equations R(z; y, b) = 0, stages s = S_y y + S_z z and a state after it U_y y + U_z z changes by
+
+    J z' = -(R_b b' + R_s S_y y'),    J = R_s S_z,    y' ← U_y y' + U_z z';
+
+its adjoint, with ȳ the gradient by the state after it, is
+
+    Jᵀ μ = U_zᵀ ȳ,    b̄ -= R_bᵀ μ,    ȳ ← U_yᵀ ȳ - S_yᵀ R_sᵀ μ.
+
+Columns (of parameters, or of responses) are handled together: vectors are arrays (n, columns) backwards; forwards,
+where there may be many, panel after panel (`columns_loop`), or a single column. All that does not depend on what is
+swept is done for several occurrences at once: `block_loop`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...._jit.lanes import fill, load, plus_product, store
+from ...._jit.link import compiled
+from ...._jit.pointer import Entry, call_kernels
+from ...._jit.vector import LANES
+from ..columns_loop import ByRows, Rows, minus_rows, solve_panel
+from ..panel_loop import REFINEMENTS, solve_columns_transposed, solve_flat, solve_plain_transposed
+from .block_loop import UNKNOWN, finish, linearize, turned
+from .layout import NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW
+from .stacked import Row, at, row
+
+ONE: Any = np.uint64(1)
+TWO: Any = np.uint64(2)
+CHANGE, GROWTH, LIMIT = 0, 1, 2  # columns of `Block.refined`
+LARGER = 1e2  # times the squares of L may be those of factors with which a solution needed no refinement
+
+
+class Timeline(NamedTuple):
+    """The operations of a sweep in their order: which each is, its occurrence, and the node that it ends at, or -1."""
+
+    operations: Any
+    occurrences: Any
+    nodes: Any
+
+
+class Work(NamedTuple):
+    """Vectors of the unknowns (n, width), and of the stages' quantities.
+
+    width : of all columns backwards, of a panel forwards
+    room : of three vectors of the unknowns, to solve with
+    stages : (entries * width)
+    maps : for vectors of this width, see `maps`
+    trusted : the last relative change of a solution, up to which the order of the pivots is kept
+    done : how many panels have made the operation that is next; backwards, whether its node's gradients are added
+    """
+
+    right: Any
+    solution: Any
+    room: Any
+    stages: Any
+    maps: Any
+    trusted: Any
+    done: Any
+
+
+class Nodes(NamedTuple):
+    """Per node gradients of responses, which a sweep takes, or room for derivatives, which one forward gives."""
+
+    q: Any
+    v: Any
+    a: Any
+    lam: Any
+
+
+class Weighed(NamedTuple):
+    """Forwards, the change of responses, so that no derivatives of states need be stored; or none.
+
+    by : their gradients by the states
+    ends, rows, values : those of one node that are not zero: where each response's begin and end; room
+    total : (panels, responses * width)
+    """
+
+    by: Any
+    ends: Any
+    rows: Any
+    values: Any
+    total: Any
+
+
+class Lane(NamedTuple):
+    """The matrix of one occurrence and its factors; see `step_matrix.Factors`."""
+
+    indptr: Any
+    indices: Any
+    data: Any
+    pointers: Any
+    rows: Any
+    diagonal: Any
+    factors: Any
+    ends: Any
+    row_place: Any
+    column_order: Any
+
+
+@compiled
+def apply_map(own: Any, op: Any, coefficients: Any, state: Any, other: Any, out: Any) -> None:
+    """Set a vector by the state and another one, see `maps`."""
+    n = own.at[op]
+    driver = Entry(own.addresses[n : n + 1], own.starts[n : n + 2], own.tables)
+    call_kernels(driver, coefficients, state, other, out)
+
+
+@compiled
+def spread(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
+    """Out += A x, for blocks of rows and columns; a single column."""
+    for n in range(len(terms)):
+        for k in range(terms[n, 2]):
+            out[terms[n, 0] + k] += coefficients[n] * x[terms[n, 1] + k]
+
+
+@compiled
+def spread_transposed(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
+    """Out += Aᵀ x."""
+    for n in range(len(terms)):
+        for k in range(terms[n, 2]):
+            out[terms[n, 1] + k] += coefficients[n] * x[terms[n, 0] + k]
+
+
+@compiled
+def numbers_of(block: Any, op: Any, lane: Any) -> Any:
+    """What is stored of a lane."""
+    first = lane * block.strides[op]
+    return Row(turned(block, op).values[first : first + block.strides[op]])
+
+
+@compiled
+def lane_of(matrices: Any, block: Any, op: Any, numbers: Any) -> Any:
+    """The matrix of one lane and its factors."""
+    cuts = block.cuts[op]
+    return Lane(
+        row(matrices.indptr, op).values, row(matrices.indices, op).values, numbers[cuts[1] : cuts[2]],
+        row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
+        numbers[: cuts[1]], row(matrices.ends, op).values, row(matrices.row_place, op).values,
+        row(matrices.column_order, op).values,
+    )  # fmt: skip
+
+
+@compiled
+def rows_of(by_rows: Any, op: Any) -> Any:
+    """A matrix by rows."""
+    return Rows(
+        row(by_rows.indptr, op).values,
+        row(by_rows.columns, op).values,
+        row(by_rows.places, op).values,
+        row(by_rows.more, op).values,
+    )
+
+
+@compiled
+def plainly(refined: Any, growth: Any) -> Any:
+    """Whether a solution with factors of some growth need not be refined."""
+    return refined[CHANGE] <= refined[LIMIT] and growth <= LARGER * refined[GROWTH]
+
+
+@compiled
+def solve_lane(
+    own: Any,
+    upper: Any,
+    whole: Any,
+    refined: Any,
+    growth: Any,
+    begun: Any,
+    right: Any,
+    solution: Any,
+    room: Any,
+) -> Any:
+    """Solve for one column as in `solve_lane_transposed`, or for a panel of them.
+
+    Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
+    block's first lane, which tells the growth, too. `begun`: whether this is not that one.
+    """
+    size, alone = right.shape[0] * right.shape[1], right.shape[1] == 1
+    given, found = right.reshape(size), solution.reshape(size)
+    x, rest, more = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
+    plain = plainly(refined, growth) and (alone or begun)
+    most = 0 if plain else REFINEMENTS
+    if alone:
+        first, change = solve_flat(own, given, found, x, rest, more, most)
+    else:
+        first, change = solve_panel(own, ByRows(upper, whole), given, found, x, rest, most)
+    if plain:
+        return refined[CHANGE]
+    refined[CHANGE] = first if alone or refined[CHANGE] == UNKNOWN else max(first, refined[CHANGE])
+    if alone or not begun:
+        refined[GROWTH] = growth
+    return change
+
+
+@compiled
+def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> Any:
+    """Solve with the transposed factors of one lane; the last relative change of the solution.
+
+    It is not refined where that changed next to nothing in the same block, with factors about as large.
+    """
+    if plainly(refined, growth):
+        solve_plain_transposed(own, right, solution, room)
+        return refined[CHANGE]
+    first, change = solve_columns_transposed(own, right, solution, room)
+    refined[CHANGE], refined[GROWTH] = first, growth
+    return change
+
+
+@compiled
+def silence(layout: Any, run: Any, op: Any, k: Any, x: Any) -> None:
+    """Zero in the rows of equations that are left out."""
+    if len(run.left_out) > 0:
+        out, rows = run.left_out[at(run.nodes, op, k).values[0]], row(layout.constraints, op).values
+        for e in range(len(rows)):
+            for j in range(len(out)):
+                if out[j] > 0.0:
+                    x[rows[e] + j, :] = 0.0
+
+
+@compiled
+def put_adjoint(layout: Any, run: Any, op: Any, k: Any, lane: Any, mu: Any, block: Any) -> None:
+    """ξ and ν of a lane for all groups."""
+    groups, scales = row(layout.groups, op).values, at(run.scales, op, k).values
+    for n in range(len(groups)):
+        group = groups[n]
+        nq = group[NU] - group[XI]
+        if group[XI_ROW] >= 0:
+            put_rows(mu, group[XI_ROW], nq, scales[group[XI_EQUATION]], lane, group[XI], block.adjoint)
+        if group[NU_ROW] >= 0:
+            m = layout.adjoints[op, 1] - groups[len(groups) - 1, NU]
+            weight = group[SIGN] * scales[group[NU_EQUATION]]
+            put_rows(mu, group[NU_ROW], m, weight, lane, group[NU], block.adjoint)
+
+
+@compiled
+def put_rows(mu: Any, first: Any, count: Any, weight: Any, lane: Any, to: Any, out: Any) -> None:
+    """A lane of out = weight x some rows of μ, for all columns."""
+    for c in range(mu.shape[1]):
+        for j in range(count):
+            out[c, (to + j) * LANES + lane] = weight * mu[first + j, c]
+
+
+@compiled
+def times_transposed(matrices: Any, op: Any, numbers: Any, mu: Any, out: Any) -> None:
+    """Out += Pᵀ μ, for the quantities of the stages that move with the state (n * width)."""
+    indptr, indices = row(matrices.product_indptr, op).values, row(matrices.product_indices, op).values
+    width: Any = np.uint64(mu.shape[1])
+    for j in range(np.uint64(len(indptr) - 1)):
+        for c in range(width):
+            total = out[j * width + c]
+            for entry in range(indptr[j], indptr[j + ONE]):
+                total += numbers[entry] * mu[indices[entry], c]
+            out[j * width + c] = total
+
+
+@compiled
+def backward_operation(
+    layout: Any, run: Any, op: Any, k: Any, matrices: Any, block: Any, work: Any, bars: Any, stored: Any, sources: Any
+) -> Any:  # fmt: skip
+    """From the gradients by the state after an operation to those before; false if pivots must be renewed."""
+    lane, n, width = block.used[op, 1], layout.n[op], bars.shape[1]
+    right, mu, maps = work.right[:n], work.solution[:n], work.maps
+    flat, state = right.reshape(n * width), bars.reshape(bars.size)
+    moved = work.stages[: layout.stages[op] * width]
+    coefficients = at(run.coefficients, op, k).values
+    apply_map(maps.right, op, coefficients, state, moved, flat)
+    moved[:] = 0.0
+    if len(sources.values) > 0:
+        source = at(sources, op, k).values
+        for j in range(len(source)):
+            moved[j] = -source[j]
+        spread_transposed(row(layout.by_unknowns, op).values, coefficients[run.unknowns[op] :], moved, flat)
+    numbers = numbers_of(block, op, lane).values
+    own = lane_of(matrices, block, op, numbers)
+    room = work.room[0][:n], work.room[1][:n], work.room[2][:n]
+    change = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, room)
+    if not change <= work.trusted[0]:
+        return False
+    silence(layout, run, op, k, mu)
+    if len(stored.values) > 0:
+        kept, solved = at(stored, op, k).values, mu.reshape(n * width)
+        for j in range(len(kept)):
+            kept[j] = solved[j]
+    put_adjoint(layout, run, op, k, lane, mu, block)
+    times_transposed(matrices, op, numbers[block.cuts[op, 2] :], mu, moved)
+    apply_map(maps.before, op, coefficients, state, moved, state)
+    block.used[op, 1] += 1
+    return True
+
+
+@compiled
+def add_gradients(layout: Any, given: Any, n: Any, bars: Any) -> None:
+    """Add what responses take from one node."""
+    add_rows(given.q[n], layout.node[0], bars)
+    add_rows(given.v[n], layout.node[1], bars)
+    add_rows(given.a[n], layout.node[2], bars)
+    add_rows(given.lam[n], layout.node[3], bars)
+
+
+@compiled
+def add_rows(x: Any, first: Any, out: Any) -> None:
+    """Some rows of out += x."""
+    for k in range(x.shape[0]):
+        for c in range(x.shape[1]):
+            out[first + k, c] += x[k, c]
+
+
+@compiled(entry=True)
+def backward(
+    layout: Any, kernels: Any, b: Any, run: Any, timeline: Any, e: Any, last: Any, matrices: Any, block: Any, work: Any,
+    bars: Any, given: Any, stored: Any, sources: Any,
+) -> Any:  # fmt: skip
+    """From the end of operation e to the start of `last`; returns the one that needs new pivots, or last - 1."""
+    block.used[:] = 0
+    while e >= last:
+        op, k = timeline.operations[e], timeline.occurrences[e]
+        if work.done[0] == 0 and timeline.nodes[e] >= 0:
+            add_gradients(layout, given, timeline.nodes[e], bars)
+        work.done[0] = 1
+        if block.used[op, 1] == block.used[op, 0]:
+            finish(layout, kernels, b, run, op, block)
+            linearize(layout, kernels, b, run, op, k, -1, matrices, block)
+        if not backward_operation(layout, run, op, k, matrices, block, work, bars, stored, sources):
+            break
+        work.done[0] = 0
+        e -= 1
+    for op in range(len(block.used)):
+        finish(layout, kernels, b, run, op, block)
+    return e
+
+
+@compiled
+def subtract_changes(moved: Any, op: Any, lane: Any, p: Any, scales: Any, right: Any) -> None:
+    """Right -= what the changes of the numbers do in a lane."""
+    n = op * moved.panels + p
+    places, chosen = row(moved.places, n).values, row(moved.chosen, n).values
+    equations, signs = row(moved.equations, n).values, row(moved.signs, n).values
+    for j in range(len(places)):
+        right[places[j]] -= moved.results[chosen[j] * LANES + lane] * signs[j] * scales[equations[j]]
+
+
+@compiled
+def subtract_sources(sources: Any, columns: Any, p: Any, right: Any) -> None:
+    """Right -= sources (n * columns) for panel p."""
+    width = right.shape[1]
+    first = p * width
+    for k in range(right.shape[0]):
+        for c in range(min(width, columns - first)):
+            right[k, c] -= sources[k * columns + first + c]
+
+
+@compiled
+def apply(matrices: Any, op: Any, numbers: Any, x: Any, right: Any) -> None:
+    """Right = P x, for the quantities of the stages that move with the state."""
+    out = right.reshape(right.shape[0] * right.shape[1])
+    out[:] = 0.0
+    if right.shape[1] == 1:
+        indptr, indices = row(matrices.product_indptr, op).values, row(matrices.product_indices, op).values
+        for j in range(np.uint64(len(indptr) - 1)):
+            for entry in range(indptr[j], indptr[j + ONE]):
+                out[indices[entry]] -= numbers[entry] * x[j]
+    else:
+        minus_rows(rows_of(matrices.by_rows, op), numbers, x, out)
+    for k in range(len(out)):
+        out[k] = -out[k]
+
+
+@compiled
+def forward_operation(
+    layout: Any, run: Any, op: Any, k: Any, p: Any, columns: Any, matrices: Any, block: Any, work: Any, own: Any,
+    stored: Any, sources: Any,
+) -> Any:  # fmt: skip
+    """The change of the state of a panel p by an operation; false if pivots must be renewed."""
+    lane, n, width = block.used[op, 1], layout.n[op], work.right.shape[1]
+    right, solution, maps = work.right[:n], work.solution[:n], work.maps
+    moved = work.stages[: layout.stages[op] * width]
+    coefficients = at(run.coefficients, op, k).values
+    apply_map(maps.moved, op, coefficients, own, moved, moved)
+    numbers = numbers_of(block, op, lane).values
+    apply(matrices, op, numbers[block.cuts[op, 2] :], moved, right)
+    flat = right.reshape(n * width)
+    subtract_changes(block.moved, op, lane, p, at(run.scales, op, k).values, flat)
+    if len(sources.values) > 0:
+        subtract_sources(at(sources, op, k).values, columns, p, right)
+    silence(layout, run, op, k, right)
+    matrix, refined = lane_of(matrices, block, op, numbers), block.refined[op]
+    upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
+    room, growth = (work.room[0][:n], work.room[1][:n], work.room[2][:n]), block.growth[op, lane]
+    change = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, room)
+    if not change <= work.trusted[0]:
+        return False
+    found = solution.reshape(n * width)
+    if len(stored.values) > 0:
+        moved[layout.moved[op] * width :] = 0.0
+        spread(row(layout.by_unknowns, op).values, coefficients[run.unknowns[op] :], found, moved)
+        kept = at(stored, op, k).values
+        for j in range(len(kept)):
+            kept[j] = moved[j]
+    apply_map(maps.after, op, coefficients, own, found, own)
+    return True
+
+
+@compiled
+def forward_panels(
+    layout: Any, run: Any, op: Any, k: Any, columns: Any, matrices: Any, block: Any, work: Any, state: Any, stored: Any,
+    sources: Any,
+) -> Any:  # fmt: skip
+    """An operation for all panels that have not made it; false if pivots must be renewed."""
+    while work.done[0] < len(state):
+        p = work.done[0]
+        if not forward_operation(
+            layout, run, op, k, p, columns, matrices, block, work, state[p], stored, sources
+        ):
+            return False
+        work.done[0] += 1
+    work.done[0] = 0
+    block.used[op, 1] += 1
+    return True
+
+
+@compiled(entry=True)
+def forward(
+    layout: Any, kernels: Any, b: Any, run: Any, timeline: Any, e: Any, columns: Any, matrices: Any, block: Any,
+    work: Any, state: Any, given: Any, weighed: Any, stored: Any, sources: Any,
+) -> Any:  # fmt: skip
+    """From operation e to the last; returns the one that needs new pivots, or how many there are.
+
+    `state` are the derivatives of the state in panels (panels, entries * width). `given` takes them at nodes; of
+    gradients in `weighed` there is one row for each node, too.
+    """
+    block.used[:] = 0
+    while e < len(timeline.operations):
+        op, k = timeline.operations[e], timeline.occurrences[e]
+        if block.used[op, 1] == block.used[op, 0]:
+            linearize(layout, kernels, b, run, op, k, 1, matrices, block)
+        if not forward_panels(layout, run, op, k, columns, matrices, block, work, state, stored, sources):
+            break
+        if timeline.nodes[e] >= 0:
+            put_node(layout, timeline.nodes[e], work.right.shape[1], state, given, weighed)
+        e += 1
+    return e
+
+
+@compiled
+def put_node(layout: Any, n: Any, width: Any, state: Any, given: Any, weighed: Any) -> None:
+    """What is asked for at a node: derivatives of its state, or what they do to responses."""
+    if len(weighed.by.q) > 0:
+        choose_gradients(layout, weighed, n)
+    for p in range(len(state)):
+        if len(weighed.by.q) > 0:
+            weigh_panel(weighed, p, width, state[p])
+        if len(given.q) > 0:
+            put_block(state[p], layout.node[0], p, width, given.q[n])
+            put_block(state[p], layout.node[1], p, width, given.v[n])
+            put_block(state[p], layout.node[2], p, width, given.a[n])
+            put_block(state[p], layout.node[3], p, width, given.lam[n])
+
+
+@compiled
+def put_block(state: Any, first: Any, p: Any, width: Any, out: Any) -> None:
+    """The derivatives of a block of the state in panel p in their place."""
+    put_panel(state[first * width : (first + out.shape[0]) * width], p, width, out)
+
+
+@compiled
+def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
+    """The columns of panel p in their place (n, columns)."""
+    first = p * width
+    whole = width > 1 and first + width <= out.shape[1]
+    for k in range(np.uint64(out.shape[0])):
+        if whole:
+            own = out[k, first:]
+            store(own, np.uint64(0), load(panel, k * TWO))
+            store(own, ONE, load(panel, k * TWO + ONE))
+        else:
+            for c in range(min(width, out.shape[1] - first)):
+                out[k, first + c] = panel[k * width + c]
+
+
+@compiled
+def choose_gradients(layout: Any, weighed: Any, n: Any) -> None:
+    """Of the gradients of responses by the state of one node those that are not zero."""
+    by, count = weighed.by, 0
+    for r in range(by.q.shape[2]):
+        count = choose(by.q[n], r, layout.node[0], weighed, count)
+        count = choose(by.v[n], r, layout.node[1], weighed, count)
+        count = choose(by.a[n], r, layout.node[2], weighed, count)
+        count = choose(by.lam[n], r, layout.node[3], weighed, count)
+        weighed.ends[r + 1] = count
+
+
+@compiled
+def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
+    """Of those by one kind of states, which begin at a row; how many there are then."""
+    for k in range(gradient.shape[0]):
+        value = gradient[k, r]
+        if value != 0.0:
+            weighed.rows[count], weighed.values[count] = first + k, value
+            count += 1
+    return count
+
+
+@compiled
+def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
+    """Add the change of responses by that of the state of panel p."""
+    total = weighed.total[p]
+    for r in range(np.uint64(len(weighed.ends) - 1)):
+        first, last = weighed.ends[r], weighed.ends[r + ONE]
+        if width == 1:
+            for k in range(first, last):
+                total[r] += weighed.values[k] * own[weighed.rows[k]]
+        else:
+            a, b = load(total, r * TWO), load(total, r * TWO + ONE)
+            for k in range(first, last):
+                value, place = fill(weighed.values[k]), weighed.rows[k] * TWO
+                a, b = (
+                    plus_product(a, value, load(own, place)),
+                    plus_product(b, value, load(own, place + ONE)),
+                )
+            store(total, r * TWO, a)
+            store(total, r * TWO + ONE, b)

@@ -1,0 +1,323 @@
+"""Tables of one operation for one system, derived from its description: where blocks, operators and equations are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....system import System
+from ....system.once import once_alike
+from ...dynamics.methods.description import CONSTRAINTS, ROLES, Operation, Stage
+from ...dynamics.placed import LEFT_OUT, UNIT, Part
+from .equations import KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
+
+Sizes = tuple[tuple[str, str], ...]
+Term = tuple[str, str]  # what is set, by which block
+Quantity = tuple[int, str]  # of a stage
+NOWHERE = -1
+DRIVERS = ("jacobian", "inertia", "stiffness", "gamma_v", "gamma_q_v", "Phi_q_xi_q")  # groups of operators
+
+
+class Structure(NamedTuple):
+    """What of an operation does not depend on coefficients: names, and which blocks enter where."""
+
+    state: Sizes
+    unknowns: Sizes
+    stages: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...]
+    equations: tuple[tuple[str, int], ...]
+    update: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+def structure_of(operation: Operation) -> Structure:
+    """The structure of an operation."""
+    step = operation.step
+    quantities = Stage._fields[1:]
+    stages = (
+        tuple((name, tuple(getattr(one, name))) for name in quantities if getattr(one, name))
+        for one in step.stages
+    )
+    return Structure(
+        tuple(operation.state.items()),
+        tuple(operation.unknowns.items()),
+        tuple(stages),
+        tuple((kind, stage) for kind, stage, _ in step.equations),
+        tuple((name, tuple(by)) for name, by in step.update.items()),
+    )  # fmt: skip
+
+
+class Weight(NamedTuple):
+    """Of a part of a matrix: a sign, times the scale of an equation, times a coefficient of a stage (or 1)."""
+
+    sign: float
+    equation: int | None = None
+    coefficient: tuple[Quantity, str] | None = None
+
+
+class Group(NamedTuple):
+    """Equations of a stage whose Lagrangian is recorded together, and where their rows begin (-1: absent)."""
+
+    stage: int
+    kind: Lagrangian
+    xi: int
+    nu: int
+    xi_equation: int
+    nu_equation: int
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What follows from the structure of an operation for systems of one structure.
+
+    Attributes
+    ----------
+    structure : of the operation
+    nq, m : numbers of coordinates and constraints
+    """
+
+    structure: Structure
+    nq: int
+    m: int
+
+    def size(self, of: str) -> int:
+        """Entries of a block."""
+        return self.m if of == CONSTRAINTS else self.nq
+
+    def _rows(self, sizes: Iterable[tuple[str, str]]) -> tuple[dict[str, int], int]:
+        found, at = {}, 0
+        for name, of in sizes:
+            found[name] = at
+            at += self.size(of)
+        return found, at
+
+    @cached_property
+    def state(self) -> dict[str, int]:
+        """Where the blocks of the state begin."""
+        return self._rows(self.structure.state)[0]
+
+    @cached_property
+    def state_size(self) -> int:
+        """Entries of the state."""
+        return self._rows(self.structure.state)[1]
+
+    @cached_property
+    def unknowns(self) -> dict[str, int]:
+        """Where the blocks of unknowns begin."""
+        return self._rows(self.structure.unknowns)[0]
+
+    @cached_property
+    def n(self) -> int:
+        """Number of unknowns."""
+        return self._rows(self.structure.unknowns)[1]
+
+    @cached_property
+    def equations(self) -> list[int]:
+        """Where the rows of each equation begin."""
+        sizes = ((str(n), KINDS[kind].size) for n, (kind, _) in enumerate(self.structure.equations))
+        return list(self._rows(sizes)[0].values())
+
+    def _quantities(self) -> Iterator[tuple[Quantity, tuple[str, ...]]]:
+        for s, stage in enumerate(self.structure.stages):
+            for name, blocks in stage:
+                yield (s, name), blocks
+
+    @cached_property
+    def _ordered(self) -> list[Quantity]:
+        """Quantities of all stages; those that move with the state come first."""
+        return sorted(dict(self._quantities()), key=lambda key: key not in self._moved)
+
+    @cached_property
+    def _moved(self) -> set[Quantity]:
+        return {key for key, blocks in self._quantities() if any(name in self.state for name in blocks)}
+
+    def _height(self, quantity: Quantity) -> str:
+        return CONSTRAINTS if quantity[1] in MULTIPLIERS else ""
+
+    @cached_property
+    def stages(self) -> dict[Quantity, int]:
+        """Where the quantities of the stages begin."""
+        sizes = (self.size(self._height(key)) for key in self._ordered)
+        return dict(zip(self._ordered, np.cumsum([0, *sizes])[:-1].tolist(), strict=True))
+
+    @property
+    def moving(self) -> list[Quantity]:
+        """The quantities that move with the state."""
+        return [key for key in self._ordered if key in self._moved]
+
+    @cached_property
+    def moved(self) -> int:
+        """Entries of the quantities that move with the state."""
+        return sum(self.size(self._height(key)) for key in self._moved)
+
+    @cached_property
+    def stage_size(self) -> int:
+        """Entries of all quantities."""
+        return sum(self.size(self._height(key)) for key in self._ordered)
+
+    @cached_property
+    def by_state(self) -> list[tuple[Quantity, str]]:
+        """The terms of the stages' quantities by blocks of the state."""
+        return [(key, name) for key, blocks in self._quantities() for name in blocks if name in self.state]
+
+    @cached_property
+    def by_unknowns(self) -> list[tuple[Quantity, str]]:
+        """The same by blocks of the unknowns."""
+        return [(key, name) for key, blocks in self._quantities() for name in blocks if name in self.unknowns]
+
+    @cached_property
+    def from_state(self) -> list[Term]:
+        """The terms of the state after the operation by that before."""
+        return [(key, name) for key, blocks in self.structure.update for name in blocks if name in self.state]
+
+    @cached_property
+    def from_unknowns(self) -> list[Term]:
+        """The same by the unknowns."""
+        return [
+            (key, name) for key, blocks in self.structure.update for name in blocks if name in self.unknowns
+        ]
+
+    def stage_terms(self) -> Array:
+        """Of the stages' quantities by the unknowns: rows that are set, rows by which, and how many."""
+        rows = [
+            (self.stages[key], self.unknowns[name], self.size(self._height(key)))
+            for key, name in self.by_unknowns
+        ]
+        return np.array(rows, np.int64).reshape(-1, 3)
+
+    def _entering(self) -> Iterator[tuple[int, str, float, Quantity]]:
+        """Equation, operator, sign, and the quantity of the stage that it multiplies."""
+        for e, (kind, s) in enumerate(self.structure.equations):
+            for name, operators in KINDS[kind].by.items():
+                if (s, name) in self.stages:
+                    for operator, sign in operators:
+                        yield e, operator, sign, (s, name)
+
+    @cached_property
+    def _parts(self) -> list[tuple[Part, Weight]]:
+        blocks = dict(self._quantities())
+        found = []
+        for e, operator, sign, key in self._entering():
+            for name in blocks[key]:
+                if name in self.unknowns:
+                    part = Part(
+                        at_stage(operator, key[0]),
+                        self.equations[e],
+                        self.unknowns[name],
+                        key[1] in MULTIPLIERS,
+                    )
+                    found.append((part, Weight(sign, e, (key, name))))
+        sizes = dict(self.structure.unknowns)
+        multipliers = [at for name, at in self.unknowns.items() if sizes[name] == CONSTRAINTS]
+        pairs = zip(self.constraints, multipliers, strict=True)
+        return [*found, *((Part(LEFT_OUT, row, column), Weight(1.0)) for row, column in pairs)]
+
+    @cached_property
+    def _product(self) -> list[tuple[Part, Weight]]:
+        found = []
+        for e, operator, sign, key in self._entering():
+            if key in self._moved:
+                part = Part(
+                    at_stage(operator, key[0]), self.equations[e], self.stages[key], key[1] in MULTIPLIERS
+                )
+                found.append((part, Weight(-sign, e)))
+        return found
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Where operators are in the matrix of the operation."""
+        return tuple(part for part, _ in self._parts)
+
+    @property
+    def product(self) -> tuple[Part, ...]:
+        """Where they are in the matrix by which changes of the stages enter the right sides."""
+        return tuple(part for part, _ in self._product)
+
+    @property
+    def weights(self) -> list[Weight]:
+        """Of the parts of the matrix."""
+        return [weight for _, weight in self._parts]
+
+    @property
+    def product_weights(self) -> list[Weight]:
+        """Of the parts of the product."""
+        return [weight for _, weight in self._product]
+
+    @cached_property
+    def constraints(self) -> list[int]:
+        """Where the rows of equations of constraints begin."""
+        kinds = (kind for kind, _ in self.structure.equations)
+        pairs = zip(kinds, self.equations, strict=True)
+        return [at for kind, at in pairs if KINDS[kind].size == CONSTRAINTS]
+
+    @property
+    def alike_stages(self) -> int:
+        """How many stages there are, if all have the same unknowns and equations one after another, else 1."""
+        count, sizes = len(self.structure.stages), [of for _, of in self.structure.unknowns]
+        kinds = [kind for kind, _ in self.structure.equations]
+        own = len(sizes) // count, len(kinds) // count
+        alike = sizes == sizes[: own[0]] * count and kinds == kinds[: own[1]] * count
+        return (
+            count
+            if alike and [s for _, s in self.structure.equations] == sorted([*range(count)] * own[1])
+            else 1
+        )
+
+    @cached_property
+    def calls(self) -> list[tuple[int, Call]]:
+        """What evaluates the operators, with the stage."""
+        found = []
+        for s in range(len(self.structure.stages)):
+            names = {part.name for part in (*self.parts, *self.product)}
+            own = {name.partition("@")[0] for name in names if name.endswith(f"@{s}")}
+            found += [(s, call) for call in calls_for(own)]
+        return found
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names of the operators' numbers, those that are evaluated first."""
+        evaluated = (at_stage(name, s) for s, call in self.calls for name in call.outputs)
+        return (*evaluated, LEFT_OUT, UNIT)
+
+    @property
+    def like(self) -> dict[str, str]:
+        """The operator of each name."""
+        return {name: operator_of(name) for name in self.names if name not in (LEFT_OUT, UNIT)}
+
+    @cached_property
+    def groups(self) -> list[Group]:
+        """Lagrangians of the equations, stage by stage."""
+        found = []
+        for s in range(len(self.structure.stages)):
+            own = {kind: e for e, (kind, at) in enumerate(self.structure.equations) if at == s}
+            for one in lagrangians(set(own)):
+                xi, nu = own.get(one.xi, NOWHERE), own.get(one.nu, NOWHERE)
+                rows = [NOWHERE if e == NOWHERE else self.equations[e] for e in (xi, nu)]
+                found.append(Group(s, one, rows[0], rows[1], xi, nu))
+        return found
+
+    @cached_property
+    def recorded(self) -> list[Quantity]:
+        """The quantities whose values are needed."""
+        return [
+            (s, name) for s, stage in enumerate(self.structure.stages) for name, _ in stage if name in ROLES
+        ]
+
+
+def at_stage(operator: str, stage: int) -> str:
+    return operator if operator == UNIT else f"{operator}@{stage}"
+
+
+def operator_of(name: str) -> str:
+    """The operator that is evaluated under a name."""
+    base = name.partition("@")[0]
+    return OPERATOR.get(base, base)
+
+
+@once_alike
+def tables_of(system: System, structure: Structure) -> Tables:
+    """The tables for systems of one structure."""
+    return Tables(structure, system.nq, system.m)

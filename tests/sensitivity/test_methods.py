@@ -1,0 +1,101 @@
+"""Derivatives of every implicit method: they come from its description, and each is of the very number computed."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.analyses.test_descriptions import METHODS
+from tests.sensitivity.frozen import again, differenced
+from tests.sensitivity.test_events import STOP, pendulum
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.derivatives import differentiated
+from sarrus.analyses.sensitivity.parameters import Parameters
+
+RESPONSES = [
+    sr.Final("slider.x"),
+    sr.Final("slider.velocity.x"),
+    sr.Integral("energy.kinetic"),
+    sr.At("pin.force.z", time=0.2),
+]
+NAMES = ["crank.mass", "spring.k", "spring.c", "pin.point.y", "gravity.z", "crank.angular_velocity.x"]
+SETTINGS = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
+pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # where the crank's rate is changed
+
+every = pytest.mark.parametrize("name", METHODS)
+
+
+@cache
+def swung(name: str) -> sr.Trajectory:
+    return sr.simulate(slider_crank(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+
+
+@cache
+def adjoint(name: str) -> sr.Gradient:
+    return sr.sensitivity(swung(name), RESPONSES)
+
+
+@every
+def test_forward_and_backward_agree(name: str) -> None:
+    direct = sr.sensitivity(swung(name), RESPONSES, method="direct")
+    scale = abs(direct.matrix).max(axis=1)
+    assert np.all(abs(direct.matrix - adjoint(name).matrix).max(axis=1) < 1e-9 * scale)
+
+
+@every
+@pytest.mark.parametrize("number", NAMES)
+def test_gradients_are_those_of_differenced_simulations(name: str, number: str) -> None:
+    """Differences of reactions have round-off over h² where accelerations are unknowns."""
+    wanted = differenced(swung(name), RESPONSES, number, 2e-3, METHODS[name])
+    scale = np.maximum(abs(adjoint(name).matrix).max(axis=1), 1e-3)
+    assert np.all(abs(adjoint(name)[number] - wanted) < np.array([1e-8, 1e-8, 1e-8, 3e-6]) * scale)
+
+
+@every
+def test_hessians_are_symmetric_and_those_of_differenced_gradients(name: str) -> None:
+    response, numbers = RESPONSES[2], ["crank.mass", "spring.k", "gravity.z"]
+    found = sr.hessian(swung(name), response, numbers)
+    assert found.asymmetry < 1e-8
+    for k, number in enumerate(numbers):
+        direction = np.eye(len(numbers))[k]
+        product = sr.hessian_product(swung(name), response, {number: 1.0}, numbers)
+        assert np.allclose(found.matrix @ direction, product, rtol=1e-8, atol=1e-9 * abs(found.matrix).max())
+        changes = sr.hessian_product(swung(name), response, {number: 2.0}, numbers)
+        assert np.allclose(changes, 2 * product, rtol=1e-12)
+
+
+@every
+def test_checkpoints_give_the_same_gradient(name: str) -> None:
+    """Over events, too; forward and backward agree there."""
+    system, settings = pendulum(), {"rtol": 1e-6, "atol": 1e-8, "until": 1.0, "method": METHODS[name]}
+    run = sr.simulate(system, t_eval=[1.0], events=STOP, store_steps=True, **settings)
+    assert run.steps.turns
+    responses = [sr.Final("bob.x"), sr.Integral("energy.kinetic")]
+    wanted = sr.sensitivity(run, responses)
+    direct = sr.sensitivity(run, responses, method="direct")
+    found = sr.sensitivity_by_checkpoints(system, responses, events=STOP, memory=1e6, **settings)
+    scale = abs(wanted.matrix).max(axis=1, keepdims=True)
+    assert np.all(abs(direct.matrix - wanted.matrix) < 1e-8 * scale)
+    assert np.all(abs(found.matrix - wanted.matrix) < 1e-8 * scale)
+
+
+def test_the_hessian_of_a_stabilized_run_is_that_of_differenced_gradients() -> None:
+    """Of runs with other numbers and the same lengths of steps."""
+
+    name, response, numbers = "stabilized HHT", RESPONSES[2], ["spring.k", "crank.mass"]
+    run = swung(name)
+    found = sr.hessian(run, response, numbers).matrix
+    at: dict[str, Any] = dict(zip(numbers, Parameters(run.system, numbers).values, strict=True))
+
+    def gradient(number: str, e: float) -> np.ndarray:
+        system, steps = again(run.system, run.steps, METHODS[name], {number: at[number] + e})
+        return differentiated(
+            system, steps, [response], Parameters(system, numbers, start=steps.start)
+        ).matrix[0]
+
+    for k, number in enumerate(numbers):
+        slopes = [(gradient(number, e) - gradient(number, -e)) / (2 * e) for e in (4e-3, 2e-3)]
+        wanted = (4 * slopes[1] - slopes[0]) / 3
+        assert np.allclose(found[k], wanted, rtol=0, atol=1e-6 * abs(wanted).max())

@@ -98,7 +98,7 @@ def test_a_map_can_be_left_and_taken_up_again() -> None:
         (("link_2.x", "link_2.y"), {"limits": {"q1": (1.0, 0.0)}}, "give the lower one first"),
         (("link_2.x", "link_2.y"), {"limits": {"q1": (0.5, None)}}, "give both ends"),
         (("link_2.x", "link_2.y"), {"fixed": {"link_2.z": 1.0}}, "could not be assembled"),
-        (("link_2(0, 1).x", "link_2.y"), {}, "give three numbers"),
+        (("link_2(0, 1).x", "link_2.y"), {}, "Give three numbers"),
         ((3, "link_2.y"), {}, "give a name"),
     ],
 )

@@ -61,8 +61,8 @@ def test_parts_are_told_and_numbered() -> None:
     told = str(found)
     assert "It falls into 4 parts; no motion leads from one to another" in told
     assert f"  1: {found.components[0].area:.6g} m², platform.x from 0.185" in told
-    stands = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
-    assert f"stands in {stands}." in told
+    where = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
+    assert f"is in {where}." in told
     axes = found.plot(ghosts=0)
     numbers = [text for text in axes.texts if text.get_text()]
     assert [text.get_text() for text in numbers] == ["1", "2", "3", "4"]

@@ -24,8 +24,8 @@ import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.dynamics.stepper import Settings
 from sarrus.analyses.dynamics.tolerance import Tolerances
-from sarrus.analyses.motion import Motion
-from sarrus.analyses.projection import Projection
+from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.state_projection import Projection
 from sarrus.euler import A, G
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"

@@ -26,8 +26,8 @@ from scipy.sparse.linalg import splu
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.dynamics.newton_matrix import newton_matrix, weigh
-from sarrus.analyses.linear import SparseLU
-from sarrus.analyses.motion import Motion
+from sarrus.analyses.equations.motion import Motion
+from sarrus.linalg.sparse_solver import SparseLU
 
 sys.path.insert(0, str(Path(__file__).parent))
 from chain import chain

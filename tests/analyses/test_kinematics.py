@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from sarrus.analyses.driven.jacobian.jacobian import Driven
 from tests.analyses.driven import X0, SliderOfCrank, parallelogram, pendulum, pushed, turned
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.driven import Driven
 
 ROUND_OFF = 1e-11
 
@@ -101,7 +101,7 @@ def test_sparse_factors_agree_with_dense(monkeypatch: pytest.MonkeyPatch) -> Non
     system = turned(3.0, 0.5)
     J, rows = system.Phi_q(system.q0), np.arange(system.m)
     dense = Driven(J, rows, 1.0)
-    monkeypatch.setattr("sarrus.analyses.factored.DENSE_BELOW", 0)
+    monkeypatch.setattr("sarrus.linalg.factors.DENSE_BELOW", 0)
     sparse = Driven(J, rows, 1.0)
     g = np.cos(np.arange(system.m))
     length = np.sqrt((J.toarray() ** 2).sum(axis=1))

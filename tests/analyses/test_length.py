@@ -3,7 +3,7 @@
 import numpy as np
 
 import sarrus as sr
-from sarrus.analyses.length import extent
+from sarrus.analyses.equations.length import extent
 
 
 def rotation(p: np.ndarray) -> np.ndarray:

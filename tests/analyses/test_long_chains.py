@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.linear import SparseLU
-from sarrus.analyses.rank import rank_of
+from sarrus.linalg.rank import rank_of
+from sarrus.linalg.sparse_solver import SparseLU
 
 
 @pytest.fixture(scope="module")

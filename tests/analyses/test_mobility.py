@@ -7,8 +7,8 @@ from tests.analyses.linkages import X, Y, Z, chain
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus.analyses import rank
-from sarrus.analyses.degrees_of_freedom import normalizations
+from sarrus.analyses.redundancy.degrees_of_freedom import normalizations
+from sarrus.linalg import rank
 
 LINKAGES = {
     slider_crank: (1, 0, "regular"),

@@ -11,10 +11,10 @@ from scipy.sparse.linalg import splu
 import sarrus as sr
 from sarrus.analyses.dynamics import newton_matrix
 from sarrus.analyses.dynamics.alpha_loop import Scheme
-from sarrus.analyses.dynamics.placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from sarrus.analyses.dynamics.stabilized_matrix import MATRICES, START, newton_parts, stabilized_matrix, weigh
-from sarrus.analyses.linear import SingularMatrix
-from sarrus.analyses.motion import Motion
+from sarrus.analyses.equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from sarrus.analyses.equations.motion import Motion
+from sarrus.linalg.sparse_solver import SingularMatrix
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, random_array
 
-from sarrus.analyses.linear import PIVOT_THRESHOLD, SingularMatrix, SparseLU
+from sarrus.linalg.sparse_solver import PIVOT_THRESHOLD, SingularMatrix, SparseLU
 
 
 def lu_of(matrix: csc_array) -> SparseLU:

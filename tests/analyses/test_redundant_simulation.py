@@ -6,8 +6,8 @@ from tests.analyses import linkages
 from tests.analyses.linkages import Z, chain
 
 import sarrus as sr
-from sarrus.analyses.independence import Independence
-from sarrus.analyses.motion import Motion
+from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.redundancy.redundant_constraints import Independence
 from sarrus.euler import rotate
 
 # Point (1, -1, 0) of Bricard's linkage at 0.5, 1, 2, 5 and 10 s; computed apart, by least squares.

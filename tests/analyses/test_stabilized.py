@@ -9,7 +9,7 @@ from tests.system.mechanisms import hmmwv, slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics.stepper import Settings
 from sarrus.analyses.dynamics.tolerance import Tolerances
-from sarrus.analyses.motion import Motion
+from sarrus.analyses.equations.motion import Motion
 from sarrus.results import StabilizedSteps
 
 METHODS = (sr.HHT(stabilized=True), sr.GeneralizedAlpha(0.8, stabilized=True))

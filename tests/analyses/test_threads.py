@@ -10,7 +10,7 @@ from tests.system.mechanisms import slider_crank
 from threadpoolctl import ThreadpoolController
 
 import sarrus as sr
-from sarrus.analyses.threads import one_thread_if_small
+from sarrus.linalg.threads import one_thread_if_small
 
 
 def threads() -> set[int]:

@@ -129,7 +129,7 @@ def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
     def trouble(*args: object, **options: object) -> None:
         raise ValueError("matrix of odd size")
 
-    monkeypatch.setattr("sarrus.analyses.starts.start_of", trouble)
+    monkeypatch.setattr("sarrus.analyses.position.initial_state.start_of", trouble)
     assert main(["run", SLIDER_CRANK]) == 2
     assert capsys.readouterr().err == "sarrus: matrix of odd size (--debug shows where)\n"
     assert main(["run", SLIDER_CRANK, "--debug"]) == 2
@@ -243,7 +243,7 @@ def test_what_json_lacks_is_null() -> None:
 def test_a_defect_is_one_sentence_too(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("sarrus.analyses.starts.start_of", lambda system: system.nonsense)
+    monkeypatch.setattr("sarrus.analyses.position.initial_state.start_of", lambda system: system.nonsense)
     assert main(["run", SLIDER_CRANK]) == 3
     told = capsys.readouterr().err
     assert "this is a defect of Sarrus" in told

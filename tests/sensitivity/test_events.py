@@ -9,7 +9,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.saddle import Saddle
+from sarrus.analyses.equations.saddle_point import Saddle
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly

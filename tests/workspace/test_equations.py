@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from sarrus.analyses.workspace.problem.rows.formulation import formulate
+from sarrus.analyses.workspace.problem.rows.random_positions import Samples
+from sarrus.analyses.workspace.problem.rows.rows import Problem
 
 import sarrus as sr
-from sarrus.analyses.workspace.formulate import formulate
-from sarrus.analyses.workspace.problem import Problem
-from sarrus.analyses.workspace.sample import Samples
-from sarrus.analyses.workspace.stratum import Stratum
+from sarrus.analyses.workspace.tracing.stratum import Stratum
 
 from .mechanisms import Case, arm_2r, arm_3r, five_bar, platform_haug
 

@@ -7,9 +7,9 @@ import pytest
 from benchmarks.workspace_attack import Hinges
 
 import sarrus as sr
-from sarrus.analyses.workspace.mapping import WorkspaceMap
-from sarrus.analyses.workspace.seeds import Start
-from sarrus.analyses.workspace.slicing import Asked, Slicer, _left_out
+from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
+from sarrus.analyses.workspace.tracing.seeds import Start
+from sarrus.analyses.workspace.volumes.slicing import Asked, Slicer, _left_out
 
 from .mechanisms import spatial_arm
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.workspace.mapping import WorkspaceMap
+from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 
 from .mechanisms import arm_2r, arm_3r, five_bar, orthogonal_arm
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sarrus.analyses.workspace.svd import singular
+from sarrus.linalg.svd import singular
 
 
 def test_a_jacobian_with_tiny_entries() -> None:

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.workspace_attack import five_bars
 
 import sarrus as sr
-from sarrus.analyses.workspace.arc import Arc
+from sarrus.analyses.workspace.regions.arc import Arc
 
 CRANK, ROD = 1.0, 1.5
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.workspace.quadrature import Integral
+from sarrus.analyses.workspace.volumes.quadrature import Integral
 
 from .mechanisms import Case
 

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sarrus.analyses.workspace.problem.rows.formulation import formulate
 
 import sarrus as sr
-from sarrus.analyses.workspace import slicing
-from sarrus.analyses.workspace.formulate import formulate
-from sarrus.analyses.workspace.mapping import WorkspaceMap
-from sarrus.analyses.workspace.quadrature import Integral
-from sarrus.analyses.workspace.slicing import Asked, Slicer, _height_of, _on_curve
-from sarrus.analyses.workspace.volume import _missed
+from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
+from sarrus.analyses.workspace.volumes import slicing
+from sarrus.analyses.workspace.volumes.quadrature import Integral
+from sarrus.analyses.workspace.volumes.slicing import Asked, Slicer, _height_of, _on_curve
+from sarrus.analyses.workspace.volumes.volume import _missed
 from sarrus.results.workspace_volume import Slice
 
 from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated

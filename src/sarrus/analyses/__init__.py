@@ -1,14 +1,17 @@
 """Analyses take a system and give back results."""
 
-from .assembly import assemble
-from .assembly_derivatives import AssemblyDerivatives, NoDerivative
-from .degrees_of_freedom import mobility
+from .driven.inverse_dynamics import inverse_dynamics
+from .driven.kinematics import kinematics
+from .driven.singular_configurations import singularities
 from .dynamics import HHT, IDA, ODE, Event, GeneralizedAlpha, Impact, Radau, repeat, resume, simulate
-from .inverse import inverse_dynamics
-from .joint_space import JointSpace
-from .kinematic import kinematics
-from .linearization import linearize
+from .equilibria.linearization import linearize
+from .equilibria.statics import equilibrium
+from .equilibria.vibration import modes
 from .optimization import Combined, Problem, Within, fit, optimize
+from .position.assembly import assemble
+from .position.assembly_derivatives import AssemblyDerivatives, NoDerivative
+from .position.joint_space import JointSpace
+from .redundancy.degrees_of_freedom import mobility
 from .sensitivity import (
     At,
     AtEvent,
@@ -25,9 +28,6 @@ from .sensitivity import (
     sensitivity_by_checkpoints,
     state_derivatives,
 )
-from .singular_positions import singularities
-from .statics import equilibrium
-from .vibration import modes
 from .workspace import (
     Dexterity,
     WorkspaceMap,

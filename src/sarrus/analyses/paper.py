@@ -21,8 +21,8 @@ from ..elements import GROUPS
 from ..elements.operators import DERIVATIVES
 from ..system import System
 from ..system.group import Group, signature
-from .assembly import assemble, project_velocity
-from .saddle import Saddle
+from .equations.saddle_point import Saddle
+from .position.assembly import assemble, project_velocity
 
 STEPS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_xi", "M_a_q": "M_a"}

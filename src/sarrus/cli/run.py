@@ -48,7 +48,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     import numpy as np
 
     from ..analyses import simulate
-    from ..analyses.starts import start_of
+    from ..analyses.position.initial_state import start_of
     from ..system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])

@@ -44,8 +44,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     import numpy as np
 
     from ..analyses import Problem
-    from ..analyses.design_start import DesignStart
     from ..analyses.optimization import Infeasible
+    from ..analyses.sensitivity.design_start import DesignStart
     from ..studies.differentiable import differentiable
     from ..studies.responses import responses_of
     from ..system import System

@@ -13,7 +13,7 @@ from .progress import Bar
 from .values import figure_file, natural, positive, refuse_unwritable
 
 if TYPE_CHECKING:
-    from ..analyses.workspace.formulate import Limits
+    from ..analyses.workspace.problem.formulation import Limits
     from ..results import InputSingularities, Workspace, WorkspaceField, WorkspaceRange, WorkspaceVolume
     from ..results.input_singularities import Lost
     from ..system import System
@@ -244,8 +244,8 @@ def _area(
     system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
 ) -> Workspace:
     from ..analyses import WorkspaceMap, verify_workspace
-    from ..analyses.workspace.verify import reported
-    from ..analyses.workspace.watch import POINTS, stopped, watched
+    from ..analyses.workspace.problem.watch import POINTS, stopped, watched
+    from ..analyses.workspace.regions.verification import reported
 
     map_ = WorkspaceMap(system, chosen.output, **given)
     with Bar("tracing curves", map_.repeats) as bar:

@@ -20,9 +20,9 @@ from ..analyses import (
     modes,
     simulate,
 )
-from ..analyses.design_start import DesignStart
 from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
+from ..analyses.sensitivity.design_start import DesignStart
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
 from ..model.arguments import CHECKS, Number, Whole

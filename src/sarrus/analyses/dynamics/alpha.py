@@ -10,20 +10,20 @@ import numpy as np
 
 from ..._jit.link import link
 from ...algebra import Array
+from ...linalg.factors import DENSE_BELOW, SingularSystem
+from ...linalg.sparse_solver import SingularMatrix
 from ...model.arguments import Number, real
 from ...results import Assembly, StabilizedSteps, Steps, StepsTaken
 from ...system import System
-from ..closure import round_off_of
-from ..factored import DENSE_BELOW, SingularSystem
-from ..length import extent
-from ..linear import SingularMatrix
+from ..equations.block_matrix import PRECISE, PlacedMatrix
+from ..equations.closure import round_off_of
+from ..equations.length import extent
 from . import alpha_loop as loop
 from .implicit import GROUPS, Accelerations, Implicit, entries
 from .keeping import Keeping
 from .march import CHUNK
 from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
-from .placed import PRECISE, PlacedMatrix
 from .prescribed import Prescribed
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally

@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ...algebra import Array
+from ..equations.block_matrix import Placed, PlacedMatrix, backsolve, leave_out, refactor
 from .newton_matrix import weigh
-from .placed import Placed, PlacedMatrix, backsolve, leave_out, refactor
 from .step_control import StepControl
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3

@@ -18,15 +18,15 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
+from ...linalg.rank import rank_of
 from ...model import announce
 from ...system import System
-from ..factored import SingularSystem
-from ..independence import Independence
-from ..motion import Motion
-from ..projection import Projection
-from ..rank import rank_of
+from ..equations.block_matrix import PlacedMatrix
+from ..equations.motion import Motion
+from ..equations.state_projection import Projection
+from ..redundancy.redundant_constraints import Independence
 from .nodes import Nodes
-from .placed import PlacedMatrix
 from .stepper import Settings, Stepper, Tally, Trouble
 
 ROOM = 120  # states that are kept in mind, each THIN times as far from the last one as the next

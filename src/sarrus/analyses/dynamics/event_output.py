@@ -12,8 +12,8 @@ from ...outputs import Level, Output, Outputs, find_output
 from ...outputs.measure import measured
 from ...outputs.recording import States
 from ...system import System
-from ..independence import Independence
-from ..motion import Motion
+from ..equations.motion import Motion
+from ..redundancy.redundant_constraints import Independence
 
 IMPACT = "an impact"
 

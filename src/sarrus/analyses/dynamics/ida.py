@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
 from ...results import Assembly
 from ...system import System
-from ..factored import SingularSystem
-from ..independence import Independence
-from ..motion import Motion
-from ..projection import Projection
+from ..equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from ..equations.motion import Motion
+from ..equations.state_projection import Projection
+from ..redundancy.redundant_constraints import Independence
 from .nodes import Nodes
 from .ode import PARTS
-from .placed import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from .stabilized_matrix import MATRICES, newton_parts
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally, Trouble

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...system import System
-from ..independence import Independence
-from ..motion import Motion
+from ..equations.motion import Motion
+from ..redundancy.redundant_constraints import Independence
 from . import alpha_loop as loop
 from .entries import entry_of
 from .step_control import StepControl

@@ -9,9 +9,9 @@ import numpy as np
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
-from ..degrees_of_freedom import STRAIGHT, largest_curvature
-from ..independence import Independence
-from ..length import units
+from ..equations.length import units
+from ..redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
+from ..redundancy.redundant_constraints import Independence
 
 PROBES = 3  # random motions and combinations of equations: one alone could miss by chance
 

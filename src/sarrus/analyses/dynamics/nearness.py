@@ -8,7 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...system import System
-from ..independence import Independence
+from ..redundancy.redundant_constraints import Independence
 from .sample_loop import Samples
 from .trouble import NEARLY, dependent_rows
 

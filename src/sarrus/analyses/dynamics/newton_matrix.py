@@ -8,7 +8,7 @@ from __future__ import annotations
 from ..._jit.link import compiled
 from ...algebra import Array
 from ...system import System
-from .placed import LEFT_OUT, Numbers, Part, PlacedMatrix
+from ..equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
 
 BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q")  # of the upper left block
 NUMBERS = (*BLOCKS, LEFT_OUT, "Phi_q")

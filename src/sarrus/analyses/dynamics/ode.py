@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
 from ...results import Assembly
 from ...system import System
-from ..factored import SingularSystem
-from ..motion import Motion
-from ..projection import Projection
+from ..equations.motion import Motion
+from ..equations.state_projection import Projection
 from .nodes import Nodes
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally, Trouble

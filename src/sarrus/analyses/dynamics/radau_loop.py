@@ -18,9 +18,9 @@ from typing import NamedTuple
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ...algebra import Array
+from ..equations.block_matrix import Placed, backsolve, leave_out, refactor
 from .alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, Tolerance, remember
 from .alpha_loop import evaluate as evaluate_index_3
-from .placed import Placed, backsolve, leave_out, refactor
 from .stabilized_matrix import weigh
 from .step_control import StepControl
 

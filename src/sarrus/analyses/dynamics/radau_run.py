@@ -8,17 +8,17 @@ import numpy as np
 
 from ..._jit.link import link
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
+from ...linalg.sparse_solver import SingularMatrix
 from ...results import Assembly, RadauSteps, StepsTaken
 from ...system import System
-from ..factored import SingularSystem
-from ..linear import SingularMatrix
+from ..equations.block_matrix import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from . import radau_loop as loop
 from .alpha_loop import Tolerance
 from .implicit import GROUPS, Accelerations, Implicit, entries
 from .keeping import Keeping
 from .newton_matrix import motion_parts
 from .nodes import Nodes
-from .placed import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from .stabilized_matrix import MATRICES, newton_parts, weigh
 from .started import independence_at, remember_start
 from .stepper import Settings, Tally

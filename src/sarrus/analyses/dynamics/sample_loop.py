@@ -12,8 +12,8 @@ from typing import NamedTuple
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ...algebra import Array
+from ..equations.block_matrix import Placed, backsolve, leave_out, refactor
 from .nodes import Nodes, between
-from .placed import Placed, backsolve, leave_out, refactor
 
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
 WARM = 8  # iterations for the weakest combination at the first state

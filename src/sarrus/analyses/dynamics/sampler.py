@@ -11,15 +11,15 @@ import numpy as np
 
 from ..._jit.link import link
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
+from ...linalg.sparse_solver import SingularMatrix
 from ...system import System
-from ..factored import SingularSystem
-from ..independence import Independence
-from ..linear import SingularMatrix
+from ..equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
+from ..redundancy.redundant_constraints import Independence
 from . import sample_loop as loop
 from .entries import entry_of
 from .newton_matrix import motion_matrix
 from .nodes import Nodes
-from .placed import FACTORS, PRECISE, PlacedMatrix
 from .stepper import Trouble
 
 GROUPS = {

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
+from ...linalg.threads import one_thread_if_small
 from ...model import reports_warnings
 from ...model.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System
+from ..position.initial_state import Start, start_of
 from ..progress import monitor
-from ..starts import Start, start_of
-from ..threads import one_thread_if_small
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of

@@ -17,13 +17,13 @@ from typing import NamedTuple
 from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ...algebra import Array
+from ..equations.block_matrix import Placed, backsolve, leave_out, refactor
 from .alpha_loop import Control, Record, Scheme, Tolerance, size, stretch
 from .alpha_loop import accept as plain_accept
 from .alpha_loop import keep as plain_keep
 from .alpha_loop import predict as plain_predict
 from .alpha_loop import residual as plain_residual
 from .alpha_loop import update as plain_update
-from .placed import Placed, backsolve, leave_out, refactor
 from .radau_loop import evaluate
 from .stabilized_matrix import weigh
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from ..._jit.link import compiled
 from ...algebra import Array
 from ...system import System
-from .placed import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
+from ..equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
 START = "Phi_q_start"  # Φ_q at the start of the step

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...algebra import Array
 from ...results import Assembly
 from ...system import System
-from ..independence import Inconsistent, Independence
+from ..redundancy.redundant_constraints import Inconsistent, Independence
 from .stepper import Trouble
 
 

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...algebra import Array
-from ..independence import Independence
+from ..equations.block_matrix import PlacedMatrix
+from ..redundancy.redundant_constraints import Independence
 from .nodes import Nodes
-from .placed import PlacedMatrix
 from .tolerance import Tolerances
 
 HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected before it

@@ -10,11 +10,11 @@ from ...algebra import Array
 from ...elements import OPERATORS, Element
 from ...elements.evaluation import dense, element_from
 from ...elements.gravity import EccentricGravity, Gravity
+from ...linalg.rank import rank_of
 from ...system import System
 from ...system.local import GROUND, local
-from ..independence import Independence
-from ..missing_inertia import missing_inertia
-from ..rank import rank_of
+from ..equations.missing_inertia import missing_inertia
+from ..redundancy.redundant_constraints import Independence
 from .stepper import Trouble
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent

@@ -10,14 +10,14 @@ from typing import Any, Literal
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
 from ...model import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
-from ..design_start import DesignStart
-from ..misuse import refuse_other_system
+from ..arguments import refuse_other_system
+from ..position.initial_state import Start
+from ..sensitivity.design_start import DesignStart
 from ..sensitivity.responses import Misfit
-from ..starts import Start
-from ..threads import one_thread_if_small
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables
 from .solvers import Answer, in_words

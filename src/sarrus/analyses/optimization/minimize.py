@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from typing import Any
 
+from ...linalg.threads import one_thread_if_small
 from ...model import announce, reports_warnings
 from ...results import Optimum
 from ...system import System
-from ..design_start import DesignStart
-from ..misuse import refuse_other_system
-from ..starts import Start
-from ..threads import one_thread_if_small
+from ..arguments import refuse_other_system
+from ..position.initial_state import Start
+from ..sensitivity.design_start import DesignStart
 from .combined import Part
 from .constraint import Within, refuse_others
 from .problem import Problem

@@ -16,22 +16,22 @@ from ...defaults import ATOL, RTOL
 from ...model import SarrusError, announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
-from ..assembly_derivatives import NoDerivative
-from ..design_start import DesignStart
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events import restitutions_of, with_restitutions
 from ..dynamics.stepper import Trouble
+from ..position.assembly_derivatives import NoDerivative
+from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.chains import AnyChain, chain_of, curved_chain
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
+from ..sensitivity.design_start import DesignStart
 from ..sensitivity.evaluation import Evaluation
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters import Design, Parameters
 from ..sensitivity.sampling import NotThere
 from ..sensitivity.undefined import refuse
-from ..starts import Start
 from .combined import Outer, Part
 
 Kind = TypeVar("Kind")

@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.lane_room import used
-from ..assembly_derivatives import AssemblyDerivatives
+from ..position.assembly_derivatives import AssemblyDerivatives
 from .start import Start
 from .steps.curves import Curves
 from .steps.record import ACCELERATIONS, Record

@@ -13,19 +13,19 @@ import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
+from ...linalg.threads import one_thread_if_small
 from ...model import announce, reports_warnings
 from ...outputs.recording import Angles
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
-from ..assembly_derivatives import AssemblyDerivatives
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.events import restitutions_of
 from ..dynamics.simulation import refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
+from ..position.assembly_derivatives import AssemblyDerivatives
+from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
-from ..starts import Start, start_of
-from ..threads import one_thread_if_small
 from .chain import FIELDS, Gradients, Nodes, by_joints, through
 from .corners import corners
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined

@@ -23,8 +23,8 @@ from ...system.curve_derivatives import CurveDerivatives, Entries
 from ...system.time_derivatives import TimeDerivatives, timed
 from ..dynamics.nodes import Nodes as NodesOfRun
 from ..dynamics.sampler import Sampler
-from ..independence import Independence
-from ..minimum_norm import MinimumNorm
+from ..equations.minimum_norm import MinimumNorm
+from ..redundancy.redundant_constraints import Independence
 from . import consistent_loop as loop
 from .chain import Nodes
 from .consistent_sweep import ConsistentSweep

@@ -19,7 +19,7 @@ from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ..._jit.vector import LANES
 from ...algebra import Array
-from ..dynamics.placed import leave_out
+from ..equations.block_matrix import leave_out
 from .columns_loop import ByRows, solve_columns
 from .lanes_loop import clear_lanes
 from .node_loop import (

@@ -10,11 +10,11 @@ import numpy as np
 from ..._jit.link import link
 from ..._jit.vector import LANES
 from ...algebra import Array
+from ...linalg.sparse_solver import SingularMatrix
 from ...system import System
 from ...system.lane_room import aligned, room
 from ..dynamics.newton_matrix import motion_parts
-from ..dynamics.placed import LEFT_OUT, Numbers, Part, entries_of
-from ..linear import SingularMatrix
+from ..equations.block_matrix import LEFT_OUT, Numbers, Part, entries_of
 from . import consistent_loop as loop
 from . import node_loop
 from .columns_loop import ByRows

@@ -10,11 +10,11 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
 from ...model import announce, reports_warnings
 from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
-from ..threads import one_thread_if_small
 from .chain import by_joints
 from .chains import AnyChain, chain_of, curved_chain
 from .corners import corners

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...system import System
-from ..dynamics.placed import entries_of
+from ..equations.block_matrix import entries_of
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "jacobian": ("Phi_q", "Phi_qT_lam_q"),

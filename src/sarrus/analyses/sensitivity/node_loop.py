@@ -13,7 +13,7 @@ from ..._jit.link import compiled
 from ..._jit.pointer import Entry, call_kernels
 from ..._jit.scalars import Scalars
 from ...algebra import Array
-from ..dynamics.placed import leave_out
+from ..equations.block_matrix import leave_out
 from .columns_loop import solve_columns
 from .panel_loop import copy, refactor, solve_columns_transposed
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..._jit.link import compiled
 from ...algebra import Array
-from ..dynamics.placed import assemble
+from ..equations.block_matrix import assemble
 
 REFINED, REFINEMENTS = (
     1e-8,

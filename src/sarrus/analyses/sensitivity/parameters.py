@@ -23,8 +23,8 @@ from ...model.written import exchanged, in_functions, named, steps_of, with_numb
 from ...system import System
 from ...system.once import once
 from ...system.population import places_of
-from ..design_start import own_start
 from .chain import Gradients
+from .design_start import own_start
 from .linearized import Linearized
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]

@@ -18,11 +18,11 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
+from ...linalg.factors import SingularSystem
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
-from ..factored import SingularSystem
-from ..minimum_norm import MinimumNorm, shortest
+from ..equations.minimum_norm import MinimumNorm, shortest
 from .chain import Nodes
 
 

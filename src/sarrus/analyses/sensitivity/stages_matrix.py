@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..._jit.link import link
-from ..dynamics.placed import Numbers, Part, Placed, PlacedMatrix, refactor
-from ..linear import SingularMatrix, SparseLU
+from ...linalg.sparse_solver import SingularMatrix, SparseLU
+from ..equations.block_matrix import Numbers, Part, Placed, PlacedMatrix, refactor
 from .step_matrix import StepMatrix
 
 LEAST = 1e-10  # pivot over column, below which pivots are chosen among all stages

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.factors import Factored, SingularSystem
 from ...results import StepsTaken
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..dynamics.implicit import GROUPS
 from ..dynamics.newton_matrix import NUMBERS, motion_parts
-from ..dynamics.placed import Numbers, Part, PlacedMatrix
-from ..factored import Factored, SingularSystem
-from ..joined import Curved, Joined
+from ..equations.block_matrix import Numbers, Part, PlacedMatrix
+from ..equations.joined_operators import Curved, Joined
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
 ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..._jit.link import link
 from ...algebra import Array
-from ..dynamics.placed import PlacedMatrix
+from ..equations.block_matrix import PlacedMatrix
 from .panel_loop import Factors, panel_ends
 
 

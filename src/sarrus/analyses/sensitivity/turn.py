@@ -26,7 +26,7 @@ from ...outputs.recording import Angles
 from ...results import StepsTaken, Turn
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
-from ..saddle import Saddle
+from ..equations.saddle_point import Saddle
 from .event_functions import Recorded, Slopes, recorded
 from .sampling import apart, interpolation
 

@@ -10,12 +10,12 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
+from ...linalg.rank import rank_of, row_lengths
 from ...model import announce
 from ...results import Asked, Pieces, StepsTaken
 from ...system import System
-from ..assembly_derivatives import NoDerivative
-from ..length import lever, scaled
-from ..rank import rank_of, row_lengths
+from ..equations.length import lever, scaled
+from ..position.assembly_derivatives import NoDerivative
 from .chain import Gradients
 from .parameters import Parameters
 

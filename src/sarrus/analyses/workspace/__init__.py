@@ -3,12 +3,12 @@
 from .analysis import workspace
 from .control import input_singularities
 from .dexterity import Dexterity, dexterity
-from .extremes import workspace_range
-from .field import workspace_field
-from .mapping import WorkspaceMap
-from .shape import area_gradient, distance_gradient, end_gradient, volume_gradient
-from .verify import verify_workspace
-from .volume import workspace_volume
+from .dexterity_field import workspace_field
+from .regions.mapping import WorkspaceMap
+from .regions.verification import verify_workspace
+from .volumes.extremes import workspace_range
+from .volumes.shape_derivatives import area_gradient, distance_gradient, end_gradient, volume_gradient
+from .volumes.volume import workspace_volume
 
 __all__ = [
     "Dexterity",

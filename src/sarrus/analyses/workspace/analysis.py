@@ -6,18 +6,18 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
+from ...linalg.threads import one_thread_if_small
 from ...model import reports_warnings
 from ...results.workspace import Workspace
 from ...system import System
-from ..misuse import refuse_other_system
+from ..arguments import refuse_other_system
 from ..progress import Progress
-from ..threads import one_thread_if_small
-from .formulate import Limits
-from .mapping import REPEATS, WorkspaceMap
-from .refusals import refuse_counts
-from .trace import LONGEST
-from .verify import reported, tested
-from .watch import POINTS, watched
+from .problem.formulation import Limits
+from .problem.refusals import refuse_counts
+from .problem.watch import POINTS, watched
+from .regions.mapping import REPEATS, WorkspaceMap
+from .regions.verification import reported, tested
+from .tracing.curve import LONGEST
 
 
 @reports_warnings

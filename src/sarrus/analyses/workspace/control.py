@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError, announce, reports_warnings
 from ...results.input_singularities import InputSingularities, Lost, SingularCurve
 from ...results.outline import DENSE
 from ...results.workspace import Status
 from ...system import System
-from ..misuse import refuse_other_system
+from ..arguments import refuse_other_system
 from ..progress import Progress
-from ..threads import one_thread_if_small
-from .arc import Arc
-from .change import changes
-from .explore import Branch
-from .formulate import Limits, formulate
-from .mapping import REPEATS, WorkspaceMap
-from .measures import measures
-from .problem import Problem
-from .refusals import functions, refuse_counts
-from .watch import POINTS, stopped, watched
+from .problem.formulation import Limits, formulate
+from .problem.measures import measures
+from .problem.refusals import functions, refuse_counts
+from .problem.rows import Problem
+from .problem.watch import POINTS, stopped, watched
+from .regions.arc import Arc
+from .regions.mapping import REPEATS, WorkspaceMap
+from .tracing.explore import Branch
+from .tracing.sign_change import changes
 
 CROSSINGS = 100  # by random walks, in a row of known curves, until the curves count as complete
 

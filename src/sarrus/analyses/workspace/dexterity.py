@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...linalg.svd import singular
+from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError, reports_warnings
 from ...results import Listed
 from ...system import System
-from ..misuse import refuse_other_system
-from ..threads import one_thread_if_small
-from .formulate import formulate
-from .problem import Problem
-from .svd import singular
+from ..arguments import refuse_other_system
+from .problem.formulation import formulate
+from .problem.rows import Problem
 
 VANISHES = 1e-15  # of a singular value, relative to the largest
 

@@ -13,8 +13,8 @@ from ....algebra import Array
 from ....system import System
 from ....system.lane_room import room, used
 from ....system.once import once_alike
-from ...dynamics.placed import Numbers
-from ...dynamics.placed import layout_of as pattern_of
+from ...equations.block_matrix import Numbers
+from ...equations.block_matrix import layout_of as pattern_of
 from ..by_numbers import gradient_entry
 from ..columns_loop import COLUMNS, Rows
 from ..kernels import GROUPS

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ...dynamics.methods.description import CONSTRAINTS, COORDINATES
-from ...dynamics.placed import UNIT
+from ...equations.block_matrix import UNIT
 
 MULTIPLIERS = ("lam", "mu")  # their operator is Φ_qᵀ
 

@@ -9,7 +9,7 @@ import numpy as np
 from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
-from ...dynamics.placed import Numbers, entries_of
+from ...equations.block_matrix import Numbers, entries_of
 from ..kernels import GROUPS
 from ..stages_matrix import StagesMatrix
 from ..step_matrix import StepMatrix

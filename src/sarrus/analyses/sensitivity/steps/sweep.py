@@ -9,9 +9,9 @@ import numpy as np
 
 from ...._jit.link import link
 from ....algebra import Array
+from ....linalg.sparse_solver import SingularMatrix
 from ....results import StepsTaken
 from ....system.lane_room import aligned
-from ...linear import SingularMatrix
 from ..panel_loop import Factors
 from ..stages_matrix import StagesMatrix
 from . import sweep_loop as loop

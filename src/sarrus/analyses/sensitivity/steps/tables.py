@@ -13,7 +13,7 @@ from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
 from ...dynamics.methods.description import CONSTRAINTS, ROLES, Operation, Stage
-from ...dynamics.placed import LEFT_OUT, UNIT, Part
+from ...equations.block_matrix import LEFT_OUT, UNIT, Part
 from .equations import KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
 
 Sizes = tuple[tuple[str, str], ...]

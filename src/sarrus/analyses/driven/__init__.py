@@ -1,0 +1,1 @@
+"""Driven motion: kinematics, inverse dynamics and singular configurations of systems without freedom."""

@@ -1,0 +1,110 @@
+"""Inverse dynamics: the multipliers, and so the forces of drivers and joints, that a given motion needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
+from ...model import reports_warnings
+from ...results import Trajectory
+from ...system import System
+from ..arguments import kind, refuse_other_system
+from ..equations.constraint_projection import largest
+from ..equations.length import lever
+from ..equations.nullspace import NullSpace
+from ..equations.recorded_state import RecordedState, histories, recorded_state
+
+BALANCED = 1e-7  # of the largest force on a body before forces cancel: what a motion may miss
+
+
+class Multipliers(NamedTuple):
+    """lam (m,), and the generalized force that no constraint can give, Q + S - M a - Φ_qᵀ lam (nq,)."""
+
+    lam: Array
+    missing: Array
+
+
+def multipliers(
+    system: System, q: ArrayLike, v: ArrayLike, a: ArrayLike, t: float = 0.0, *, b: Array | None = None
+) -> Multipliers:
+    """Solve M a + Φ_qᵀ lam = Q + S for lam, Eq. (1). Where equations are redundant, the shortest lam.
+
+    Parameters
+    ----------
+    system : System
+    q, v, a : (nq,) the motion
+    t : time [s]
+    b : (nb,) other numbers than the model's
+
+    Returns
+    -------
+    Multipliers
+    """
+    J = system.Phi_q(q, t, b=b)
+    needed = system.Q(q, v, t, b=b) + system.S(q, v, b=b) - system.M_a(q, a, b=b)
+    lam = NullSpace(J, lever(system, np.asarray(q), J)).multipliers(needed)
+    return Multipliers(lam, needed - J.T @ lam)
+
+
+@reports_warnings
+@one_thread_if_small
+def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -> Trajectory:
+    """The same motion with the multipliers that it needs.
+
+    Parameters
+    ----------
+    system : System
+        Its drivers and joints bear the motion; it may have others than the system that `run` was made with.
+    run : Trajectory
+        Its t, q, v and a are taken as they are.
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Trajectory
+        With ``success`` false and the body in the message, if some force is missing that no joint or driver gives.
+
+    Raises
+    ------
+    ValueError
+        If the motion is that of other bodies.
+    """
+    refuse_other_system(system, "inverse_dynamics")
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"inverse_dynamics needs the Trajectory of a run, got {kind(run)}. Call sr.simulate first."
+        )
+    if run.bodies != tuple(system.bodies):
+        raise ValueError(f"{run.name} has other bodies than {system.name}")
+    b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()
+    for t, q, v, a in zip(run.t, run.q, run.v, run.a, strict=True):
+        system.remember(q, b, t)
+        found.append(multipliers(system, q, v, a, t, b=b))
+        states.append(recorded_state(system, t, q, v, b))
+    lam = np.array([each.lam for each in found]).reshape(-1, system.m)
+    trouble = _trouble(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
+    message = trouble or "every force is borne by joints and drivers"
+    status = "not balanced" if trouble else "finished"
+    verdict: dict[str, Any] = {"success": not trouble, "status": status, "message": message}
+    return replace(run, lam=lam, system=system, **verdict, **histories(states))
+
+
+def _trouble(system: System, run: Trajectory, missing: Array) -> str:
+    """A sentence about the largest force that is missing (nt, nq), or nothing."""
+    states = list(zip(run.t, run.q, run.v, run.a, strict=True))
+    scale = max(
+        (largest(system.M_a(q, a)) + largest(system.magnitude("Q", q=q, v=v, t=t)) for t, q, v, a in states),
+        default=0.0,
+    )
+    if largest(missing.reshape(-1)) <= BALANCED * max(scale, 1e-300):
+        return ""
+    at, n = np.unravel_index(np.argmax(abs(missing)), missing.shape)
+    return (
+        f"{system.name} does not move so by itself: at t = {run.t[at]:.6g} s a force of {missing[at, n]:.3g} "
+        f"along {system.coordinate_names[n]} is missing; add a driver or a force"
+    )

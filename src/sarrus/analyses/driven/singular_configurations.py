@@ -1,0 +1,172 @@
+"""Singular positions along a motion: branch points of the constraints, dead centres of inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq, minimize_scalar
+from scipy.sparse import csr_array, vstack
+
+from ...algebra import Array
+from ...linalg.rank import independent_rows, rank_of, unit_rows
+from ...linalg.threads import one_thread_if_small
+from ...model import reports_warnings
+from ...results import Singularities, Singularity, Trajectory
+from ...system import System
+from ..arguments import refuse_other_system
+from ..equations.length import lever, scaled, units
+from ..equations.normalizations import normalizations
+from ..position.joint_rate import Rate, rate
+from .path import Path
+
+SINGULAR = 1e-6  # a smallest singular value that counts as zero, rows scaled to unit length
+SAME = 1e-7  # of the length of the path: nearer ones are the same
+INWARD = 1e-5  # of an interval: how near to a grid point a minimum may be and still be seen
+SAMPLES = 5  # positions of the grid from which the regular rank is taken
+
+
+@reports_warnings
+@one_thread_if_small
+def singularities(
+    system: System,
+    motion: Trajectory | Callable[[float], ArrayLike],
+    grid: ArrayLike | None = None,
+    *,
+    inputs: Iterable[str] = (),
+    strict: bool = False,
+) -> Singularities:
+    """Find and locate singular positions along a motion or a one-parameter family of positions.
+
+    The function that is followed is ± the smallest singular value of [Φ_q; X], its rows scaled to unit length; X are
+    the rows of the inputs' rates, or without inputs the directions of motion at the grid point before. Its sign is that
+    of the determinant with a fixed choice of independent rows: it changes at a simple singularity, which is then
+    located by Brent's method (bisection and secant). Minima without a change of sign are searched as well.
+
+    Parameters
+    ----------
+    system : System
+    motion : a trajectory, or a function of one parameter that returns positions (nq,), at least nearly consistent
+    grid : parameters at which to look, fine enough that neighbours are not far apart; by default the times of the
+        trajectory
+    inputs : as many coordinates (``"slider.x"``) or joints (``"crank_pin"``) as there are degrees of freedom, whose
+        singular positions are wanted too; without them only those of the constraints are found
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Singularities
+        a tuple of `Singularity`, in the order of the path, with ``warnings``
+
+    Raises
+    ------
+    ValueError
+        If the number of inputs is not the number of degrees of freedom.
+    KeyError
+        If there is no such coordinate or joint.
+    """
+    refuse_other_system(system, "singularities")
+    path, names = Path(system, motion, grid), tuple(inputs)
+    watch, found = _Watch(system, path, names), list[Singularity]()
+    for s in _roots(watch):
+        if not found or abs(s - found[-1].at) > SAME * (path.grid[-1] - path.grid[0]):
+            found.append(_describe(watch, s, names))
+    return Singularities(found)
+
+
+class _Watch:
+    """The signed smallest singular value along a path, with what is kept fixed."""
+
+    def __init__(self, system: System, path: Path, names: tuple[str, ...]) -> None:
+        self.system, self.path = system, path
+        self.inputs: list[Rate] = [rate(system, name) for name in names]
+        first, t = self.path(self.path.grid[0]), self.path.time(self.path.grid[0])
+        self.length = lever(system, first, system.Phi_q(first, t))
+        self.kept = self._regular()
+        self.freedom = system.nq - len(self.kept)
+        if names and len(names) != self.freedom:
+            raise ValueError(
+                f"{system.name} has {self.freedom} degrees of freedom; name as many inputs, not {len(names)}"
+            )
+        self.motions = [] if names else list(self._directions())
+
+    def rows(self, s: float) -> csr_array:
+        """Φ_q with rows of unit length, where displacements are measured in a length of the system."""
+        return unit_rows(scaled(self.system.Phi_q(self.path(s), self.path.time(s)), self.length))
+
+    def _regular(self) -> Array:
+        """A choice of independent rows where the rank is greatest."""
+        some = np.linspace(0, len(self.path.grid) - 1, SAMPLES).astype(int)
+        ranks = [rank_of(self.rows(s), SINGULAR) for s in self.path.grid[some]]
+        best = min(ranks, key=lambda rank: (rank.null.shape[1], -rank.smallest))
+        return independent_rows(best.null, normalizations(self.system))
+
+    def _directions(self) -> Iterator[Array]:
+        """The directions of motion at every grid point; at singular ones those of the point before."""
+        last, regular = np.zeros((self.freedom, self.system.nq)), self.system.nq - self.freedom
+        for s in self.path.grid:
+            values, right = np.linalg.svd(self.rows(s).toarray())[1:]
+            if values[regular - 1] > SINGULAR or not last.any():
+                last = right[regular:]
+            yield last
+
+    def value(self, s: float, interval: int) -> float:
+        """± the smallest singular value of [Φ_q; X] at s, for the interval that begins at a grid point."""
+        J, X = self.rows(s), csr_array(self._second_rows(s, interval))
+        square = vstack([J[self.kept], X]).toarray()
+        values = np.linalg.svd(vstack([J, X]).toarray(), compute_uv=False)
+        return float(np.linalg.slogdet(square)[0] * values[self.system.nq - 1])
+
+    def _second_rows(self, s: float, interval: int) -> Array:
+        if not self.inputs:
+            return self.motions[interval]
+        found = np.array([one.row(self.path(s)) for one in self.inputs]) * units(self.system.nq, self.length)
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+    def constraints(self, s: float) -> float:
+        """The smallest singular value of Φ_q that is not zero at regular positions."""
+        values = np.linalg.svd(self.rows(s).toarray(), compute_uv=False)
+        return float(values[len(self.kept) - 1])
+
+
+def _roots(watch: _Watch) -> Iterator[float]:
+    """Parameters of singular positions, rising."""
+    grid = watch.path.grid
+    for k, (a, b) in enumerate(pairwise(grid.tolist())):
+        left, right = watch.value(a, k), watch.value(b, k)
+        if abs(left) < SINGULAR:
+            yield a
+        elif abs(right) >= SINGULAR:
+            yield from _inside(partial(watch.value, interval=k), a, b, left, right)
+    if abs(watch.value(grid[-1], len(grid) - 2)) < SINGULAR:
+        yield float(grid[-1])
+
+
+def _inside(
+    value: Callable[[float], float], a: float, b: float, left: float, right: float
+) -> Iterator[float]:
+    """A zero inside an interval: by Brent's method, or, without a change of sign, by minimization if |value| dips."""
+    if left * right < 0:
+        s = float(brentq(value, a, b, xtol=1e-13, rtol=1e-14))
+    elif abs(value(a + INWARD * (b - a))) < abs(left) and abs(value(b - INWARD * (b - a))) < abs(right):
+        options = {"xatol": 1e-12 * (b - a)}
+        s = float(
+            minimize_scalar(lambda s: abs(value(s)), bounds=(a, b), method="bounded", options=options).x
+        )
+    else:
+        return
+    if abs(value(s)) < SINGULAR:
+        yield s
+
+
+def _describe(watch: _Watch, s: float, names: tuple[str, ...]) -> Singularity:
+    name, q, smallest = watch.system.name, watch.path(s), watch.constraints(s)
+    if smallest < SINGULAR:
+        told = "the constraints lose rank, and motions meet"
+        return Singularity(s, q, "branch", smallest, f"{name} at {s:.9g}: {told}")
+    stand = f"{' and '.join(names)} stand{'s' * (len(names) == 1)} still"
+    told = f"dead centre: the mechanism moves here while {stand}"
+    return Singularity(s, q, "dead centre", abs(watch.value(s, 0)), f"{name} at {s:.9g}: {told}")

@@ -1,0 +1,295 @@
+"""One sparse matrix in which the numbers of operators stand at several places, each with a weight: made on one pattern.
+
+The numbers of all operators lie one after another in one array. A part is an operator at a place in the matrix; every
+number of a part knows its place among the numbers of the matrix, so that assembling is one pass:
+data[place] += weight of the part x number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from ..._jit.link import compiled, link
+from ...algebra import Array
+from ...linalg.sparse_lu import compressed
+from ...linalg.sparse_lu import refactor as factor_in_place
+from ...linalg.sparse_lu import solve as solve_in_place
+from ...linalg.sparse_solver import SparseLU
+from ...system import System
+from ...system.once import once_alike
+
+UNIT, LEFT_OUT = (
+    "unit",
+    "left_out",
+)  # diagonal blocks (nq, nq) of ones, and (m, m) with 1 for equations left out
+PRECISE = 1e-3  # pivot over column, above which an order of pivots chosen for other numbers is as good as new
+STRETCH = 5000  # numbers that are summed before the next part takes its turn
+FACTORS = ("row_place", "column_order", "factors", "weights")
+
+
+class Part(NamedTuple):
+    """An operator whose first number stands at a row and a column of the matrix, perhaps transposed."""
+
+    name: str
+    row: int
+    column: int
+    transposed: bool = False
+
+
+class Placed(NamedTuple):
+    """What compiled code needs to assemble and factor: see `assemble` and `linear.SparseLU`."""
+
+    parts: Array
+    places: Array
+    weights: Array
+    pointers: Array
+    rows: Array
+    diagonal: Array
+    factors: Array
+    work: Array
+    row_place: Array
+    column_order: Array
+
+
+class Numbers:
+    """The numbers of operators, one array: `views[name]` is an operator's part of `values`.
+
+    Φ_q is among them, and `LEFT_OUT`. `like` names, for numbers of an operator at another state, the operator.
+
+    Attributes
+    ----------
+    values, views : the numbers, which others write
+    row_of : the equation that each number of Φ_q belongs to
+    left_out : (m,) 1 for equations that are left out because others imply them, else 0: their multipliers become 0
+    """
+
+    def __init__(self, system: System, names: Sequence[str], like: Mapping[str, str] | None = None) -> None:
+        self.system, self.names, self.like = system, tuple(names), tuple((like or {}).items())
+        starts, self.row_of = numbering(system, self.names, self.like)
+        self.values = np.zeros(starts[-1])
+        self.start = dict(zip(names, starts, strict=False))
+        self.views = {n: self.values[starts[k] : starts[k + 1]] for k, n in enumerate(names)}
+        self.left_out = self.views[LEFT_OUT]
+        if UNIT in self.views:
+            self.views[UNIT][:] = 1.0
+
+    def keep(self, kept: Array | None) -> None:
+        """Solve only the equations in these places of Φ (None: all)."""
+        self.left_out[:] = 0.0 if kept is None else 1.0
+        self.left_out[[] if kept is None else kept] = 0.0
+
+    def of(self, names: Sequence[str]) -> list[Array]:
+        """The parts of some operators."""
+        return [self.views[name] for name in names]
+
+    def evaluate(
+        self, group: Sequence[str], b: Array, operands: Mapping[str, Any], to: Sequence[str] = ()
+    ) -> None:
+        """Write the numbers of operators that are computed together; equations left out have no gradient.
+
+        `to` are the names under which they are kept, where they are those at another state.
+        """
+        found = self.system.group(*group)
+        found.run(b, *(operands[name] for name in found.operands), *self.of(to or group))
+        if "Phi_q" in group:
+            link(leave_out)(self.views["Phi_q"], self.row_of, self.left_out)
+
+
+class PlacedMatrix:
+    """The pattern of a matrix (n, n), and its factors; `kind` is the type of its weights, real or complex.
+
+    Parts that also stand in another matrix, a `host`, need neither a pattern nor an analysis of their own: they take
+    the order of its pivots, if it fits them.
+
+    Attributes
+    ----------
+    numbers, weights : what it is assembled of
+    placed : the matrix as compiled code takes it, or None before pivots are chosen
+    """
+
+    def __init__(
+        self,
+        numbers: Numbers,
+        n: int,
+        parts: Sequence[Part],
+        kind: type = float,
+        host: PlacedMatrix | None = None,
+    ) -> None:
+        self.numbers, self.n, self._host, self._kinds = numbers, n, host, tuple(parts)
+        self._layout: Layout
+        if host is None:
+            self._layout = layout_of(numbers.system, n, numbers.like, self._kinds)
+            first = self._layout.first
+        else:
+            self._layout = host._layout
+            first = tuple(self._layout.first[host._kinds.index(part)] for part in self._kinds)
+        names = [part.name for part in self._kinds]
+        starts, sizes = [numbers.start[n] for n in names], [len(numbers.views[n]) for n in names]
+        self.parts = np.column_stack([starts, sizes, first]).astype(np.int64)
+        self.weights: Array = np.ones(len(parts), dtype=kind)
+        self.placed: Placed | None = None
+
+    def assembled(self) -> Array:
+        """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
+        data = np.zeros(len(self._layout.indices), dtype=self.weights.dtype)
+        link(assemble)(self.parts, self._layout.place, self.weights, self.numbers.values, data)
+        return data
+
+    def matrix(self) -> csc_array:
+        """The matrix of the numbers and weights that are there now (n, n)."""
+        found = (self.assembled(), self._layout.indices, self._layout.indptr)
+        return csc_array(found, shape=(self.n, self.n))
+
+    def pattern(self) -> csc_array:
+        """1 wherever a number may stand (n, n)."""
+        places = self._layout.indices, self._layout.indptr
+        return csc_array((np.ones(len(places[0])), *places), shape=(self.n, self.n))
+
+    def factor(self, least: float) -> Placed:
+        """Factor the numbers and weights that are there now; with new pivots, if old ones can be trusted less.
+
+        Raises
+        ------
+        SingularMatrix
+            If the matrix is singular.
+        """
+        placed = self.placed or self._lodged()
+        if placed and link(refactor)(self.numbers.values, placed) > least:
+            self.placed = placed
+            return placed
+        return self.choose_pivots()
+
+    def choose_pivots(self) -> Placed:
+        """Choose the pivot order for the numbers and weights that are there now, and factor.
+
+        Raises
+        ------
+        SingularMatrix
+            If the matrix is singular.
+        """
+        self.placed = None
+        return self._show(SparseLU(self._layout.indptr, self._layout.indices, self.assembled()))
+
+    def solve(self, right: Array) -> Array:
+        """x of A x = right, with the factors at hand."""
+        solution = np.zeros(self.n)
+        assert self.placed is not None
+        link(backsolve)(self.placed, right, solution)
+        return solution
+
+    def state(self) -> dict[str, Array]:
+        """Pivot order, factors and weights; nothing before pivots are chosen."""
+        return {} if self.placed is None else {name: getattr(self.placed, name) for name in FACTORS}
+
+    def resume(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> None:
+        """Take over such a state."""
+        self.weights[:] = weights
+        pattern = self._layout.indptr, self._layout.indices
+        self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
+
+    def _lodged(self) -> Placed | None:
+        """With the order of the host, and room for factors."""
+        if self._host is None or self._host.placed is None:
+            return None
+        found = self._host.placed
+        return found._replace(parts=self.parts, weights=self.weights, factors=np.zeros_like(found.factors))
+
+    def _show(self, lu: SparseLU) -> Placed:
+        self.placed = Placed(
+            self.parts, lu.slots[self._layout.place], self.weights, lu.pointers, lu.rows, lu.diagonal, lu.factors,
+            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order,
+        )  # fmt: skip
+        return self.placed
+
+
+class Layout(NamedTuple):
+    """The pattern by columns, the place of every number of all parts in it, and where those of each part begin."""
+
+    indptr: Array
+    indices: Array
+    place: Array
+    first: tuple[int, ...]
+
+
+@once_alike
+def layout_of(system: System, n: int, like: tuple[tuple[str, str], ...], parts: tuple[Part, ...]) -> Layout:
+    """The pattern of all matrices (n, n) of a system with these parts."""
+    found = [_entries(system, part, dict(like)) for part in parts]
+    rows, columns = (np.concatenate(axis) for axis in zip(*found, strict=True))
+    first = np.cumsum([0, *(len(own) for own, _ in found)])[:-1]
+    indptr, indices, place = link(compressed)(n, rows, columns)
+    return Layout(indptr, indices, place, tuple(first.tolist()))
+
+
+@once_alike
+def numbering(
+    system: System, names: tuple[str, ...], like: tuple[tuple[str, str], ...]
+) -> tuple[list[int], Array]:
+    """Where each operator's numbers begin, and the end of all; and the row of each number of Φ_q."""
+    sizes = [len(entries_of(system, dict(like).get(name, name))[0]) for name in names]
+    return [0, *np.cumsum(sizes).tolist()], entries_of(system, "Phi_q")[0]
+
+
+def _entries(system: System, part: Part, like: dict[str, str]) -> tuple[Array, Array]:
+    """Rows and columns of the numbers of a part."""
+    rows, columns = entries_of(system, like.get(part.name, part.name))
+    if part.transposed:
+        rows, columns = columns, rows
+    return rows + np.int32(part.row), columns + np.int32(part.column)
+
+
+def entries_of(system: System, name: str) -> tuple[Array, Array]:
+    """Rows and columns of an operator's numbers."""
+    if name in (UNIT, LEFT_OUT):
+        along = np.arange(system.nq if name == UNIT else system.m, dtype=np.int32)
+        return along, along
+    pattern = system.pattern(name)
+    rows = np.repeat(np.arange(pattern.shape[0], dtype=np.int32), np.diff(pattern.indptr))
+    return rows, pattern.indices.astype(np.int32)
+
+
+@compiled(entry=True)
+def assemble(parts: Array, places: Array, weights: Array, values: Array, data: Array) -> None:
+    """Sum the weighted numbers of all parts into the numbers of the matrix.
+
+    A stretch of each part in turn: bodies come in one order in all parts, so that large matrices are passed only once.
+    """
+    for k in range(len(data)):
+        data[k] = 0.0
+    stretches = 1 + len(places) // STRETCH
+    for n in range(stretches):
+        for s in range(len(parts)):
+            first, count, at, weight = parts[s, 0], parts[s, 1], parts[s, 2], weights[s]
+            begin, end = count * n // stretches, count * (n + 1) // stretches
+            numbers, where = values[first + begin : first + end], places[at + begin : at + end]
+            for k in range(len(numbers)):
+                data[where[k]] += weight * numbers[k]
+
+
+@compiled(entry=True)
+def refactor(values: Array, placed: Placed) -> float:
+    """Assemble and factor a matrix; returns how far its pivots can be trusted."""
+    assemble(placed.parts, placed.places, placed.weights, values, placed.factors)
+    return factor_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
+
+
+@compiled(entry=True)
+def backsolve(placed: Placed, right: Array, solution: Array) -> None:
+    """solution = matrix⁻¹ right."""
+    work = placed.work
+    for k in range(len(right)):
+        work[placed.row_place[k]] = right[k]
+    solve_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    for k in range(len(right)):
+        solution[placed.column_order[k]] = work[k]
+
+
+@compiled(entry=True)
+def leave_out(Phi_q: Array, row_of: Array, left_out: Array) -> None:
+    """Equations that are left out have no gradient."""
+    for k in range(len(Phi_q)):
+        Phi_q[k] *= 1.0 - left_out[row_of[k]]

@@ -1,0 +1,112 @@
+"""Characteristic length of a system: what displacements are compared with where they are added to rotations.
+
+Metres and radians have no common unit. Analyses that need one norm for both divide displacements by a length of the
+system itself, so that no verdict depends on the unit in which a model is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...system import System
+from ...system.once import once_alike
+
+POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
+LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
+
+
+def extent(system: System, q: Array) -> float:
+    """Largest distance along an axis between points of the model: origins, joint points, ends of springs [m].
+
+    Without any two different points it is the radius of gyration, and 1 m without inertia.
+    """
+    points = np.concatenate([q.reshape(-1, 7)[:, :3], _points(system, q)])
+    size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
+    return size if size > noise else _radius_of_gyration(system, q) or 1.0
+
+
+def lever(system: System, q: Array, J: csr_array) -> float:
+    """Largest lever arm of the constraints at a position: gradient by rotation over gradient by displacement [m]."""
+    size = extent(system, q)
+    rows, turning = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr)), J.indices % 7 >= 3
+    by_p, by_r = (
+        np.sqrt(np.bincount(rows[part], weights=J.data[part] ** 2, minlength=J.shape[0]))
+        for part in (turning, ~turning)
+    )
+    arms = 0.5 * by_p[by_r > 0] / by_r[by_r > 0]
+    return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
+
+
+def row_sizes(J: csr_array, length: float) -> Array:
+    """How much each equation changes for a displacement by the length, or a rotation where it depends on that alone."""
+    rows, turning = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr)), J.indices % 7 >= 3
+    by_p, by_r = (
+        np.sqrt(np.bincount(rows[part], weights=J.data[part] ** 2, minlength=J.shape[0]))
+        for part in (turning, ~turning)
+    )
+    sizes = np.where(by_r > 0, length * by_r, by_p)
+    return np.where(sizes > 0, sizes, 1.0)
+
+
+def scaled(J: csr_array, length: float) -> csr_array:
+    """J by coordinates of which r is measured in this length."""
+    return csr_array((J.data * np.where(J.indices % 7 < 3, length, 1.0), J.indices, J.indptr), shape=J.shape)
+
+
+def thousands(sizes: Any) -> Any:
+    """The nearest powers of 1000: of a length 1 µm, 1 mm, 1 m, 1 km, a constant for derivatives by the parameters."""
+    return 1000.0 ** np.round(np.log10(sizes) / 3)
+
+
+def units(size: int, length: float) -> Array:
+    """What a change by one means then: the length for r, 1 for p (size,)."""
+    return np.tile(np.repeat([length, 1.0], (3, 4)), size // 7)
+
+
+def _points(system: System, q: Array) -> Array:
+    """Points of elements in global axes (count, 3)."""
+    fixed, moving, bodies = _places(system)
+    r, e0, e = np.split(q.reshape(-1, 7)[bodies], [3, 4], axis=1)
+    s = system.b[moving]
+    return np.concatenate([system.b[fixed], r + s + 2 * _cross(e, _cross(e, s) + e0 * s)])
+
+
+@once_alike
+def _places(system: System) -> tuple[Array, Array, Array]:
+    """Places (count, 3) among the numbers of points on the ground and of others, and the bodies of these."""
+    found = list(_fields(system))
+    none = np.zeros((0, 3), dtype=np.int64)
+    fixed = [none, *(at for at, bodies in found if bodies is None)]
+    moving = [none, *(at for at, bodies in found if bodies is not None)]
+    of = [none[:, 0], *(bodies for _, bodies in found if bodies is not None)]
+    return np.concatenate(fixed), np.concatenate(moving), np.concatenate(of)
+
+
+def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
+    """Yield the places of points (count, 3), and their bodies but for the ground."""
+    for p in system.populations:
+        if p.count and p.kind.bodies <= 2:
+            starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
+            for name, side in POINTS.items():
+                if name in starts and p.kind.fields[name] == "Vec3":
+                    slot = p.variant.slots[side]
+                    at = p.at + starts[name] + p.kind.size() * np.arange(p.count)[:, None] + np.arange(3)
+                    yield at, None if slot < 0 else p.bodies[:, slot] // 7
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Vector products of rows."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+
+
+def _radius_of_gyration(system: System, q: Array) -> float:
+    mass = system.M(q).diagonal().reshape(-1, 7)
+    heavy = mass[:, 0] > 0
+    squares = mass[heavy, 3:].sum(axis=1) / (12 * mass[heavy, 0])  # the trace of 4 GᵀJG is 4 tr J
+    return float(np.sqrt(squares.max(initial=0.0)))

@@ -1,0 +1,51 @@
+"""The metric in which coordinates and velocities change least: the diagonal of W."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...system import System
+from ..arguments import kind
+from .length import extent, thousands, units
+
+
+def metric(system: System, given: str | ArrayLike) -> Array:
+    """The diagonal of W (nq,).
+
+    Parameters
+    ----------
+    system : System
+    given : "unit": 1 m counts like 1 in p, that is like 2 rad; in systems smaller than 3.2 cm 1 mm, in those larger
+        than 32 m 1 km, and so on. "mass": of every body its mass for r, and 4/3 of the
+        trace of its inertia about the body's origin for p, so that heavy bodies move less. Or (nq,) positive numbers.
+
+    Raises
+    ------
+    ValueError
+        For another word, a wrong shape, or numbers that are not positive.
+    """
+    if isinstance(given, str):
+        if given not in ("unit", "mass"):
+            raise ValueError(
+                f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}'
+            )
+        return _unit(system) if given == "unit" else _mass(system)
+    try:
+        weight = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f'metric must be "unit", "mass" or numbers, got {kind(given)}.') from None
+    if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
+        raise ValueError(f"a metric must be {system.nq} positive numbers, one for each coordinate")
+    return weight
+
+
+def _unit(system: System) -> Array:
+    return 1 / units(system.nq, float(thousands(extent(system, system.q0)))) ** 2
+
+
+def _mass(system: System) -> Array:
+    weight = system.M(system.q0).diagonal().reshape(-1, 7)
+    weight[:, 3:] = weight[:, 3:].sum(axis=1, keepdims=True) / 3
+    return np.asarray(weight.reshape(-1))

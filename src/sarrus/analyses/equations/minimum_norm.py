@@ -1,0 +1,62 @@
+"""Multipliers of minimum norm, where constraints are redundant: the one answer that runs report and derivatives have.
+
+Φ_qᵀλ fixes λ up to the left null space of Φ_q. Of all λ with the same constraint forces the reported one has the least
+Σ λ_k² over all equations, in their own units: λ - N Nᵀλ, with an orthonormal basis N of that null space.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...linalg.factors import DENSE_BELOW
+from ...system import System
+from .saddle_point import Saddle
+
+
+class MinimumNorm:
+    """The left null space of Φ_q at one position after another, for one choice of independent equations.
+
+    Parameters
+    ----------
+    system : System
+    kept : places in Φ of independent equations
+    """
+
+    def __init__(self, system: System, kept: Array) -> None:
+        self._nq, self._m = system.nq, system.m
+        self._saddle = Saddle(system, "I", kept)
+        self._dropped = np.setdiff1d(np.arange(system.m), kept)
+        self._small = system.nq < DENSE_BELOW
+
+    def combinations(self, J: csr_array) -> Array:
+        """For every equation left out, itself less what it follows from (m, k): nᵀΦ_q = 0.
+
+        Raises
+        ------
+        SingularSystem
+            If the equations chosen are dependent there.
+        """
+        self._saddle.factor(np.ones(self._nq), J.data)
+        found = -self.forces(J.toarray()[self._dropped].T if self._small else J[self._dropped].toarray().T)
+        found[self._dropped, np.arange(len(self._dropped))] = 1
+        return found
+
+    def null(self, J: csr_array) -> Array:
+        """An orthonormal basis (m, k) of the left null space; what follows is at the same position."""
+        return np.asarray(qr(self.combinations(J), mode="economic")[0])
+
+    def forces(self, f: Array) -> Array:
+        """Multipliers of the equations chosen whose constraint forces come nearest to f, (nq, k) -> (m, k)."""
+        return self._saddle.solve(f, np.zeros((self._m, f.shape[1])))[1]
+
+    def motions(self, g: Array) -> Array:
+        """The least ξ with Φ_q ξ = g in the equations chosen, (m, k) -> (nq, k)."""
+        return self._saddle.solve(np.zeros((self._nq, g.shape[1])), g)[0]
+
+
+def shortest(lam: Array, null: Array) -> Array:
+    """The part of multipliers (m,) or (m, k) that is across the left null space."""
+    return np.asarray(lam - null @ (null.T @ lam))

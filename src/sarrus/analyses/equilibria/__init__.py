@@ -1,0 +1,1 @@
+"""Equilibrium at rest, linearization about it and vibration modes."""

@@ -1,0 +1,117 @@
+"""The forces at one position at rest, and their exact change along the free directions."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...system import System
+from ..equations.length import lever, units
+from ..equations.nullspace import NullSpace
+
+NEUTRAL = 1e-10  # an eigenvalue of (H, W) relative to its terms before they cancel, that counts as zero
+ROUND_OFF = 1e-14  # the same relative to the largest eigenvalue: what the eigenvalue solver leaves
+RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are round-off
+
+
+class Spectrum(NamedTuple):
+    """Eigenvalues ω² (d,) of H y = ω² W y, H's symmetric part, and vectors as columns (d, d) with yᵀ W y = 1.
+
+    `neutral` (d,) marks those that are zero to their own condition.
+    """
+
+    squares: Array
+    vectors: Array
+    neutral: Array
+
+
+class Balance:
+    """Q - Φ_qᵀ lam and its derivative at a position q at rest, with the shortest change of multipliers.
+
+    Attributes
+    ----------
+    Z : (nq, d) the free directions
+    lam : (m,) the multipliers that balance the forces best
+    g : (d,) the part of the forces along Z, that no constraint balances
+    length : by which displacements are measured where they are added to rotations [m]
+    """
+
+    def __init__(self, system: System, q: Array, t: float, b: Array) -> None:
+        self.system, self.q, self.t, self.b = system, q, t, b
+        J = system.Phi_q(q, t, b=b)
+        self.length = lever(system, q, J)
+        space = NullSpace(J, self.length)
+        self.rest = np.zeros(system.nq)
+        self.Q = system.Q(q, self.rest, t, b=b)
+        self.Z, self.share, self.lam = space.Z, space.share, space.multipliers(self.Q)
+        self._lengths = space.lengths
+        self.g = self.Z.T @ self.Q
+
+    @cached_property
+    def H(self) -> Array:
+        """The constrained Hessian Zᵀ ((Φ_qᵀ lam)_q - Q_q) Z (d, d)."""
+        K = self.system.Phi_qT_lam_q(self.q, self.lam, self.t, b=self.b)
+        K = K - self.system.Q_q(self.q, self.rest, self.t, b=self.b)
+        return np.asarray(self.Z.T @ (K @ self.Z))
+
+    @cached_property
+    def W(self) -> Array:
+        """The mass matrix along the free directions, Zᵀ M Z (d, d)."""
+        return np.asarray(self.Z.T @ (self.system.M(self.q, b=self.b) @ self.Z))
+
+    @cached_property
+    def spectrum(self) -> Spectrum:
+        """Squares of the undamped angular frequencies, if the forces are conservative."""
+        if not len(self.g):
+            return Spectrum(np.zeros(0), np.zeros((0, 0)), np.zeros(0, dtype=bool))
+        squares, vectors = eigh(0.5 * (self.H + self.H.T), self.W)
+        motions = abs(self.Z @ vectors)
+        round_off = (motions * (self._stiffness_round_off() @ motions)).sum(axis=0)
+        neutral = abs(squares) <= round_off + ROUND_OFF * abs(squares).max()
+        return Spectrum(squares, vectors, neutral)
+
+    @property
+    def asymmetry(self) -> float:
+        """How far H is from symmetric, relative to its terms: zero, where the forces have a potential."""
+        terms = abs(self.Z).T @ (self.stiffness_terms @ abs(self.Z))
+        return float(abs(self.H - self.H.T).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
+
+    @property
+    def residual(self) -> float:
+        """Largest entry of the force that is not balanced [N], [N m]."""
+        return float(abs(self.share.T @ self.g).max(initial=0.0))
+
+    @cached_property
+    def stiffness_terms(self) -> csr_array:
+        """(Φ_qᵀ lam)_q - Q_q with all elements' contributions taken by their absolute values (nq, nq)."""
+        terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=self.lam, t=self.t, b=self.b)
+        return terms + self.system.magnitude("Q_q", q=self.q, v=self.rest, t=self.t, b=self.b)
+
+    def _stiffness_round_off(self) -> csr_array:
+        """What H may be by round-off: of its terms, and of multipliers, which are as exact as the largest force."""
+        force = float((units(self.system.nq, self.length) * self.force_terms).max(initial=0.0))
+        terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=force / self._lengths, t=self.t, b=self.b)
+        return csr_array(NEUTRAL * self.stiffness_terms + RESOLVED * terms)
+
+    @cached_property
+    def force_terms(self) -> Array:
+        """The same of Q and Φ_qᵀ lam (nq,): forces before they cancel."""
+        terms = self.system.magnitude("Q", q=self.q, v=self.rest, t=self.t, b=self.b)
+        terms = terms + self.system.magnitude("Phi_qT_lam", q=self.q, lam=self.lam, t=self.t, b=self.b)
+        return np.asarray(terms)
+
+    def imbalance(self, unit: Array) -> float:
+        """The force that is not balanced relative to the forces before they cancel; 0 where it is round-off of q.
+
+        `unit` (nq,) is what a change of a coordinate by one means.
+        """
+        unbalanced = unit * abs(self.share.T @ self.g)
+        round_off = RESOLVED * unit * (self.stiffness_terms @ (abs(self.q) + unit))
+        if np.all(unbalanced <= round_off):
+            return 0.0
+        return float(unbalanced.max() / (unit * self.force_terms).max())

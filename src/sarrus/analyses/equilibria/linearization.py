@@ -1,0 +1,150 @@
+"""Linearization about an equilibrium or a steady motion, with exact matrices in independent coordinates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
+from ...model import reports_warnings
+from ...system import System
+from ..arguments import refuse_other_system
+from ..equations.constraint_projection import largest
+from ..equations.length import lever
+from ..equations.missing_inertia import refuse_missing_inertia
+from ..equations.nullspace import NullSpace
+from ..position.initial_state import Given, Start, state_of
+from .steady_motion import generator
+
+
+class Linear(NamedTuple):
+    """The first-order equations ẋ = A x of small changes, x = [y; w].
+
+    Attributes
+    ----------
+    A : (2 d, 2 d)
+    M, D, K : (d, d) mass, damping and stiffness along the free directions: M ẇ + D w + K y = 0 about a position at rest
+    Z : (nq, d) the coordinates change by Z y
+    P : (nq, d) the velocities by Z w + P y
+    unsteady : largest entry of a - X v, zero in a steady motion
+    warnings : short messages about what may not be as the user expects
+    """
+
+    A: Array
+    M: Array
+    D: Array
+    K: Array
+    Z: Array
+    P: Array
+    unsteady: float
+    warnings: tuple[str, ...] = ()
+
+
+class Terms(NamedTuple):
+    """Sizes of what M, D, K and the forces consist of, before the elements' contributions cancel, full (nq, nq)."""
+
+    M: csr_array
+    D: csr_array
+    K: csr_array
+    force: Array
+
+
+class Around(NamedTuple):
+    """A state, and the acceleration and multipliers there."""
+
+    t: float
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    b: Array
+
+
+@reports_warnings
+@one_thread_if_small
+def linearize(
+    system: System,
+    q: Start,
+    v: ArrayLike | None = None,
+    *,
+    t: float | None = None,
+    turning: ArrayLike = (0.0, 0.0, 0.0),
+    strict: bool = False,
+) -> Linear:
+    """Linearize the equations of motion along the constraints.
+
+    With the exact K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
+
+        M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
+
+    About a steady motion they are taken as seen by an observer who moves with it; see
+    `sarrus.analyses.equilibria.steady_motion`.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints. `q` may also
+        be an `Assembly`, a `State` or an `Equilibrium`, which has its own velocities and time
+    t : time [s]; by default that of the state, or 0
+    turning : (3,) angular velocity of the observer in global axes [rad/s], e.g. the precession of a top
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Linear
+    """
+    refuse_other_system(system, "linearize")
+    at, space = around(system, state_of(system, q, v, t))
+    return reduced(system, at, space, np.asarray(turning, dtype=float))
+
+
+def around(system: System, given: Given) -> tuple[Around, NullSpace]:
+    """Accelerations along and across the free directions, then the shortest multipliers."""
+    q, t, b = given.q, given.t, given.parameters(system)
+    speed = np.zeros(system.nq) if given.v is None else given.v
+    J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
+    space = NullSpace(J, lever(system, q, J))
+    force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
+    refuse_missing_inertia(system, q, space.Z, M)
+    across = space.change(system.gamma(q, speed, t, b=b))
+    along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
+    a = across + space.Z @ along
+    return Around(t, q, speed, a, space.multipliers(force - M @ a), b), space
+
+
+def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Linear:
+    """The linear equations along the free directions."""
+    t, q, v, a, lam, b = at
+    X = generator(q, v, turning)
+    Z, M = space.Z, system.M(q, b=b)
+    K = system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b)
+    K = K - system.Q_q(q, v, t, b=b) - system.S_q(q, v, b=b)
+    D = -(system.Q_v(q, v, t, b=b) + system.S_v(q, v, b=b))
+    gamma_v = system.gamma_v(q, v, t, b=b)
+    P = space.change(0.5 * (gamma_v @ Z))
+    turn = system.gamma_q(q, v, t, b=b) - system.Phi_q_xi_q(q, a, t, b=b)
+    across = space.change(np.hstack([turn @ Z + gamma_v @ P, gamma_v @ Z]))
+    left = Z.T @ (M @ Z)
+    right = Z.T @ (np.hstack([K @ Z + D @ P, D @ Z]) + M @ across)
+    acceleration = across - Z @ np.linalg.solve(left, right)
+    d = Z.shape[1]
+    speed = np.hstack([P, Z])
+    A = np.vstack(
+        [space.share @ (speed - X @ np.hstack([Z, 0 * Z])), space.share @ (acceleration - X @ speed)]
+    )
+    return Linear(A, left, right[:, d:], right[:, :d], Z, P, largest(a - X @ v))
+
+
+def terms_of(system: System, at: Around) -> Terms:
+    """The sizes of the terms at a state."""
+    t, q, v, a, lam, b = at
+    K = system.magnitude("Phi_qT_lam_q", q=q, lam=lam, t=t, b=b) + system.magnitude("Q_q", q=q, v=v, t=t, b=b)
+    K = K + system.magnitude("M_a_q", q=q, a=a, b=b) + system.magnitude("S_q", q=q, v=v, b=b)
+    D = system.magnitude("Q_v", q=q, v=v, t=t, b=b) + system.magnitude("S_v", q=q, v=v, b=b)
+    M = system.magnitude("M", q=q, b=b)
+    force = system.magnitude("Q", q=q, v=v, t=t, b=b) + system.magnitude("Phi_qT_lam", q=q, lam=lam, t=t, b=b)
+    return Terms(M, D, K, force + system.magnitude("S", q=q, v=v, b=b) + M @ abs(a))

@@ -1,0 +1,199 @@
+"""Static equilibrium: Φ_qᵀ lam = Q at rest, Φ = 0."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
+from ...model import reports_warnings
+from ...results import Equilibrium
+from ...results.equilibrium import Stability
+from ...system import System
+from ..arguments import refuse_other_system
+from ..driven.steps import coordinate_scale
+from ..equations.constraint_projection import largest, onto
+from ..equations.missing_inertia import refuse_missing_inertia
+from ..position.initial_state import Given, Start, state_of
+from ..redundancy.degrees_of_freedom import mobility
+from .balance import Balance
+from .step import newton_step, slide_step
+
+FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
+ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
+BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
+SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
+FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
+LARGEST_RADIUS = 0.2
+POOR, GOOD = (
+    0.2,
+    0.8,
+)  # work done over work expected: below, the step is taken back; above, the next may be longer
+
+
+@reports_warnings
+@one_thread_if_small
+def equilibrium(
+    system: System,
+    q: Start | None = None,
+    *,
+    t: float | None = None,
+    stable: bool = True,
+    iterations: int = 500,
+    strict: bool = False,
+) -> Equilibrium:
+    """Find a position in which the system can rest.
+
+    Newton's method on the equations Φ_qᵀ lam - Q = 0, Φ = 0 with the exact derivatives (Φ_qᵀ lam)_q and Q_q, solved
+    along the free directions. Far away, or where it would climb, steps are bent downhill: the work of the forces, not
+    their size, decides whether a step is good, so that the search ends in a stable equilibrium.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) where to start, or an `Assembly`, a `State` or an `Equilibrium`; by default the model's
+    t : time at which drivers and forces are held [s]; by default that of the start, or 0
+    stable : go downhill to a stable equilibrium; if false, to the nearest one, be it stable or not
+    iterations : at most so many steps
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Equilibrium
+        With ``success`` false and a sentence if there is none nearby: an open joint, or a motion without end.
+    """
+    refuse_other_system(system, "equilibrium")
+    begin = state_of(system, system.q0 if q is None else q, None, t)
+    start, t = begin.q, begin.t
+    search = _Search(system, begin)
+    assembled, reached = onto(system, start, t, b=search.b)
+    if not reached:
+        gap = largest(system.Phi(assembled, t, b=search.b))
+        told = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains; assemble it first"
+        return search.result(search.at(assembled), False, told, 0)
+    return search.run(assembled, stable, iterations)
+
+
+class _Search:
+    """One search under way."""
+
+    def __init__(self, system: System, start: Given) -> None:
+        self.system, self.t, self.b = system, start.t, start.parameters(system)
+        self.scale = coordinate_scale(system, start.q)
+        self.radius = FIRST_RADIUS
+
+    def at(self, q: Array) -> Balance:
+        self.system.remember(q, self.b, self.t)
+        return Balance(self.system, q, self.t, self.b)
+
+    def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
+        now, last = self.at(q), np.inf
+        refuse_missing_inertia(self.system, now.q, now.Z, self.system.M(now.q, b=self.b))
+        for count in range(iterations):
+            step = slide_step(now, self.scale, self.radius) if stable else newton_step(now)
+            size = largest(step / self.scale)
+            if size <= FINISHED or (size <= ROUND_OFF and size >= last):
+                return self._verdict(now, count, size)
+            found = self._downhill(now, step) if stable else self._shorter(now, step)
+            if found is None:
+                return self._verdict(now, count, size)
+            now, last = found, size
+        return self._verdict(now, iterations, np.inf)
+
+    def _downhill(self, now: Balance, step: Array) -> Balance | None:
+        """The next position; the forces must do work on the way there."""
+        for _ in range(40):
+            size = largest(step / self.scale)
+            found = self._moved(now, step)
+            quality = _work(now, found) / max(_expected(now, step), 1e-300) if found is not None else 0.0
+            if found is not None and (size <= ROUND_OFF or quality > POOR):
+                grown = 2 * size if quality > GOOD else size
+                self.radius = min(max(grown, FINISHED), LARGEST_RADIUS)
+                return found
+            self.radius = 0.3 * size
+            step = slide_step(now, self.scale, self.radius)
+        return None
+
+    def _shorter(self, now: Balance, step: Array) -> Balance | None:
+        """The next position; the unbalanced force must become smaller."""
+        step = step * min(1.0, LARGEST_RADIUS / max(largest(step / self.scale), 1e-300))
+        for halvings in range(30):
+            found = self._moved(now, step * 0.5**halvings)
+            if found is None:
+                continue
+            if np.linalg.norm(found.g) < np.linalg.norm(now.g) or largest(step / self.scale) <= ROUND_OFF:
+                return found
+        return None
+
+    def _moved(self, now: Balance, step: Array) -> Balance | None:
+        q, reached = onto(self.system, now.q + step, self.t, b=self.b)
+        return self.at(q) if reached and largest((q - now.q) / self.scale) < 2 * LARGEST_RADIUS else None
+
+    def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
+        balanced = now.imbalance(self.scale) <= BALANCED
+        if balanced and size <= ROUND_OFF:
+            told = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
+            return self.result(now, True, told, count)
+        told = (
+            f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "
+            "it may be free to fall or to turn for ever, or start from another position"
+        )
+        return self.result(now, False, told, count)
+
+    def _crossing(self, now: Balance) -> str:
+        """What to know of a position where the constraints lose rank: not all motions that are counted go on."""
+        kind = mobility(self.system, now.q, t=self.t).kind
+        if kind not in ("branching", "shaky"):
+            return ""
+        return "; the constraints lose rank here, so that fewer motions go on than are counted"
+
+    def result(self, now: Balance, success: bool, message: str, count: int) -> Equilibrium:
+        spectrum = now.spectrum
+        stability = stability_of(now) if success else "unknown"
+        motions = now.Z @ spectrum.vectors
+        return Equilibrium(
+            *(self.system.name, now.q, now.lam, success, message, stability),
+            *(spectrum.squares, motions, now.residual, count),
+            t=self.t,
+        )
+
+
+def stability_of(now: Balance) -> Stability:
+    """By the sign of the smallest eigenvalue of the constrained Hessian."""
+    squares, neutral = now.spectrum.squares, now.spectrum.neutral
+    if now.asymmetry > SYMMETRIC:
+        return "unknown"
+    if np.any(squares[~neutral] < 0):
+        return "unstable"
+    return "neutral" if np.any(neutral) else "stable"
+
+
+def _words(now: Balance) -> str:
+    squares, neutral = now.spectrum.squares, now.spectrum.neutral
+    if now.asymmetry > SYMMETRIC:
+        return "its forces have no potential, so that only `modes` can tell whether it is stable"
+    if not len(squares):
+        return "it cannot move at all"
+    if stability_of(now) == "unstable":
+        count = int(np.count_nonzero(squares[~neutral] < 0))
+        return f"it is unstable along {count} motion{'s' if count > 1 else ''}"
+    resisted = (
+        f"the smallest frequency is {np.sqrt(squares[~neutral].min()) / (2 * np.pi):.6g} Hz"
+        if np.any(~neutral)
+        else ""
+    )
+    if np.any(neutral):
+        count = int(np.count_nonzero(neutral))
+        told = f"{count} motion{'s meet' if count > 1 else ' meets'} no resistance"
+        return f"{told}; of the others {resisted}" if resisted else told
+    return f"it is stable, {resisted}"
+
+
+def _work(now: Balance, then: Balance) -> float:
+    """What the forces do on the way from one position to another, by the trapezoidal rule."""
+    return float(0.5 * (now.Q + then.Q) @ (then.q - now.q))
+
+
+def _expected(now: Balance, step: Array) -> float:
+    y = now.share @ step
+    return float(now.g @ y - 0.5 * y @ now.H @ y)

@@ -1,0 +1,122 @@
+"""Vibration modes: eigenvalues of the linearized equations of motion, and what they say of stability."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
+from ...model import announce, reports_warnings
+from ...results import Modes
+from ...system import System
+from ..arguments import refuse_other_system
+from ..equations.length import extent, units
+from ..position.initial_state import Start, state_of
+from .eigenvalues import eigenvalues
+from .linearization import Around, Linear, Terms, around, reduced, terms_of
+from .steady_motion import generator
+
+STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
+RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are round-off
+
+
+@reports_warnings
+@one_thread_if_small
+def modes(
+    system: System,
+    q: Start,
+    v: ArrayLike | None = None,
+    *,
+    t: float | None = None,
+    turning: ArrayLike = (0.0, 0.0, 0.0),
+    strict: bool = False,
+) -> Modes:
+    """Vibration modes about an equilibrium or a steady motion, from exact derivatives.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (nq,) an equilibrium, or a state of a steady motion. `q` may be what `equilibrium` returns, an `Assembly` or
+        a `State`, which has its own velocities and time
+    t : time [s]; by default that of the state, or 0
+    turning : (3,) angular velocity in global axes of the observer to whom the motion looks steady [rad/s]
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Modes
+        With ``success`` false and a sentence in ``message``, if this is neither an equilibrium nor a steady motion.
+    """
+    refuse_other_system(system, "modes")
+    at, space = around(system, state_of(system, q, v, t))
+    linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, at)
+    found = eigenvalues(linear, terms)
+    values = np.where(abs(found.s) <= found.round_off, 0.0, found.s)
+    keep = _order(values)
+    values, round_off = values[keep], found.round_off[keep]
+    stability = _stability(values, round_off)
+    steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
+    success, message = _verdict(system, at, linear, steady, stability, values)
+    announce([] if success else [f"{message}. Give a state that `equilibrium` returns"])
+    shapes = linear.Z @ found.vectors[: linear.Z.shape[1], keep]
+    return Modes(
+        *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes)),
+        *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
+        *(linear.unsteady, success, message, stability),
+    )
+
+
+def _order(values: Array) -> Array:
+    """Upper half of the plane: by rising |Im|, then falling Re; a double zero is one free motion."""
+    zeros = np.flatnonzero(values == 0)
+    others = np.flatnonzero((values != 0) & (values.imag >= 0))
+    order = others[np.lexsort((-values[others].real, values[others].imag))]
+    return np.concatenate([zeros[: (len(zeros) + 1) // 2], order])
+
+
+def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal", "unstable"]:
+    """By the real parts, each compared with the round-off of its own eigenvalue."""
+    if np.any(values.real > round_off):
+        return "unstable"
+    return "stable" if np.all(values.real < -round_off) else "marginal"
+
+
+def _verdict(
+    system: System, at: Around, linear: Linear, steady: bool, stability: str, values: Array
+) -> tuple[bool, str]:
+    kind = "steady motion" if np.any(at.v) else "equilibrium"
+    free = int(np.count_nonzero(values == 0))
+    also = f", with {free} free motion{'s' if free > 1 else ''}" if free else ""
+    if not steady:
+        told = f"{system.name} is in no {kind} there: it accelerates by {linear.unsteady:.3g}; the modes are of no use"
+        return False, told
+    return True, f"{system.name}: this {kind} is {stability}{also}"
+
+
+def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool:
+    """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
+    X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
+    missing = unit * abs(system.M(at.q, b=at.b) @ (at.a - X @ at.v))
+    force = unit * (terms.force + terms.M @ abs(X @ at.v))
+    round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
+    allowed = STEADY * np.repeat(force.reshape(-1, 7).max(axis=1), 7) + round_off
+    return bool(np.all(missing <= allowed))
+
+
+def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
+    """Part of the kinetic energy of each mode that each body has (bodies, k)."""
+    energy = (
+        (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real.reshape(-1, 7, shapes.shape[1]).sum(axis=1)
+    )
+    total = energy.sum(axis=0)
+    return np.asarray(energy / np.where(total > 0, total, 1.0))
+
+
+def _normalized(shapes: Array) -> Array:
+    if not shapes.size:
+        return shapes
+    top = shapes[np.argmax(abs(shapes), axis=0), np.arange(shapes.shape[1])]
+    return np.asarray(shapes / np.where(abs(top) > 0, top, 1.0))

@@ -1,0 +1,220 @@
+"""Assembly: the nearest coordinates and velocities that satisfy the constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...linalg.threads import one_thread_if_small
+from ...model import announce, reports_warnings
+from ...results import Asked, Assembly
+from ...system import System
+from ..arguments import kind, refuse_other_system
+from ..equations.closure import allowed
+from ..equations.length import extent, lever, units
+from ..equations.metric import metric as metric_of
+from ..equations.saddle_point import Saddle
+from .assembly_changes import position_changes, velocity_changes, warning
+from .feasible import Feasible, Reached, Renormalization
+from .least_change import LeastChange
+from .named_coordinates import held_coordinates
+from .open_joints import open_joints
+from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
+from .velocity import Rates, assemble_velocity
+
+SHAKE = (
+    0.05,
+    0.1,
+    0.2,
+    0.3,
+)  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
+
+
+@reports_warnings
+@one_thread_if_small
+def assemble(
+    system: System,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    *,
+    t: float = 0.0,
+    fixed: Iterable[str] = (),
+    rates: Mapping[str, float] | None = None,
+    metric: str | ArrayLike = "unit",
+    tolerance: float = 1e-12,
+    iterations: int = 200,
+    restarts: int = 8,
+    seed: int = 0,
+    strict: bool = False,
+) -> Assembly:
+    """Find consistent coordinates and velocities near given ones.
+
+    First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is
+    restarted from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,
+    q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
+    Φ_q v = -Φ_t and the given rates. Dependent equations do no harm as long as they do not contradict each other.
+
+    The guess chooses the branch: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears that
+    follow them, and springs about their axes have the revolutions of the driver's motion at the time t.
+
+    What it changes visibly is listed in ``changes``: positions by more than 1e-3 of the mechanism's size, orientations
+    by more than 1e-3 rad, and given velocities by more than 1e-3 of themselves, where zero counts as not given. It is
+    a warning where the model's own state is changed, or velocities that were given: a `q` that is given is a guess.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
+    t : time [s]
+    fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
+    rates : velocities that are given, besides the model's initial rates, which count where `v` is left out: by
+        coordinate [m/s, 1/s] or by joint, those of any angle [rad/s] or displacement [m/s], ``"pin"`` where the joint
+        has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
+    metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.equations.metric.metric`
+    tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
+        the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
+    iterations : at most so many steps of one search
+    restarts : at most so many further searches
+    seed : of the random numbers that shake the guess
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Assembly
+        With ``success`` false and the open joints in ``message`` if the constraints could not be satisfied.
+
+    Raises
+    ------
+    KeyError
+        If `fixed` or `rates` name what the system does not have.
+    ValueError
+        For wrong shapes or a metric that is not positive.
+    """
+    refuse_other_system(system, "assemble")
+    weight, held = metric_of(system, metric), held_coordinates(system, fixed)
+    inverse = np.where(held, 0.0, 1 / weight)
+    guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
+    speed = _vector("v", system.v0 if v is None else v, system.nq)
+    asked = Asked(
+        guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t)
+    )
+    given = Rates(system, asked.rates)
+    memory = prescribed_memory(system, asked.t, system.b)
+    nominal, system = system, system.with_memory(memory)
+    how = inverse, tolerance, iterations, restarts, seed
+    reached = _search(system, asked, guess, *how)
+    led = with_leaders(nominal, reached.q, asked.t) if reached.ok else None
+    if led is not None:
+        reached = _search(system, asked, _search(led, asked, guess, *how).q, *how)
+    if not reached.ok:
+        return _open(system, asked, reached, tolerance)
+    found = _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
+    moved = tuple(position_changes(system, guess, found.q))
+    turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
+    if t == 0.0:
+        announce(warning(system, (*(moved if q is None else ()), *turned)))
+    turns = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))
+    if system is not nominal or len(turns):
+        found = replace(found, memory=memory, revolutions=turns)
+    return replace(found, changes=(*moved, *turned))
+
+
+def _vector(name: str, value: ArrayLike, size: int) -> Array:
+    try:
+        vector = np.array(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} must be {size} finite numbers, got {kind(value)}.") from None
+    if vector.shape != (size,) or not np.all(np.isfinite(vector)):
+        raise ValueError(f"{name} must be {size} finite numbers")
+    return vector
+
+
+def _search(
+    system: System,
+    asked: Asked,
+    begin: Array,
+    inverse: Array,
+    tolerance: float,
+    iterations: int,
+    restarts: int,
+    seed: int,
+) -> Reached:
+    """The first search that reaches the constraints, or the one that came nearest."""
+    search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
+    best, steps = search(begin, tolerance, iterations), 0
+    between = float(np.ptp(asked.q.reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
+    size = units(system.nq, between or extent(system, asked.q))
+    for n in range(restarts):
+        if best.ok or not np.any(inverse):
+            break
+        guess = _shaken(asked, size, SHAKE[min(n // 2, len(SHAKE) - 1)], random)
+        found = search(guess, tolerance, iterations)
+        steps += found.steps
+        best = found if found.residual < best.residual else best
+    return replace(best, steps=best.steps + steps)
+
+
+def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator) -> Array:
+    shake = part * size * random.normal(size=len(asked.q))
+    return asked.q + np.where(asked.held, 0.0, shake)
+
+
+def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
+    """From the first consistent coordinates to the nearest ones, with the last digits of Φ removed."""
+    near = LeastChange(system, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
+    last = Feasible(system, inverse, asked.t)(near.q, 0.0, 1)
+    steps = reached.steps + near.steps
+    how = f"assembled in {steps} steps"
+    if not near.stationary:
+        how += ", though perhaps not with the least change"
+    return Assembly(
+        last.q, asked.v, True, how, last.residual, steps, near.lam, nearest=near.stationary, asked=asked
+    )
+
+
+def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
+    asked = found.asked
+    assert asked is not None
+    speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held, rates, asked.t)
+    done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
+    open_rows = abs(speed.gap) > speed.allowed
+    if not np.any(open_rows):
+        return done
+    opening = open_joints(
+        system, found.q, speed.gap[: system.m], speed.allowed[: system.m], asked.t, per_second=True
+    )
+    missed = [
+        f"{name} by {gap:.3g}"
+        for name, gap, is_open in zip(asked.rates, speed.gap[system.m :], open_rows[system.m :], strict=True)
+        if is_open
+    ]
+    told = ", ".join(filter(None, [opening, *missed]))
+    message = (
+        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {told}; "
+        "give fewer rates, hold less, or look for a position where the mechanism cannot move that way"
+    )
+    return replace(done, success=False, message=message)
+
+
+def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
+    J = system.Phi_q(reached.q, asked.t)
+    limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
+    told = (
+        open_joints(system, reached.q, reached.Phi, limits, asked.t) or "the unit length of Euler parameters"
+    )
+    message = (
+        f"{system.name} could not be assembled; still open after {reached.steps} steps: {told}; "
+        "start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
+    )
+    return Assembly(reached.q, asked.v, False, message, reached.residual, reached.steps, asked=asked)
+
+
+def project_velocity(system: System, saddle: Saddle, q: Array, v: Array) -> Array:
+    """The velocity nearest to v that satisfies Φ_q v = 0."""
+    saddle.factor(np.ones(system.nq), system.Phi_q(q).data)
+    change, _ = saddle.solve(np.zeros(system.nq), -system.Phi_q_xi(q, v))
+    return v + change

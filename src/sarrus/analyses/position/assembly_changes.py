@@ -1,0 +1,85 @@
+"""What assembly changes of the positions and velocities that a model gives, body by body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...algebra import Array
+from ...euler import E, G
+from ...system import System
+from ..equations.length import extent
+
+# Of the size of the mechanism, of a radian, and of a given velocity: models are written with few digits
+ACCURACY = 1e-3
+NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero, which is not given
+SHOWN = 3  # bodies that a warning lists
+
+
+def position_changes(system: System, q: Array, found: Array) -> Iterator[str]:
+    """Bodies whose position or orientation differs by more than `ACCURACY`, with both values."""
+    size = extent(system, q)
+    for name, (r, p), (r_new, p_new) in _poses(system, q, found):
+        if np.linalg.norm(r_new - r) > ACCURACY * size:
+            yield f"{name}: position {_vector(r)} became {_vector(r_new)} m"
+        turn = 2 * np.arcsin(min(1.0, float(np.linalg.norm(E(p) @ p_new))))
+        if turn > ACCURACY:
+            yield f"{name}: orientation changed by {np.degrees(turn):.4g} deg"
+
+
+def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v: Array) -> Iterator[str]:
+    """Bodies whose given velocity, or angular velocity in body axes, differs by more than `ACCURACY` of itself.
+
+    A velocity of zero counts as not given: who gives that of a crank alone wants the others to follow.
+    """
+    states = list(zip(_poses(system, q, found_q), _poses(system, v, found_v), strict=True))
+    kinds: tuple[list[tuple[str, Array, Array]], ...] = ([], [])
+    for (name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new)) in states:
+        kinds[0].append((name, rd, rd_new))
+        kinds[1].append((name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new)))
+    largest = [max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0) for bodies in kinds]
+    size = extent(system, q)
+    leasts = NEGLIGIBLE * max(largest[0], size * largest[1]) * np.array([1, 1 / size])
+    for what, unit, least, bodies in zip(
+        ("velocity", "angular velocity"), ("m/s", "rad/s"), leasts, kinds, strict=True
+    ):
+        for name, given, new in bodies:
+            speed = float(np.linalg.norm(given))
+            if speed > least and np.linalg.norm(new - given) > ACCURACY * speed:
+                yield f"{name}: {what} {_both(given, new)} {unit}"
+
+
+def warning(system: System, changes: tuple[str, ...]) -> list[str]:
+    """One message for all changes."""
+    if not changes:
+        return []
+    more = f" and {len(changes) - SHOWN} more, see `changes` of the assembly" if len(changes) > SHOWN else ""
+    return [
+        f"{system.name}: assembly changed the given initial state: {'; '.join(changes[:SHOWN])}{more}. "
+        "Correct the model, or give consistent rates of joints."
+    ]
+
+
+def _poses(
+    system: System, q: Array, found: Array
+) -> Iterator[tuple[str, tuple[Array, Array], tuple[Array, Array]]]:
+    """Position and Euler parameters of each body in two states, or their rates."""
+    rows = zip(system.bodies, q.reshape(-1, 7), found.reshape(-1, 7), strict=True)
+    for name, old, new in rows:
+        yield name, (old[:3], old[3:]), (new[:3], new[3:])
+
+
+def _both(given: Array, new: Array) -> str:
+    """Both values: numbers where they have one direction along an axis in common, else vectors."""
+    axes = np.flatnonzero(
+        (abs(given) > NEGLIGIBLE * abs(given).max()) | (abs(new) > NEGLIGIBLE * abs(new).max())
+    )
+    if len(axes) == 1:
+        return f"{given[axes[0]]:.4g} became {new[axes[0]]:.4g}"
+    return f"{_vector(given)} became {_vector(new)}"
+
+
+def _vector(x: Array) -> str:
+    shown = np.where(abs(x) > NEGLIGIBLE * abs(x).max(), x, 0.0)
+    return f"({', '.join(f'{entry:.4g}' for entry in shown)})"

@@ -1,0 +1,292 @@
+"""Exact derivatives of assembled coordinates and velocities, by the implicit function theorem.
+
+The conditions of least change,
+
+    W (q - q₀) + Φ_qᵀλ = 0,         Φ(q, b) = 0,
+    W (v - v₀) + Φ_qᵀμ + Cᵀν = 0,   Φ_q v = -Φ_t,  C v = rates,
+
+differentiated along a direction of the numbers b and of the guess (q₀, v₀), or transposed.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from ...algebra import Array
+from ...linalg.kkt import KKT, diagonal
+from ...results import Asked, Assembly
+from ...system import System
+from ...system.curve_derivatives import CurveDerivatives
+from ..equations.block_matrix import LEFT_OUT, Numbers, Part
+from ..equations.joined_operators import Curved, Joined
+from ..equations.normalizations import normalizations
+from .velocity import Rates
+
+BENT, BENT_B = "Phi_qT_mu_q", "Phi_qT_mu_b"  # with the multipliers of the velocities
+EVALUATED = (
+    ("Phi_q", "Phi_qT_lam_q"),
+    *((n,) for n in ("gamma_v", "Phi_qT_lam_b", "Phi_b", "Phi_q_xi_b", "Phi_t_b")),
+)
+NAMES = (LEFT_OUT, *(name for group in EVALUATED for name in group), BENT, BENT_B)
+OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent equations contradict each other
+
+NOISE = 1e-9  # |Φ_b db| relative to the sizes of its terms, below which it is round-off
+
+
+class NoDerivative(ArithmeticError):
+    """A change of these numbers makes constraints contradict each other."""
+
+
+class Adjoint(NamedTuple):
+    """Gradients by the parameters, the guess and the joints' parameters; adjoint variables of the conditions.
+
+    x1 and y1 are those for q and Φ, x2 and y2 those for v and its rows.
+    """
+
+    b: Array
+    q: Array
+    v: Array
+    c: Array
+    x1: Array
+    y1: Array
+    x2: Array
+    y2: Array
+
+
+class AssemblyDerivatives:
+    """The derivatives of one assembly. Two matrices are factored once, for any number of directions.
+
+    Parameters
+    ----------
+    system : System
+    found : from `assemble` of this system, successful and nearest
+
+    Raises
+    ------
+    ValueError
+        If the assembly failed, or is not known to be the nearest one.
+
+    Notes
+    -----
+    The derivatives are those of a smooth branch: the nearest point jumps where two points are equally near. The
+    metric and the values of `rates` are held fixed.
+    """
+
+    def __init__(self, system: System, found: Assembly) -> None:
+        if not found.success or not found.nearest or found.asked is None:
+            raise ValueError(
+                f"an assembly has derivatives if it succeeded with the least change, but: {found.message}"
+            )
+        system = system.with_memory(found.memory)
+        self._system, self._found, self._asked = system, found, found.asked
+        self.rates = Rates(system, self._asked.rates)
+        numbers = self._evaluated()
+        J, H = (system.matrix(name, numbers.views[name]) for name in ("Phi_q", "Phi_qT_lam_q"))
+        self._position = _Block(self._asked, H, J)
+        self._velocity = _Block(self._asked, None, self._with_rates(J))
+        self._join(numbers)
+
+    def _evaluated(self) -> Numbers:
+        """The numbers of all operators at the assembled state."""
+        system, found = self._system, self._found
+        numbers = Numbers(system, NAMES, {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
+        at = {"t": self._asked.t, "q": found.q, "v": found.v, "xi": found.v, "lam": found.lam}
+        for group in EVALUATED:
+            numbers.evaluate(group, system.b, at)
+        for name, own in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
+            numbers.evaluate((own,), system.b, at | {"lam": found.mu}, (name,))
+        return numbers
+
+    def _with_rates(self, J: csr_array) -> csr_array:
+        return csr_array(vstack([J, self.rates.rows(self._found.q)])) if self._asked.rates else J
+
+    def _join(self, numbers: Numbers) -> None:
+        """The right sides: of q and λ by the numbers, of v and μ by q and the numbers."""
+        system, found, q = self._system, self._found, self._found.q
+        nq, size, width = system.nq, system.nq + system.m, len(system.b)
+        first = {Part("Phi_qT_lam_b", 0, 0): -1.0, Part("Phi_b", nq, 0): -1.0}
+        second = {Part(BENT, 0, 0): -1.0, Part("gamma_v", nq, 0): 0.5}  # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
+        second |= {Part(BENT_B, 0, nq): -1.0, Part("Phi_q_xi_b", nq, nq): -1.0, Part("Phi_t_b", nq, nq): -1.0}
+        curved = self._curved()
+        self._first = Joined(numbers, first, size, 0, width, curved[:2])
+        self._second = Joined(numbers, second, size, nq, nq + width, curved[2:])
+        if self._asked.rates:
+            self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
+            self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
+
+    def _curved(self) -> list[Curved]:
+        """The same by numbers of curves."""
+        system, found, curves = self._system, self._found, CurveDerivatives(self._system)
+        nq, m, now = system.nq, system.m, {"t": np.array([self._asked.t]), "q": found.q[None]}
+        if not curves:
+            return []
+
+        def part(name: str, row: int, height: int, **operands: Array) -> Curved:
+            return Curved(-1.0, curves(name, system.b, {}, **now, **operands), row, height)
+
+        xi = found.v[None]
+        position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
+        velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
+        return [*position, *velocity, part("Phi_t", nq, m)]
+
+    def along(self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None) -> tuple[Array, Array]:
+        """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
+
+        Parameters
+        ----------
+        db : (len(system.b),) or (len(system.b), k) change of the numbers
+        dq, dv : (nq,) or (nq, k) change of the guess `found.asked.q`, `found.asked.v`
+        dc : change of the parameters of `system.joint_coordinates`, which given rates of joints depend on; more
+            rows are of something else
+
+        Raises
+        ------
+        NoDerivative
+            If dependent equations would contradict each other.
+        """
+        q_dot, _, v_dot, _ = self.whole_along(db, dq=dq, dv=dv, dc=dc)
+        return q_dot, v_dot
+
+    def whole_along(
+        self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None
+    ) -> tuple[Array, Array, Array, Array]:
+        """As `along`, with the multipliers of both: q', λ', v', and μ' with ν' behind it."""
+        db, dq, dv = self._directions(db, dq, dv)
+        f1, g1 = self._parts(self._first @ db)
+        q_dot, lam_dot = self._position.solve(f1, g1, dq)
+        gap, size = abs(self._position.J @ q_dot - g1), abs(g1).max(initial=0.0)
+        if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
+            row = self._system.row_names[self._widest(gap)]
+            raise NoDerivative(
+                f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
+                "together what keeps them consistent"
+            )
+        v_dot, mu_dot = self._velocity_along(db, dv, q_dot, dc)
+        return q_dot, lam_dot, v_dot, mu_dot
+
+    def opens(self, db: Array) -> Array:
+        """Whether directions of the numbers (len(system.b), k) move the constraints at a fixed q and v (k,)."""
+        moved = np.zeros(db.shape[1], dtype=bool)
+        still = np.zeros((self._system.nq, db.shape[1]))
+        for joined, direction in ((self._first, db), (self._second, np.concatenate([still, db]))):
+            change, size = self._parts(joined @ direction)[1], self._parts(joined.sizes(direction))[1]
+            moved |= np.any(abs(change) > NOISE * size, axis=0)
+        return moved
+
+    def _widest(self, gap: Array) -> int:
+        """The joint equation with the largest gap."""
+        mark = normalizations(self._system)
+        return int(np.argmax(np.where(mark, -1.0, gap.reshape(len(gap), -1).max(axis=1))))
+
+    def _directions(self, *given: Any) -> tuple[Array, Array, Array]:
+        known = [np.asarray(x, dtype=float) for x in given if x is not None]
+        columns = known[0].shape[1:] if known else ()
+        sizes = (len(self._system.b), self._system.nq, self._system.nq)
+        found = [
+            np.zeros((size, *columns)) if x is None else np.asarray(x, dtype=float)
+            for x, size in zip(given, sizes, strict=True)
+        ]
+        for x, size in zip(found, sizes, strict=True):
+            if x.shape != (size, *columns):
+                raise ValueError(f"a direction must have shape {(size, *columns)}, but has {x.shape}")
+        return found[0], found[1], found[2]
+
+    def _velocity_along(
+        self, db: Array, dv: Array, q_dot: Array, dc: Array | None = None
+    ) -> tuple[Array, Array]:
+        f2, g2 = self._parts(self._second @ np.concatenate([q_dot, db]))
+        if self._asked.rates:
+            curvature, rows = self._turned
+            f2, g2 = f2 - curvature @ q_dot, np.concatenate([g2, -(rows @ q_dot)])
+        if self._asked.rates and dc is not None:
+            axes, by_axes = self._axes
+            own, m = np.asarray(dc)[: axes.shape[1]], self._system.m
+            f2, g2 = f2 - axes @ own, np.concatenate([g2[:m], g2[m:] - by_axes @ own])
+        return self._velocity.solve(f2, g2, dv)
+
+    def _parts(self, both: Array) -> tuple[Array, Array]:
+        """Of coordinates and of equations."""
+        return both[: self._system.nq], both[self._system.nq :]
+
+    def q_b(self, db: Any) -> Array:
+        """q_b db: the change of q for a change of the numbers, (nq,) or (nq, k)."""
+        return self.along(db)[0]
+
+    def v_b(self, db: Any) -> Array:
+        """v_b db: the change of v for a change of the numbers, (nq,) or (nq, k)."""
+        return self.along(db)[1]
+
+    def columns(self) -> tuple[Array, Array]:
+        """Dense q_b and v_b (nq, len(system.b)); columns are NaN where `along` would raise."""
+        db = np.eye(len(self._system.b))
+        f1, g1 = self._parts(self._first @ db)
+        q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
+        v_b, _ = self._velocity_along(db, np.zeros_like(q_b), q_b)
+        gap, size = abs(self._position.J @ q_b - g1).max(axis=0), abs(g1).max(axis=0)
+        opened = gap > OPEN * np.maximum(size, 1e-6)
+        q_b[:, opened] = v_b[:, opened] = np.nan
+        return q_b, v_b
+
+    def gradient(self, q_bar: Any, v_bar: Any) -> tuple[Array, Array, Array]:
+        """The transposed product: gradients by b, q₀ and v₀ of a function of (q, v) with the gradients given.
+
+        Parameters
+        ----------
+        q_bar, v_bar : (nq,) gradients by the assembled q and v
+
+        Returns
+        -------
+        by_b : (len(system.b),)
+        by_q, by_v : (nq,) by the guess
+        """
+        found = self.adjoint(q_bar, v_bar)
+        return found.b, found.q, found.v
+
+    def adjoint(
+        self, q_bar: Any, v_bar: Any, change: tuple[Array, Array, Array, Array] | None = None
+    ) -> Adjoint:
+        """The gradients with the adjoint variables; `change` is taken from the right sides, of q, λ, v and μ."""
+        m, nq = self._system.m, self._system.nq
+        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._asked.rates)))
+        x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)
+        second = self._second.transposed(np.concatenate([x2, y2[:m]]))
+        through = np.asarray(q_bar, dtype=float) + second[:nq] - c_q
+        if self._asked.rates:
+            curvature, rows = self._turned
+            through = through - curvature @ x2 - rows.T @ y2[m:]
+        x1, y1, by_q = self._position.transposed(through, -c_lam)
+        by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:]
+        by_c = np.zeros(len(self._system.joint_coordinates.b))
+        if self._asked.rates:
+            axes, by_axes = self._axes
+            by_c = -(axes.T @ x2) - by_axes.T @ y2[m:]
+        return Adjoint(by_b, by_q, by_v, by_c, x1, y1, x2, y2)
+
+
+class _Block:
+    """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
+
+    def __init__(self, asked: Asked, H: csr_array | None, J: csr_array) -> None:
+        self.J, self._free, self._held = J, np.flatnonzero(~asked.held), np.flatnonzero(asked.held)
+        self._weight, free = asked.weight, self._free
+        self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
+        own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
+        self._kkt = KKT(*own, asked.weight[free])
+
+    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
+        x, F, h = np.zeros(d.shape), self._free, self._held
+        x[h] = d[h]
+        right = f + (self._weight * d.T).T - self._A @ x
+        x[F], y = self._kkt.solve(right[F], g - self.J @ x)
+        return x, y
+
+    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
+        """The solution (x, y) for the right sides x_bar and y_bar, by default 0, and the gradient by d."""
+        x, F, h = np.zeros(len(x_bar)), self._free, self._held
+        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self.J.shape[0]) if y_bar is None else y_bar)
+        by_d = self._weight * x
+        by_d[h] = (x_bar - self._A @ x - self.J.T @ y)[h]
+        return x, y, by_d

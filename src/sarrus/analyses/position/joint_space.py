@@ -1,0 +1,114 @@
+"""Joint space: from the angles and displacements of a tree's joints to Cartesian coordinates, and v = T q̇_joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...euler import E
+from ...model import ModelError
+from ...model.motion import Motion, Twist
+from ...model.pose import Pose
+from ...model.show import quote, suggest
+from ...model.tree import Step, TreeModel, walk
+from ...system import System
+
+
+class JointSpace:
+    """The joint coordinates of a system whose bodies hang in a tree, as imported from a robot description.
+
+    A turn or slide has one coordinate, the angle [rad] or displacement [m] from the description's zero. A ball has four
+    Euler parameters, and its velocity is ω in body axes; a free body has [r; p], and its velocity is [ṙ; ω], ṙ in
+    the axes of what it hangs on and ω in body axes. Joints that close loops, and couplers, are not looked at.
+
+    Parameters
+    ----------
+    system : System
+        Of a `TreeModel`.
+
+    Attributes
+    ----------
+    width, freedoms : how many coordinates and velocities there are
+    coordinates_of, velocities_of : joint name -> its place among them
+
+    Raises
+    ------
+    ModelError
+        If the model has no tree.
+    """
+
+    def __init__(self, system: System) -> None:
+        if not isinstance(system.model, TreeModel):
+            raise ModelError("has no tree of joints; import it from a robot description", part="model")
+        self.system = system
+        self._branches = system.model.branches
+        self.motions: tuple[Motion, ...] = tuple(m for branch in self._branches for m in branch.motions)
+        self.coordinates_of = _places({m.name: m.width for m in self.motions})
+        self.velocities_of = _places({m.name: m.freedoms for m in self.motions})
+        self.width = sum(m.width for m in self.motions)
+        self.freedoms = sum(m.freedoms for m in self.motions)
+
+    def zero(self) -> Array:
+        """The coordinates where no joint has moved. (width,)"""
+        return np.array([x for motion in self.motions for x in motion.zero])
+
+    def pack(self, values: Mapping[str, ArrayLike]) -> Array:
+        """The coordinates with the given joints at their values and all others at zero. (width,)
+
+        Raises
+        ------
+        ModelError
+            If there is no such joint.
+        """
+        theta = self.zero()
+        for name, value in values.items():
+            if name not in self.coordinates_of:
+                raise ModelError(f"there is no joint {quote(name)}; {suggest(name, self.coordinates_of)}")
+            theta[self.coordinates_of[name]] = value
+        return theta
+
+    def q(self, theta: ArrayLike) -> Array:
+        """Forward kinematics: the Cartesian coordinates q of the bodies. (nq,)"""
+        q = np.zeros(self.system.nq)
+        for step in self._walk(theta):
+            q[self.system.coordinates_of(step.branch.body)] = [*step.pose.r, *step.pose.p]
+        return q
+
+    def T(self, theta: ArrayLike) -> Array:
+        """The tangent map: v = T θ̇, exact; its columns span the null space of the tree joints' Φ_q. (nq, freedoms)"""
+        T = np.zeros((self.system.nq, self.freedoms))
+        carried: dict[str, dict[int, Twist]] = {}
+        first = 0
+        for step in self._walk(theta):
+            own = dict(enumerate(step.twists, first))
+            first += len(own)
+            carried[step.branch.body] = carried.get(step.branch.parent, {}) | own
+            rows = self.system.coordinates_of(step.branch.body)
+            for column, twist in carried[step.branch.body].items():
+                T[rows, column] = _rates(step.pose, twist)
+        return T
+
+    def M(self, theta: ArrayLike) -> Array:
+        """The mass matrix of the joint velocities, Tᵀ M T. (freedoms, freedoms)"""
+        T = self.T(theta)
+        return np.asarray(T.T @ (self.system.M(self.q(theta)) @ T))
+
+    def _walk(self, theta: ArrayLike) -> list[Step]:
+        given = np.asarray(theta, dtype=float)
+        if given.shape != (self.width,):
+            raise ValueError(f"theta must have shape ({self.width},), but has {given.shape}")
+        values = {name: given[place] for name, place in self.coordinates_of.items()}
+        return list(walk(self._branches, values))
+
+
+def _rates(pose: Pose, twist: Twist) -> Array:
+    """[ṙ; ṗ] of a body that moves with a twist: ṗ = ½ Eᵀω."""
+    return np.concatenate([twist.at(pose.r), E(pose.p).T @ twist.omega / 2])
+
+
+def _places(widths: Mapping[str, int]) -> dict[str, slice]:
+    ends = np.cumsum([0, *widths.values()])
+    return {name: slice(int(a), int(b)) for name, a, b in zip(widths, ends, ends[1:], strict=False)}

@@ -1,0 +1,219 @@
+"""Angles that drivers prescribe at a time, alone or through gears: with all their revolutions, which a pose has not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ... import elements
+from ...algebra import Array
+from ...euler import A
+from ...model import AngleDriver
+from ...system import System
+from ...system.once import once
+from ...system.population import Population
+
+Key: TypeAlias = tuple[Any, ...]  # of a joint's angle or travel: its bodies, and the vectors that measure it
+TURN = 2 * np.pi
+NEAR = 0.25  # of the distance between two poses of a wheel that satisfy its gear
+ALIGNED = 1e-3  # [rad] between axes in the initial pose: models are written with few digits
+
+
+class Relation(NamedTuple):
+    """A coupling of two coordinates, second = ratio · first + offset; a gear leaves the turns of its second open."""
+
+    first: Key
+    second: Key
+    ratio: float
+    offset: float
+    is_gear: bool = False
+
+
+class Follower(NamedTuple):
+    """A remembered angle, reference = start + sign · (angle of a joint - its initial value)."""
+
+    place: int
+    start: float
+    joint: Key
+    initial: float
+    sign: float
+
+
+class Prescription(NamedTuple):
+    """What of a model is prescribed: motions, couplings, joints' angles by row, and what elements remember of them."""
+
+    motions: tuple[tuple[Key, float, Any], ...]
+    relations: tuple[Relation, ...]
+    rows: tuple[tuple[int, Key], ...]
+    followers: tuple[Follower, ...]
+
+    def values(self, t: float) -> dict[Key, float]:
+        """The prescribed coordinates at a time."""
+        return self._values(t)[0]
+
+    def leaders(self, t: float, angles: Array) -> dict[int, float]:
+        """The angles of first wheels whose second is driven, by row: several of their poses satisfy the gear.
+
+        Only of those that are at another one at the given angles (nc,).
+        """
+        found, leaders = self._values(t)
+        far = {
+            row: found[key] for row, key in self.rows
+            if key in leaders and abs(np.remainder(found[key] - angles[row] + np.pi, TURN) - np.pi) > leaders[key]
+        }  # fmt: skip
+        return far
+
+    def _values(self, t: float) -> tuple[dict[Key, float], dict[Key, float]]:
+        found, leaders = (
+            {key: scale * float(motion(t)) for key, scale, motion in self.motions},
+            dict[Key, float](),
+        )
+        for _ in self.relations:
+            for first, second, ratio, offset, is_gear in self.relations:
+                if first in found:
+                    found.setdefault(second, ratio * found[first] + offset)
+                elif second in found:
+                    found[first] = (found[second] - offset) / ratio
+                    if is_gear:
+                        leaders[first] = NEAR * TURN / abs(ratio)
+        return found, leaders
+
+
+def prescribed_memory(system: System, t: float, b: Array) -> Array:
+    """What elements remember (k,), of the parameters b where no driver prescribes it."""
+    if not len(system.memory_places) or not (plan := prescription(system)).motions:
+        return np.asarray(b[system.memory_places])
+    values, found = plan.values(t), b.copy()
+    for place, start, joint, initial, sign in plan.followers:
+        if joint in values:
+            found[place] = start + sign * (values[joint] - initial)
+    return np.asarray(found[system.memory_places])
+
+
+def prescribed_revolutions(system: System, q: Array, t: float, known: Array) -> Array:
+    """The revolutions of the joints' angles (nc,) at an assembled state; those known where no driver prescribes them.
+
+    Empty where all are nearest to their initial values.
+    """
+    plan = prescription(system)
+    if not plan.motions:
+        return known
+    values, angles = plan.values(t), system.joint_coordinates.Phi(q)
+    found = known.copy() if len(known) else np.zeros(len(angles))
+    for row, key in plan.rows:
+        if key in values:
+            found[row] = np.round((values[key] - angles[row]) / TURN)
+    return found if np.any(found) or len(known) else known
+
+
+def with_leaders(system: System, q: Array, t: float) -> System | None:
+    """The system whose drivers also turn the first wheels of gears whose second wheels are driven; None without any.
+
+    Its assembly has each of these wheels at the one pose, of several that satisfy the gear, that its turns lead to.
+    None, too, where all are at it in an assembled state q.
+    """
+    if not (plan := prescription(system)).motions:
+        return None
+    leaders = plan.leaders(t, system.joint_coordinates.Phi(q))
+    if not leaders:
+        return None
+    names, model = system.joint_coordinates.names, system.model
+    added = [
+        AngleDriver(f"pose-of-{names[row].replace('.', '-')}", names[row], value)
+        for row, value in leaders.items()
+    ]
+    led = System(replace(model, drivers=[*model.drivers, *added]))
+    return led.with_memory(prescribed_memory(led, t, led.b))
+
+
+@once
+def prescription(system: System) -> Prescription:
+    """What drivers and couplings of a model prescribe."""
+    motions, relations = [], []
+    for kind, bodies, x, _ in _members(system.populations):
+        if kind in (elements.AngleDriver, elements.TravelDriver):
+            motions.append((_key(bodies, x), x["scale"], x["motion"]))
+        elif kind is elements.Screw:
+            angle, travel = (
+                (bodies, *map(x.get, ("f_i", "g_i", "f_j"))),
+                (bodies, x["h_i"], x["s_i"], x["s_j"]),
+            )
+            relations.append(Relation(angle, travel, x["lead"], x["travel"] - x["lead"] * x["angle"]))
+        elif kind in (elements.AngleAngle, elements.TravelTravel):
+            gear = kind is elements.AngleAngle
+            relations.append(Relation(*_pair(bodies, x), x["ratio"], x["offset"], gear))
+        elif kind is elements.TravelAngle:
+            relations.append(Relation(*_pair(bodies, x)[::-1], x["ratio"], x["offset"]))
+    if not motions:
+        return Prescription((), (), (), ())
+    joints = [
+        (_key(bodies, x), x["reference"], row)
+        for kind, bodies, x, row in _members(system.joint_coordinates.populations)
+        if kind is elements.Angle
+    ]
+    rows = tuple((row, key) for key, _, row in joints)
+    return Prescription(tuple(motions), tuple(relations), rows, tuple(_followers(system, joints)))
+
+
+def _followers(system: System, joints: list[tuple[Key, float, int]]) -> Iterator[Follower]:
+    """Elements that remember an angle about the axis of a joint between the same bodies."""
+    for kind, bodies, x, place in _members(system.populations, "reference"):
+        if not {"f_i", "g_i", "f_j"} <= x.keys():
+            continue
+        key = (bodies[:2], x["f_i"], x["g_i"], x["f_j"])
+        for joint, initial, _ in joints:
+            alone = sum(set(other[0]) == set(joint[0]) for other, *_ in joints) == 1
+            sign = 1.0 if kind is elements.AngleAngle and joint == key else _sign(system, joint, key) * alone
+            if sign:
+                yield Follower(place, x["reference"], joint, initial, sign)
+
+
+def _sign(system: System, joint: Key, other: Key) -> float:
+    """1 or -1 for an angle in or against the sense of a joint's angle, 0 for one about another axis."""
+    if set(joint[0]) != set(other[0]):
+        return 0.0
+    same = _axis(system, joint) @ _axis(system, other)
+    sense = float(np.sign(same)) * (1.0 if joint[0] == other[0] else -1.0)
+    return sense if abs(same) > 1 - ALIGNED**2 else 0.0
+
+
+def _axis(system: System, key: Key) -> Array:
+    """The unit vector of an angle's axis, global, in the initial pose."""
+    (i, _), f, g, _ = key
+    axis = np.cross(f, g)
+    found = axis if i < 0 else A(system.q0[i + 3 : i + 7]) @ axis
+    return np.asarray(found / np.linalg.norm(found))
+
+
+def _key(bodies: tuple[int, ...], x: dict[str, Any]) -> Key:
+    """The first three vectors of an element that measures or drives a joint's coordinate."""
+    return (bodies, *list(x.values())[:3])
+
+
+def _pair(bodies: tuple[int, ...], x: dict[str, Any]) -> tuple[Key, Key]:
+    """Both coordinates of a coupling."""
+    vectors = list(x.values())
+    return (bodies[:2], *vectors[:3]), (bodies[2:], *vectors[3:6])
+
+
+def _members(
+    populations: list[Population], field: str | None = None
+) -> Iterator[tuple[Any, tuple[int, ...], dict[str, Any], int]]:
+    """Of each element the kind, its bodies' first coordinates (-1: ground), fields, and its row or a field's place."""
+    for p in populations:
+        if field is not None and field not in p.kind.fields:
+            continue
+        names = [name for name, kind in p.kind.fields.items() if kind != "Time"]
+        starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
+        for k in range(p.count):
+            bodies = tuple(int(p.bodies[k][slot]) if slot >= 0 else -1 for slot in p.variant.slots)
+            values = [tuple(map(float, v)) if np.ndim(v) else v for v in map(_plain, p.values[k])]
+            place = int(p.rows[k]) if field is None else p.at + k * p.kind.size() + int(starts[field])
+            yield p.kind, bodies, dict(zip(names, values, strict=True)), place
+
+
+def _plain(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple | np.ndarray) else value

@@ -1,0 +1,1 @@
+"""Degrees of freedom and redundant constraints at a configuration."""

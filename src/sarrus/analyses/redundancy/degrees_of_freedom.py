@@ -1,0 +1,129 @@
+"""Degrees of freedom and dependent equations of a system at one position, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...linalg.quadratic_forms import common_zeros
+from ...linalg.rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
+from ...linalg.threads import one_thread_if_small
+from ...model import reports_warnings
+from ...results import Mobility
+from ...results.mobility import Kind
+from ...system import System
+from ..arguments import refuse_other_system
+from ..equations.length import lever, scaled, units
+from ..equations.normalizations import normalizations
+from ..position.assembly import assemble
+from ..position.initial_state import Start, state_of
+from .repetitions import repetitions
+
+DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
+STRAIGHT = 1e-6  # curvature that counts as zero, relative to the largest before contributions cancel
+
+
+@reports_warnings
+@one_thread_if_small
+def mobility(
+    system: System,
+    q: Start | None = None,
+    *,
+    t: float | None = None,
+    tolerance: float = TOLERANCE,
+    strict: bool = False,
+) -> Mobility:
+    """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
+
+    A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
+    equations with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) a position that satisfies the constraints, or an `Assembly`, a `State` or an `Equilibrium`; by default the
+        model's, assembled
+    t : time [s]; by default that of the state, or 0
+    tolerance : relative size of a singular value that counts as zero
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    Mobility
+        Printed, it says all this in words.
+
+    Raises
+    ------
+    ValueError
+        If no position is given and the model cannot be assembled.
+    """
+    refuse_other_system(system, "mobility")
+    at, _, t, *_ = state_of(system, _assembled(system, t or 0.0) if q is None else q, None, t)
+    J = system.Phi_q(at, t)
+    length = lever(system, at, J)
+    unitless = scaled(J, length)
+    found = rank_of(unitless, tolerance)
+    rows, unit = row_lengths(unitless), units(system.nq, length)
+    null, motions = found.null / rows[:, None], unit[:, None] * _motions(unitless, found)
+    curvature = largest_curvature(system, at, t, rows, unit)
+    kind, finite = _kind(system, at, t, null, motions, curvature)
+    return Mobility(
+        system.name,
+        *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
+        repetitions=repetitions(system, at, J, found.null),
+        kept=independent_rows(found.null, normalizations(system)),
+        null_vectors=null,
+        motions=np.linalg.qr(motions)[0],
+        smallest=found.smallest,
+    )
+
+
+def _assembled(system: System, t: float) -> Array:
+    start = assemble(system, t=t)
+    if not start.success:
+        raise ValueError(start.message)
+    return start.q
+
+
+def _motions(J: csr_array, found: Rank) -> Array:
+    if J.shape[1] > DENSE_UP_TO:
+        return np.zeros((J.shape[1], 0))
+    right = np.linalg.svd(J.toarray() / row_lengths(J)[:, None], full_matrices=True)[2]
+    return np.asarray(right[found.rank :].T)
+
+
+def largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Array) -> float:
+    """Largest entry of (Φ_qᵀ n)_q, before the elements' contributions cancel, for n of any equation at unit length."""
+    terms = system.magnitude("Phi_qT_lam_q", q=q, lam=1 / rows, t=t)
+    row = np.repeat(np.arange(system.nq), np.diff(terms.indptr))
+    return float((terms.data * unit[row] * unit[terms.indices]).max(initial=0.0))
+
+
+def _kind(
+    system: System, q: Array, t: float, null: Array, motions: Array, curvature: float
+) -> tuple[Kind, int | None]:
+    """Which motions go on, by second order, and how many degrees of freedom they have."""
+    freedom, repeated = motions.shape[1], null.shape[1]
+    if system.nq > DENSE_UP_TO:
+        return "untested", None
+    if not repeated or not freedom:
+        return "redundant" if repeated else "regular", freedom
+    forms = _independent(
+        np.array([_form(system, q, t, null[:, n], motions) / (curvature or 1.0) for n in range(repeated)])
+    )
+    if not len(forms):
+        return "redundant", freedom
+    return ("branching", None) if common_zeros(forms) else ("shaky", 0)
+
+
+def _independent(forms: Array) -> Array:
+    """As few symmetric matrices (count, d, d) as span the same forms, none where all vanish."""
+    count, d, _ = forms.shape
+    _, sizes, span = np.linalg.svd(forms.reshape(count, d * d), full_matrices=False)
+    return np.asarray(span[sizes > STRAIGHT].reshape(-1, d, d))
+
+
+def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:
+    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z."""
+    return np.asarray(motions.T @ (system.Phi_qT_lam_q(q, n, t) @ motions))

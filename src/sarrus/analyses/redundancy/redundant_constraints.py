@@ -1,0 +1,148 @@
+"""Dependent constraints in analyses: which equations are solved, which multipliers are reported, what is refused.
+
+An analysis of a system whose equations are dependent, but consistent, goes on with a choice of independent equations.
+Coordinates, velocities and accelerations do not depend on this choice. Multipliers are not unique; reported are the
+shortest ones, with the least Σ λ_k² over all equations, of all that give the same constraint forces Φ_qᵀλ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...linalg.factors import SingularSystem
+from ...linalg.rank import components, independent_rows, rank_of, row_lengths
+from ...results import Assembly
+from ...system import System
+from ...system.once import once_alike
+from ..equations.length import lever, scaled
+from ..equations.minimum_norm import MinimumNorm, shortest
+from ..equations.normalizations import normalizations
+
+CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
+AMPLIFICATION = 10.0  # of the equations kept in those left out, above which another choice is made
+
+
+class Inconsistent(ArithmeticError):
+    """Dependent constraints contradict each other."""
+
+
+class Independence:
+    """A choice of independent equations of one system, made at one position and renewed along a motion.
+
+    Parameters
+    ----------
+    system : System
+    q : (nq,) a position that satisfies the constraints
+    t : time [s]
+
+    Attributes
+    ----------
+    kept : places in Φ of the equations chosen, or None where all are independent
+    known : how many equations depend on others
+    length : by which displacements are measured, in all positions
+    smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
+    """
+
+    def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
+        self._system, self._fixed = system, normalizations(system)
+        self.length = lever(system, q, system.Phi_q(q, t))
+        rank = rank_of(self.scaled_Phi_q(q, t), parts=_components(system))
+        self._null, self.smallest = rank.null, rank.smallest
+        self.kept: Array | None = None
+        self.known = self._null.shape[1]
+        if self._null.shape[1]:
+            self._choose(self._null)
+
+    def scaled_Phi_q(self, q: Array, t: float) -> csr_array:
+        """Φ_q by coordinates without unit, as `rank_of` wants it."""
+        return scaled(self._system.Phi_q(q, t), self.length)
+
+    def _choose(self, null: Array) -> None:
+        self.kept = independent_rows(null, self._fixed)
+        self._minimum = MinimumNorm(self._system, self.kept)
+
+    def state(self) -> Array:
+        """What the choice was made of, for `resume`."""
+        return self._null
+
+    def resume(self, null: Array) -> None:
+        """Take over a choice made before."""
+        self._null = null
+        if null.shape[1]:
+            self._choose(null)
+
+    def renew(self, t: float, q: Array) -> bool:
+        """Choose again at another position, if the choice is no longer good there; true if there is another choice.
+
+        Where the rank is not what it was, at a singular position, the choice stays.
+        """
+        if self.kept is None or not self._poor(t, q):
+            return False
+        null = rank_of(self.scaled_Phi_q(q, t), parts=_components(self._system)).null
+        if null.shape != self._null.shape:
+            return False
+        self._null = null
+        self._choose(null)
+        return True
+
+    def _poor(self, t: float, q: Array) -> bool:
+        try:
+            combinations = self._minimum.combinations(self._system.Phi_q(q, t))
+            return bool(abs(combinations).max() > AMPLIFICATION)
+        except SingularSystem:
+            return True
+
+    def shortest(self, t: float, q: Array, lam: Array) -> Array:
+        """The shortest multipliers (m,) that give the same constraint forces."""
+        if self.kept is None:
+            return lam
+        return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
+
+    def row_lengths(self, q: Array, t: float) -> Array:
+        """Of Φ_q, where displacements are measured in the length (m,)."""
+        return row_lengths(self.scaled_Phi_q(q, t))
+
+    def vanishing(self, q: Array, t: float, random: np.random.Generator) -> Array:
+        """A random combination n of equations with nᵀΦ_q = 0 (m,)."""
+        null = self._minimum.null(self._system.Phi_q(q, t))
+        return np.asarray(null @ random.normal(size=null.shape[1]))
+
+    def motions(self, q: Array, t: float, unit: Array, random: np.random.Generator) -> tuple[Array, Array]:
+        """Two random directions ξ with Φ_q ξ = 0 (nq,)."""
+        J = self._system.Phi_q(q, t)
+        self._minimum.combinations(J)
+        xi = unit[:, None] * random.normal(size=(len(unit), 2))
+        for _ in range(2):
+            xi = xi - self._minimum.motions(J @ xi)
+        return xi[:, 0], xi[:, 1]
+
+    def check(self, start: Assembly) -> None:
+        """Refuse a start whose equations contradict each other.
+
+        Raises
+        ------
+        Inconsistent
+            If the assembly failed, or no acceleration satisfies all constraints.
+        """
+        if not start.success:
+            raise Inconsistent(start.message)
+        if self.kept is None:
+            return
+        t = start.t
+        lengths = self.row_lengths(start.q, t)
+        scaled = self._system.gamma(start.q, start.v, t) / lengths
+        missing = self._null @ (self._null.T @ scaled)
+        if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):
+            row = self._system.row_names[int(np.argmax(abs(missing)))]
+            raise Inconsistent(
+                f"{self._system.name} has redundant constraints that contradict each other as soon as it moves, "
+                f"first of all {row}; it is stuck in this position, or its velocity leaves the way that it can go"
+            )
+
+
+@once_alike
+def _components(system: System) -> tuple[Array, int]:
+    """Which equations share coordinates, directly or by others."""
+    return components(system.pattern("Phi_q"))

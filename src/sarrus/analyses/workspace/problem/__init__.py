@@ -1,0 +1,1 @@
+"""The workspace problem: outputs and constraints as one set of equations, their checks, and random positions."""

@@ -1,0 +1,204 @@
+"""From a system and names to a workspace problem: independent rows, limits, what is held, idle freedoms locked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count
+from typing import Any, Literal
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.rank import unit_rows
+from ....model import SarrusError, blueprint
+from ....system import System
+from ...equations.normalizations import normalizations
+from .idle_freedoms import locks
+from .measures import Measure, measures
+from .random_positions import Samples
+from .refusals import functions, pair_of, refuse_twice, value_of
+from .rows import Problem
+
+TURN = 2 * np.pi
+DEPENDENT = 1e-7
+POSITIONS = 5  # at which the rank of the constraints is found
+
+Limits = Mapping[Any, tuple[float | None, float | None]] | Literal["model"]
+
+
+def formulate(
+    system: System,
+    output: Iterable[Any],
+    *,
+    limits: Limits | None = None,
+    fixed: Mapping[Any, float] | None = None,
+    inputs: Iterable[Any] = (),
+    singular: str = "outputs",
+) -> Problem:
+    """The problem of a workspace; its constraints are those of the joints, drivers are let go.
+
+    A function whose lowest and highest value are equal keeps it, as if it were fixed.
+
+    Raises
+    ------
+    SarrusError
+        If a name is unknown, a limit is empty, or the outputs cannot move.
+    """
+    given, kept_at = (
+        _mapping("limits", _of_model(system) if limits == "model" else limits),
+        _mapping("fixed", fixed),
+    )
+    groups = [functions(output), list(given), list(kept_at), functions(inputs)]
+    table, places = _table(system, groups)
+    for kind, mine in zip(("output", "limits", "fixed", "inputs"), places, strict=True):
+        refuse_twice(kind, mine, [one.name for one in table])
+    outputs, limited, held, driven = places
+    _refuse_outputs([table[k] for k in outputs])
+    bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
+    targets = {k: value_of(table[k].name, x) for k, x in zip(held, kept_at.values(), strict=True)}
+    targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
+    _refuse_held([table[k].name for k in outputs if k in targets])
+    _refuse_beyond(table, targets, bounds)
+    bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
+    normal = outputs if singular == "outputs" else driven
+    free = _without_drivers(system)
+    size = _size(system)
+    rough = Problem(system, table, outputs, normal, targets, {}, free, (), size)
+    positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
+    kept = _independent(system, positions, free)
+    idle = locks(rough, [q / rough.scale for q in positions])
+    locked = range(len(table), len(table) + len(idle))
+    anywhere = Problem(system, table, outputs, normal, {}, {}, free, (), size) if targets else rough
+    drawn = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(anywhere, seed=7), strict=False)]
+    targets |= dict.fromkeys(locked, 0.0)
+    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, drawn)
+
+
+def _mapping(kind: str, given: Any) -> dict[Any, Any]:
+    """Limits or fixed values by function."""
+    if given is not None and not isinstance(given, Mapping):
+        told = "(lowest, highest)" if kind == "limits" else "value"
+        raise TypeError(f"{kind} must be a dict, got {given!r}. Pass {{'q1.angle': {told}}}.")
+    return dict(given or {})
+
+
+def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:
+    """The limits that a robot description gives; none for other models."""
+    found = getattr(system.model, "limits", {})
+    return {name: (limit.lower, limit.upper) for name, limit in found.items() if limit.lower is not None}
+
+
+def _table(system: System, groups: Sequence[Sequence[Any]]) -> tuple[list[Measure], list[list[int]]]:
+    """All measures, each once, and the places of those of each group."""
+    table: list[Measure] = []
+    places: list[list[int]] = []
+    for group in groups:
+        mine: list[int] = []
+        for one in measures(system, group):
+            known = [other.measured for other in table]
+            if one.measured not in known:
+                table.append(_named_apart(one, [other.name for other in table]))
+                known.append(one.measured)
+            mine.append(known.index(one.measured))
+        places.append(mine)
+    return table, places
+
+
+def _named_apart(one: Measure, names: list[str]) -> Measure:
+    """A measure with a number behind its name if another one has the same: two legs between the same bodies."""
+    numbered = (f"{one.name} ({n})" for n in count(2))
+    return (
+        one._replace(name=next(name for name in numbered if name not in names)) if one.name in names else one
+    )
+
+
+def _refuse_outputs(found: list[Measure]) -> None:
+    if not 1 <= len(found) <= 3:
+        raise SarrusError(f"a workspace has one to three outputs, not {len(found)}; name as many")
+    squares = [one.name for one in found if one.kind == "square"]
+    if squares:
+        raise SarrusError(f"the length {squares[0]} can be limited or fixed, but is no output; take a travel")
+
+
+def _refuse_held(names: list[str]) -> None:
+    if names:
+        raise SarrusError(
+            f"fixed: {names[0]} is an output, which must be free. Take it out of fixed, or map another."
+        )
+
+
+def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
+    low, high = pair_of(one.name, pair)
+    if one.kind == "square" and low <= 0:
+        low = -np.inf
+    if not low <= high:
+        raise SarrusError(f"the limits of {one.name} are {low:g} and {high:g}; give the lower one first")
+    if one.kind == "angle" and np.isfinite(low) != np.isfinite(high):
+        raise SarrusError(
+            f"one limit of {one.name} is missing; give both ends: an angle comes back after a turn"
+        )
+    return low, high
+
+
+def _refuse_beyond(
+    table: list[Measure], targets: dict[int, float], bounds: dict[int, tuple[float, float]]
+) -> None:
+    for k in targets.keys() & bounds.keys():
+        low, high = bounds[k]
+        if not low <= targets[k] <= high:
+            told = f"{table[k].name} is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
+            raise SarrusError(f"{told}; fix it between them")
+
+
+def _bites(one: Measure, pair: tuple[float, float]) -> bool:
+    """Whether a limit restrains anything: an angle that may make a whole turn is free."""
+    if one.kind == "angle" and pair[1] - pair[0] >= TURN * (1 - 1e-12):
+        return False
+    return bool(np.isfinite(pair).any())
+
+
+def _without_drivers(system: System) -> Array:
+    driven = [system.rows[driver.name] for driver in system.model.drivers]
+    return np.setdiff1d(np.arange(system.m), np.concatenate(driven) if driven else np.zeros(0, dtype=int))
+
+
+def _size(system: System) -> float:
+    """The size of a mechanism: how far bodies lie apart, and their joints from their origins. [m]"""
+    r = system.q0.reshape(-1, 7)[:, :3]
+    spread = float(np.linalg.norm(r - r.mean(axis=0), axis=1).max(initial=0.0))
+    return max([spread, *_levers(system)]) or 1.0
+
+
+def _levers(system: System) -> Iterator[float]:
+    """Distances from bodies' origins to the points at which elements hold them."""
+    for placed in blueprint(system.model).placed:
+        for name, value in zip(placed.element.fields, placed.values, strict=False):
+            if name in ("s", "s_i", "s_j") and placed.element.rows:
+                yield float(np.linalg.norm(value))
+
+
+def _independent(system: System, positions: list[Array], free: Array) -> Array:
+    """Rows of Φ that are independent at some random positions, chosen in the model's order.
+
+    So it is the last joint of a loop, which closes it, whose equations are left out; those that are kept are then
+    independent wherever the mechanism itself is regular.
+    """
+    if not positions:
+        told = "check what is fixed, and whether the joints fit together"
+        raise SarrusError(f"{system.name} could not be assembled; {told}")
+    first = np.argsort(~normalizations(system)[free], kind="stable")
+    jacobians = [unit_rows(system.Phi_q(q)).toarray()[free][first] for q in positions]
+    kept = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT
+    return np.asarray(np.sort(free[first[kept]]))
+
+
+def _new(J: Array) -> Array:
+    """How much of every unit row is not in the span of the rows before it."""
+    basis, found = np.zeros((0, J.shape[1])), np.zeros(len(J))
+    for k, row in enumerate(J):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        found[k] = np.linalg.norm(rest)
+        if found[k] > DEPENDENT:
+            basis = np.concatenate([basis, rest[None] / found[k]])
+    return found

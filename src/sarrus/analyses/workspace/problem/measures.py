@@ -1,0 +1,78 @@
+"""What a user names, ``"pin.angle"``, ``"tool.x"`` or a function of the model, as an element that measures it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from .... import elements
+from ....model import Placed, SarrusError
+from ....model.function import Function
+from ....outputs import Level, find_output
+from ....outputs.bodies import placed
+from ....outputs.measure import placed_of
+from ....system import System
+
+WHERE = "a workspace"
+
+
+class Measure(NamedTuple):
+    """A named function of the coordinates: the element that measures it, and what kind of number that is."""
+
+    name: str
+    placed: Placed
+    kind: str  # "length", "angle" or "square" (of a length)
+    given: str = ""
+
+    @property
+    def measured(self) -> tuple[Any, ...]:
+        """What is measured, whatever its name: the same for equal functions."""
+        return self.placed.element, self.placed.bodies, repr(self.placed.values)
+
+    @property
+    def unit(self) -> str:
+        """Of what the user is told."""
+        return self.given or ("rad" if self.kind == "angle" else "m")
+
+    def value(self, wanted: float) -> float:
+        """What the element shows for a wanted value."""
+        return wanted * abs(wanted) if self.kind == "square" else wanted  # of no lowest length, -∞
+
+    def slope(self, wanted: float) -> float:
+        """The derivative of `value`."""
+        return 2 * wanted if self.kind == "square" else 1.0
+
+    def shown(self, found: Any) -> Any:
+        """What the user is told for what the element shows."""
+        return abs(found) ** 0.5 if self.kind == "square" else found
+
+
+def measures(system: System, things: Iterable[Any]) -> list[Measure]:
+    """The measures of names and functions, in their order.
+
+    Raises
+    ------
+    SarrusError
+        If the system has no such thing.
+    """
+    return [_measure(system, thing) for thing in things]
+
+
+def _measure(system: System, thing: Any) -> Measure:
+    if isinstance(thing, tuple) and len(thing) == 1:  # point["x"]
+        thing = thing[0]
+    if isinstance(thing, Function):
+        measuring = placed(system, thing)
+        return Measure(thing.label, measuring, _kind(measuring))
+    if not isinstance(thing, str):
+        told = "give a name like 'pin.angle' or 'tool.x', or a function like tool.point(1, 0, 0)['x']"
+        raise SarrusError(f"{thing!r} is no function of a position; {told}")
+    output = find_output(system, thing, Level.POSITION, WHERE)
+    measuring = placed_of(system, output, WHERE)
+    return Measure(output.name, measuring, _kind(measuring), output.unit)
+
+
+def _kind(placed: Placed) -> str:
+    if placed.element is elements.Distance:
+        return "square"
+    return "angle" if "Memory" in placed.element.fields.values() else "length"

@@ -1,0 +1,146 @@
+"""Arguments of workspace analyses that cannot be meant are refused by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from numbers import Integral, Real
+from typing import Any
+
+from ....model import SarrusError
+from ....model.function import Function
+from ....results.result import Result
+from ....results.workspace import Workspace
+
+LEAST = {
+    "seed": 0,
+    "repeats": 1,
+    "samples": 0,
+    "rays": 0,
+    "most": 1,
+    "starts": 0,
+    "cells": 1,
+}  # of whole numbers
+
+
+def functions(output: Any) -> tuple[Any, ...]:
+    """Outputs as a tuple; a single name or function is one output.
+
+    Raises
+    ------
+    TypeError
+        If they are neither names nor functions.
+    """
+    if isinstance(output, str | Function):
+        return (output,)
+    if not isinstance(output, Iterable):
+        raise TypeError(f"output must be names or functions, got {output!r}. Pass e.g. ('tool.x', 'tool.y').")
+    return tuple(output)
+
+
+def refuse_result(found: Any) -> None:
+    """Refuse what is no Workspace with its map.
+
+    Raises
+    ------
+    TypeError
+    """
+    if not isinstance(found, Workspace) or found.map is None:
+        raise TypeError(
+            f"found must be a Workspace, got {type(found).__name__}. Pass the result of workspace(...)."
+        )
+
+
+def refuse_incomplete(found: Any, kind: type[Result]) -> None:
+    """Refuse what is no result of a kind, or one that is not complete: its numbers have no derivatives.
+
+    Raises
+    ------
+    TypeError
+    SarrusError
+    """
+    refuse_other(found, kind)
+    if not getattr(found, "success", False):
+        raise SarrusError(
+            f"{getattr(found, 'name', '')}: what is not complete has no derivatives. See its message."
+        )
+
+
+def refuse_other(found: Any, kind: type[Result]) -> None:
+    """Refuse what is no result of a kind.
+
+    Raises
+    ------
+    TypeError
+    """
+    if not isinstance(found, kind):
+        raise TypeError(f"found must be a {kind.__name__}, got {type(found).__name__}.")
+
+
+def listed(wrt: Iterable[str] | str) -> list[str]:
+    """Names of numbers as a list; a single one, too."""
+    return [wrt] if isinstance(wrt, str) else list(wrt)
+
+
+def refuse_counts(**counts: Any) -> None:
+    """Refuse whole numbers that are none, or too small, and step lengths that are not positive.
+
+    Raises
+    ------
+    SarrusError
+    """
+    if "longest" in counts:
+        longest = counts.pop("longest")
+        if not isinstance(longest, Real) or not 0 < float(longest) < math.inf:
+            raise SarrusError(
+                f"longest must be a positive number, got {longest!r}. Leave it out for the default."
+            )
+    for name, value in counts.items():
+        least = LEAST[name]
+        if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < least:
+            raise SarrusError(f"{name} must be a whole number, at least {least}, got {value!r}.")
+
+
+def pair_of(name: str, given: Any) -> tuple[float, float]:
+    """The limits of a function, infinite where there is none.
+
+    Raises
+    ------
+    SarrusError
+        If they are no two numbers, or None.
+    """
+    told = f"limits: those of {name} must be a pair (lowest, highest) of numbers or None, got {given!r}"
+    ends = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else []
+    if len(ends) != 2 or not all(one is None or isinstance(one, Real) for one in ends):
+        raise SarrusError(f"{told}. Pass e.g. (-1.0, 1.0).")
+    low, high = (
+        inf if one is None else float(one) for one, inf in zip(ends, (-math.inf, math.inf), strict=True)
+    )
+    if math.isnan(low) or math.isnan(high) or low == math.inf or high == -math.inf:
+        raise SarrusError(f"{told}. Pass e.g. (-1.0, 1.0).")
+    return low, high
+
+
+def value_of(name: str, given: Any) -> float:
+    """The value that a function keeps.
+
+    Raises
+    ------
+    SarrusError
+        If it is no finite number.
+    """
+    if not isinstance(given, Real) or not math.isfinite(given):
+        raise SarrusError(f"fixed: {name} must keep a finite number, got {given!r}.")
+    return float(given)
+
+
+def refuse_twice(kind: str, places: Sequence[int], names: Sequence[str]) -> None:
+    """Refuse one function under two names.
+
+    Raises
+    ------
+    SarrusError
+    """
+    twice = next((names[k] for n, k in enumerate(places) if k in places[:n]), None)
+    if twice is not None:
+        raise SarrusError(f"{kind}: {twice} is given twice. Name it once.")

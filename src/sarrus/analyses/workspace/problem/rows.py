@@ -1,0 +1,205 @@
+"""Which workspace is asked for: one table of rows, Φ and named functions, with all derivatives, free of units.
+
+The table has the independent rows of Φ, then the functions: outputs, limited and fixed ones, locks of idle freedoms.
+Positions are scaled by the size L of the mechanism, and so are the rows: q = S q̂, f = f̂ / R.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....system import System
+from ....system.joints import JointCoordinates
+from .handedness import Handedness
+from .measures import Measure
+from .operator import Matrix, Vector
+
+NO_NUMBERS = -1
+FAR = 1e6  # free of units: from a limit that is not there; a number, so that margins can be subtracted
+NOTHING = (
+    1e-20  # of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
+)
+
+
+class Problem:
+    """Rows of a workspace problem and their derivatives at scaled positions.
+
+    Parameters
+    ----------
+    system : System
+    table : all functions
+    outputs : places in the table of the outputs
+    normal : places of the functions whose gradients become dependent: the outputs, or the inputs
+    fixed : place -> value that it keeps
+    limits : place -> (lowest, highest), infinite where there is none
+    kept : rows of Φ that are independent (and no driver's)
+    locked : places of functions that hold idle freedoms; they are among the fixed ones
+    size : L [m]
+    positions : random ones (nq,) with nothing held fixed, by which axes are found that stay parallel
+
+    Attributes
+    ----------
+    n, m : scaled coordinates; rows before the functions
+    freedoms : degrees of freedom that are left
+    of_outputs : whether the outputs' gradients become dependent, and not those of the inputs
+    """
+
+    def __init__(
+        self,
+        system: System,
+        table: Sequence[Measure],
+        outputs: Sequence[int],
+        normal: Sequence[int],
+        fixed: Mapping[int, float],
+        limits: Mapping[int, tuple[float, float]],
+        kept: Array,
+        locked: Sequence[int],
+        size: float,
+        positions: Sequence[Array] = (),
+    ) -> None:
+        self.system, self.table, self.size = system, tuple(table), size
+        self.outputs, self.normal = np.array(outputs, dtype=int), np.array(normal, dtype=int)
+        self.fixed, self.limits, self.kept, self.locked = dict(fixed), dict(limits), kept, tuple(locked)
+        self.n, self.m = system.nq, len(kept)
+        self.freedoms = self.n - self.m - len(fixed)
+        self.units = np.array([self._unit(k) for k in range(len(table))])
+        self.output_angles = np.array([table[k].kind == "angle" for k in outputs], dtype=bool)
+        self.of_outputs = np.array_equal(self.outputs, self.normal)
+        self.has_cusps = len(self.outputs) == 2 and self.of_outputs
+        self._positions, self._handedness = positions, Handedness(system, positions)
+        self._limit_arrays()
+        self._prepare()
+
+    def held_at(self, k: int, value: float) -> Problem:
+        """The same problem with another value of a fixed function."""
+        return Problem(
+            self.system,
+            self.table,
+            self.outputs.tolist(),
+            self.normal.tolist(),
+            {**self.fixed, k: value},
+            self.limits,
+            self.kept,
+            self.locked,
+            self.size,
+            self._positions,
+        )
+
+    def _unit(self, k: int) -> float:
+        """What a scaled function is multiplied by."""
+        if self.table[k].kind in ("angle", "form"):
+            return 1.0
+        if self.table[k].kind == "length":
+            return self.size
+        ends = [abs(x) for x in (*self.limits.get(k, ()), self.fixed.get(k, 0.0)) if np.isfinite(x)]
+        return float(2 * self.size * max([*ends, 0.1 * self.size]))
+
+    def _limit_arrays(self) -> None:
+        self.limited = np.array(list(self.limits), dtype=int)
+        both = [[self.table[k].value(x) for x in pair] for k, pair in self.limits.items()]
+        unit = self.units[self.limited][:, None]
+        self.bounds = np.array(both, dtype=float).reshape(-1, 2) / unit
+        self.held = np.array(list(self.fixed), dtype=int)
+        goal = [self.table[k].value(x) for k, x in self.fixed.items()]
+        self.targets = np.array(goal, dtype=float) / self.units[self.held]
+
+    def _prepare(self) -> None:
+        """Functions, scales and operators."""
+        system, self.functions = self.system, JointCoordinates(self._placed(), len(self.system.bodies))
+        self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
+        self.row_scale = self._row_scales()
+        kept_at = np.full(system.m, NO_NUMBERS)
+        kept_at[self.kept] = np.arange(len(self.kept))
+        function_at, inverse = self.m + np.arange(len(self.table)), 1 / self.units
+        every = np.arange(self.n)
+        parts = ((system, kept_at, self.row_scale), (self.functions, function_at, inverse))
+        self._Phi = [
+            Vector(system, "Phi", self.kept, self.row_scale[self.kept]),
+            Vector(self.functions, "Phi", np.arange(len(self.table)), inverse),
+        ]
+        self._gamma = [
+            Vector(system, "gamma", self.kept, self.row_scale[self.kept]),
+            Vector(self.functions, "gamma", np.arange(len(self.table)), inverse),
+        ]
+        self._Phi_q = [Matrix(of, "Phi_q", at, row, self.scale) for of, at, row in parts]
+        self._second = [Matrix(of, "Phi_qT_lam_q", every, self.scale, self.scale) for of, _, _ in parts]
+        self._third = [Matrix(of, "Phi_qT_lam_q_xi_q", every, self.scale, self.scale) for of, _, _ in parts]
+
+    def _placed(self) -> list[Any]:
+        """The measuring elements; angles are counted around the middle of their limits, or the value they keep."""
+        found = []
+        for k, one in enumerate(self.table):
+            placed = one.placed
+            if one.kind == "angle":
+                ends = [x for x in self.limits.get(k, (self.fixed.get(k, 0.0),)) if np.isfinite(x)]
+                values, memory = list(placed.values), [*placed.element.fields.values()].index("Memory")
+                values[memory] = float(np.mean(ends)) if ends else 0.0
+                placed = placed._replace(values=tuple(values))
+            found.append(placed)
+        return found
+
+    def _row_scales(self) -> Array:
+        """1 / length of every gradient of Φ in scaled coordinates, at the model's position."""
+        J = self.system.Phi_q(self.system.q0).multiply(self.scale)
+        length = np.sqrt(np.asarray(J.multiply(J).sum(axis=1)).reshape(-1))
+        return np.where(length > 0, 1 / np.where(length > 0, length, 1.0), 1.0)
+
+    @property
+    def rows(self) -> int:
+        """Rows of the table."""
+        return self.m + len(self.table)
+
+    def values(self, q: Array) -> Array:
+        """Φ̂ and all functions (rows,) at scaled q; targets are not subtracted."""
+        real = q * self.scale
+        return np.concatenate([self._Phi[0](real), self._Phi[1](real)])
+
+    def jacobian(self, q: Array) -> Array:
+        """The gradients of all rows (rows, n)."""
+        real, J = q * self.scale, np.zeros((self.rows, self.n))
+        for matrix in self._Phi_q:
+            matrix.add(J, real)
+        J[abs(J) < NOTHING] = 0.0
+        return J
+
+    def curvature(self, q: Array, weights: Array) -> Array:
+        """Σ weight · second derivative, symmetric (n, n)."""
+        real, H = q * self.scale, np.zeros((self.n, self.n))
+        for matrix, lam in zip(self._second, self.unscaled(weights), strict=True):
+            matrix.add(H, real, lam)
+        return H
+
+    def curvature_along(self, q: Array, weights: Array, along: Array) -> Array:
+        """Σ weight · third derivative contracted with a direction, symmetric (n, n)."""
+        real, H = q * self.scale, np.zeros((self.n, self.n))
+        for matrix, lam in zip(self._third, self.unscaled(weights), strict=True):
+            matrix.add(H, real, along * self.scale, lam)
+        return H
+
+    def second_along(self, q: Array, along: Array) -> Array:
+        """The second derivatives of all rows, contracted twice with a direction (rows,)."""
+        real, xi = q * self.scale, along * self.scale
+        return -np.concatenate([self._gamma[0](real, xi), self._gamma[1](real, xi)])
+
+    def unscaled(self, weights: Array) -> tuple[Array, Array]:
+        """Multipliers of Φ (m,) and of the functions in real units."""
+        lam = np.zeros(self.system.m)
+        lam[self.kept] = weights[: self.m] * self.row_scale[self.kept]
+        return lam, weights[self.m :] / self.units
+
+    def shown(self, k: int, scaled: Any) -> Any:
+        """A function's value as the user is told."""
+        return self.table[k].shown(scaled * self.units[k])
+
+    def built(self, q: Array) -> bool:
+        """Whether a scaled position can be built from the parts as drawn; see `Handedness`."""
+        return self._handedness.kept(q * self.scale)
+
+    def margins(self, values: Array) -> Array:
+        """How far every limited function is above its lowest and below its highest value (count, 2), scaled."""
+        found = values[self.m + self.limited][:, None]
+        return np.asarray(np.minimum((found - self.bounds) * (1.0, -1.0), FAR))

@@ -1,0 +1,234 @@
+"""How candidate curves divide the plane of the outputs: cut where they meet, each piece once, with all its owners."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from ....algebra import Array
+from ....results.outline import DENSE
+from .arc import Arc
+
+TOUCH = 2e-6  # free of units: nearer points are one
+ZERO = 1e-8  # length of a curve that counts as a point
+SHARPEST = 20.0  # difference of curvatures of touching curves, free of units
+SLANT = 1e-5  # sine of the angle of curves that cross
+
+
+@dataclass(eq=False)
+class Piece:
+    """A part of the plane's division: an arc from one node to another.
+
+    `owners` are the curves on it: number of the branch, +1 where it runs the same way, and its parameters there.
+    """
+
+    arc: Arc
+    owners: list[tuple[int, int, float, float]]
+    start: int = -1
+    end: int = -1
+
+
+@dataclass
+class Division:
+    """Nodes (count, 2) and the pieces between them."""
+
+    nodes: Array
+    pieces: list[Piece] = field(default_factory=list)
+
+
+def divide(arcs: Sequence[Arc]) -> Division:
+    """Divide the plane by curves."""
+    pieces = [Piece(arc, [(n, 1, 0.0, arc.end)]) for n, arc in enumerate(arcs) if arc.length > ZERO]
+    pieces = _cut_at_ends(pieces)
+    pieces = _once(pieces)
+    pieces = _cut(pieces, _crossings(pieces))
+    return _joined(_once(pieces))
+
+
+def _cut(pieces: list[Piece], cuts: dict[int, list[float]]) -> list[Piece]:
+    """Cut pieces at parameters."""
+    found: list[Piece] = []
+    for n, piece in enumerate(pieces):
+        inner = sorted(at for at in cuts.get(n, []))
+        ends = [0.0, *_apart(piece.arc, inner), piece.arc.end]
+        found += [_part(piece, a, b) for a, b in pairwise(ends)] if len(ends) > 2 else [piece]
+    return found
+
+
+def _apart(arc: Arc, places: list[float]) -> list[float]:
+    """Places that are no nearer to each other or to the ends than `TOUCH`."""
+    kept: list[float] = []
+    for at in places:
+        neighbours = [0.0 if not kept else kept[-1], arc.end]
+        close = [
+            np.linalg.norm(arc.point(at) - arc.point(x)) < TOUCH and abs(at - x) < 1.0 for x in neighbours
+        ]
+        if not any(close):
+            kept.append(at)
+    return kept
+
+
+def _part(piece: Piece, a: float, b: float) -> Piece:
+    whole = piece.arc.end
+    owners = []
+    for n, way, low, high in piece.owners:
+        x, y = (low + at / whole * (high - low) if whole else low for at in (a, b))
+        owners.append((n, way, x, y))
+    return Piece(piece.arc.part(a, b), owners)
+
+
+def _cut_at_ends(pieces: list[Piece]) -> list[Piece]:
+    """Cut every curve where another one ends on it."""
+    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
+    ends = ends[_first_of_clusters(ends)]
+    cuts: dict[int, list[float]] = {}
+    for n, piece in enumerate(pieces):
+        low, high = piece.arc.box
+        inside = np.all((ends > low - TOUCH) & (ends < high + TOUCH), axis=1)
+        for p in ends[inside]:
+            cuts.setdefault(n, []).extend(_places_on(piece.arc, p))
+    return _cut(pieces, cuts)
+
+
+def _places_on(arc: Arc, p: Array) -> list[float]:
+    """Parameters at which a point lies on a curve."""
+    line = arc.polyline
+    reach = 2 * float(np.linalg.norm(np.diff(line, axis=0), axis=1).max())
+    near = np.flatnonzero(np.linalg.norm(line - p, axis=1) < reach)
+    found: list[float] = []
+    for group in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1) if len(near) else []:
+        k = int(group[np.argmin(np.linalg.norm(line[group] - p, axis=1))])
+        at, away = arc._polished(k / DENSE, p)
+        if away < TOUCH:
+            found.append(at)
+    return found
+
+
+def _first_of_clusters(points: Array) -> Array:
+    """Indices of points of which none before is near."""
+    labels = clusters(points)
+    return np.unique(labels, return_index=True)[1]
+
+
+def clusters(points: Array) -> Array:
+    """A label for every point; points nearer than `TOUCH` share one."""
+    labels = np.full(len(points), -1)
+    order = np.argsort(points[:, 0], kind="stable")
+    x = points[order, 0]
+    count = 0
+    for place, n in enumerate(order):
+        if labels[n] >= 0:
+            continue
+        last = np.searchsorted(x, x[place] + TOUCH, side="right")
+        first = np.searchsorted(x, x[place] - TOUCH, side="left")
+        near = order[first:last]
+        near = near[(np.linalg.norm(points[near] - points[n], axis=1) < TOUCH) & (labels[near] < 0)]
+        labels[near] = count
+        count += 1
+    return labels
+
+
+def _once(pieces: list[Piece]) -> list[Piece]:
+    """Pieces that lie on each other become one, with all their owners."""
+    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
+    labels = clusters(ends).reshape(-1, 2)
+    groups: dict[tuple[int, int], list[Piece]] = {}
+    for piece, (a, b) in zip(pieces, labels.tolist(), strict=True):
+        group = groups.setdefault((min(a, b), max(a, b)), [])
+        middle = piece.arc.point(0.5 * piece.arc.end)
+        twin = next((other for other in group if other.arc.nearest(middle)[1] < TOUCH), None)
+        if twin is None:
+            group.append(piece)
+        else:
+            _take_over(twin, piece, middle)
+    return [piece for group in groups.values() for piece in group]
+
+
+def _take_over(twin: Piece, piece: Piece, middle: Array) -> None:
+    at, _ = twin.arc.nearest(middle)
+    same = float(twin.arc.slope(at) @ piece.arc.slope(0.5 * piece.arc.end)) > 0
+    for n, way, low, high in piece.owners:
+        twin.owners.append((n, way, low, high) if same else (n, -way, high, low))
+
+
+def _crossings(pieces: list[Piece]) -> dict[int, list[float]]:
+    """Parameters at which pieces cross each other or themselves."""
+    cuts: dict[int, list[float]] = {}
+    boxes = np.array([piece.arc.box for piece in pieces])
+    for n, piece in enumerate(pieces):
+        meets = np.all((boxes[n:, 0] <= piece.arc.box[1]) & (boxes[n:, 1] >= piece.arc.box[0]), axis=1)
+        for k in (n + np.flatnonzero(meets)).tolist():
+            for a, b in _meeting(piece.arc, pieces[k].arc, k == n):
+                cuts.setdefault(n, []).append(a)
+                cuts.setdefault(k, []).append(b)
+    return cuts
+
+
+def _meeting(one: Arc, other: Arc, itself: bool) -> Iterator[tuple[float, float]]:
+    for i, j in _segments(one.polyline, other.polyline, itself):
+        found = _polish(one, other, (i + 0.5) / DENSE, (j + 0.5) / DENSE)
+        if found is not None and not (itself and abs(found[0] - found[1]) < 1e-6):
+            yield found
+
+
+def _segments(P: Array, Q: Array, itself: bool) -> Iterator[tuple[int, int]]:
+    """Segments of two polylines that intersect, or come as near as their curves may leave them."""
+    p, d, q, e = P[:-1], np.diff(P, axis=0), Q[:-1], np.diff(Q, axis=0)
+    low_p, high_p = np.minimum(P[:-1], P[1:]), np.maximum(P[:-1], P[1:])
+    low_q, high_q = np.minimum(Q[:-1], Q[1:]), np.maximum(Q[:-1], Q[1:])
+    slack = 0.02 * max(float(abs(d).max()), float(abs(e).max()))
+    near = np.all((low_p[:, None] <= high_q[None] + slack) & (high_p[:, None] >= low_q[None] - slack), axis=2)
+    i, j = np.nonzero(near)
+    if itself:
+        i, j = i[j > i + 1], j[j > i + 1]
+    determinant = d[i, 0] * e[j, 1] - d[i, 1] * e[j, 0]
+    ok = abs(determinant) > 1e-300
+    i, j, determinant = i[ok], j[ok], determinant[ok]
+    w = q[j] - p[i]
+    a = (w[:, 0] * e[j, 1] - w[:, 1] * e[j, 0]) / determinant
+    b = (w[:, 0] * d[i, 1] - w[:, 1] * d[i, 0]) / determinant
+    hit = (a > -0.1) & (a < 1.1) & (b > -0.1) & (b < 1.1)
+    yield from zip(i[hit].tolist(), j[hit].tolist(), strict=True)
+
+
+def _polish(one: Arc, other: Arc, a: float, b: float) -> tuple[float, float] | None:
+    """Newton's method on one(a) = other(b); only true crossings away from the ends."""
+    for _ in range(12):
+        gap = other.point(b) - one.point(a)
+        matrix = np.column_stack([one.slope(a), -other.slope(b)])
+        sizes = np.linalg.norm(matrix, axis=0)
+        sine = abs(np.linalg.det(matrix)) / max(float(sizes.prod()), 1e-300)
+        if sine < SLANT:
+            return None
+        step = np.linalg.solve(matrix, gap)
+        a, b = float(a + np.clip(step[0], -0.5, 0.5)), float(b + np.clip(step[1], -0.5, 0.5))
+        if not (-0.2 < a < one.end + 0.2 and -0.2 < b < other.end + 0.2):
+            return None
+        a, b = min(max(a, 0.0), one.end), min(max(b, 0.0), other.end)
+        if abs(step).max() < 1e-13:
+            break
+    meets = np.linalg.norm(one.point(a) - other.point(b)) <= 1e-10
+    return (a, b) if meets and not _touches_at_end(one, other, a, b) else None
+
+
+def _touches_at_end(one: Arc, other: Arc, a: float, b: float) -> bool:
+    """Whether curves only seem to cross, beside a common end at which they touch."""
+    p, ends = one.point(a), [arc.point(at) for arc in (one, other) for at in (0.0, arc.end)]
+    away = min(float(np.linalg.norm(end - p)) for end in ends)
+    d, e = one.slope(a), other.slope(b)
+    sine = abs(float(d[0] * e[1] - d[1] * e[0])) / max(float(np.linalg.norm(d) * np.linalg.norm(e)), 1e-300)
+    return away < 0.01 and sine < SHARPEST * away
+
+
+def _joined(pieces: list[Piece]) -> Division:
+    """Nodes from the ends of all pieces; a piece that is no longer than a node is part of it."""
+    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
+    labels = clusters(ends)
+    nodes = np.array([ends[np.argmax(labels == k)] for k in range(labels.max(initial=-1) + 1)]).reshape(-1, 2)
+    for piece, (a, b) in zip(pieces, labels.reshape(-1, 2).tolist(), strict=True):
+        piece.start, piece.end = a, b
+    longer = [piece for piece in pieces if piece.start != piece.end or piece.arc.length > 2 * TOUCH]
+    return Division(nodes, longer)

@@ -1,0 +1,183 @@
+"""Cells of a division of the plane: walks around them, their areas, and which cell lies in which."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ....algebra import Array
+from ....results.outline import inside_curves
+from .arrangement import TOUCH, Division, Piece
+
+NEAR = 1e-3  # free of units: where the order of curves around a node is looked at first
+WIDER = 4  # distances, each four times the last, at which it is looked at where curves touch
+CLEAR = 4  # times the size of a node: curves that are farther apart have a certain order
+
+Side = tuple[int, int]  # number of a piece; 0 runs along it, its left is meant; 1 runs against it
+
+
+@dataclass(eq=False)
+class Cell:
+    """A connected part of the plane without curves in it; the unbounded one has no outer walk.
+
+    `walks` are its boundaries with the cell on the left: the outer one first, then those of islands in it.
+    """
+
+    walks: list[list[Side]] = field(default_factory=list)
+    area: float = 0.0
+    bounded: bool = True
+
+
+class Cells:
+    """All cells, and which of them is on each side of every piece.
+
+    Attributes
+    ----------
+    cells : the first one is the unbounded
+    of : piece and direction -> number of the cell on its left
+    """
+
+    def __init__(self, division: Division) -> None:
+        self.division = division
+        self._around = self._orders()
+        walks = self._walks()
+        areas = [self._area(walk) for walk in walks]
+        self.cells = [Cell(bounded=False)]
+        outer = [n for n, area in enumerate(areas) if area > 0]
+        self.cells += [Cell([walks[n]], areas[n]) for n in outer]
+        for n, walk in enumerate(walks):
+            if areas[n] <= 0:
+                self._put_into(walk, areas[n], [walks[k] for k in outer], [areas[k] for k in outer])
+        self.of = {side: k for k, cell in enumerate(self.cells) for walk in cell.walks for side in walk}
+
+    def _orders(self) -> dict[int, list[Side]]:
+        """Outgoing pieces around every node, counter-clockwise."""
+        leaving: dict[int, list[Side]] = {}
+        for n, piece in enumerate(self.division.pieces):
+            leaving.setdefault(piece.start, []).append((n, 0))
+            leaving.setdefault(piece.end, []).append((n, 1))
+        return {node: self._sorted(node, sides) for node, sides in leaving.items()}
+
+    def _sorted(self, node: int, sides: list[Side]) -> list[Side]:
+        """By the directions at a distance at which tangential curves can be told apart in spite of the node's size."""
+        pieces, centre = self.division.pieces, self.division.nodes[node]
+        farthest = 0.3 * min(pieces[n].arc.length for n, _ in sides)
+        best, order = 0.0, np.arange(len(sides))
+        for radius in sorted({min(farthest, NEAR * 4**k) for k in range(WIDER)}):
+            angles = np.array([_angle_at(pieces[n], way, centre, radius) for n, way in sides])
+            clear = radius * _separation(angles)
+            if clear > best:
+                best, order = clear, np.argsort(angles)
+            if best > CLEAR * TOUCH:
+                break
+        return [sides[k] for k in order]
+
+    def _walks(self) -> list[list[Side]]:
+        open_sides = {side for sides in self._around.values() for side in sides}
+        walks = []
+        for side in sorted(open_sides):
+            if side in open_sides:
+                walk = self._walk(side)
+                open_sides.difference_update(walk)
+                walks.append(walk)
+        return walks
+
+    def _walk(self, first: Side) -> list[Side]:
+        walk, side = [first], self._next(first)
+        while side != first:
+            walk.append(side)
+            side = self._next(side)
+        return walk
+
+    def _next(self, side: Side) -> Side:
+        """At the end of a piece, the next one clockwise from where it came."""
+        n, way = side
+        piece = self.division.pieces[n]
+        around = self._around[piece.start if way else piece.end]
+        back = around.index((n, 1 - way))
+        return around[back - 1]
+
+    def _area(self, walk: list[Side]) -> float:
+        """By Green's formula along the pieces and straight over the gaps in nodes."""
+        along = sum((1 - 2 * way) * self.division.pieces[n].arc.area for n, way in walk)
+        ends = [self._ends(side) for side in walk]
+        gaps = [(last, first) for (_, last), (first, _) in zip(ends, ends[1:] + ends[:1], strict=True)]
+        return along + sum(0.5 * float(p[0] * q[1] - p[1] * q[0]) for p, q in gaps)
+
+    def _ends(self, side: Side) -> tuple[Array, Array]:
+        """The first and last point of a piece, run through in a direction."""
+        arc = self.division.pieces[side[0]].arc
+        first, last = arc.point(0.0), arc.point(arc.end)
+        return (last, first) if side[1] else (first, last)
+
+    def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
+        """An island belongs to the smallest cell around it; it may touch that, so that most of its points count."""
+        mine = {n for n, _ in walk}
+        points = np.concatenate([self.division.pieces[n].arc.polyline for n in sorted(mine)])
+        around = [
+            (areas[k], k)
+            for k, other in enumerate(outer)
+            if not mine & {n for n, _ in other}
+            and 2 * np.count_nonzero(self._encloses(other, points)) > len(points)
+        ]
+        cell = self.cells[1 + min(around)[1]] if around else self.cells[0]
+        cell.walks.append(walk)
+        cell.area += area
+
+    def polylines(self, cell: Cell) -> list[Array]:
+        """The pieces around a cell as polylines."""
+        return [self.division.pieces[n].arc.polyline for walk in cell.walks for n, _ in walk]
+
+    def locate(self, points: Array) -> Array:
+        """The number of the cell of every point (n,)."""
+        found = np.zeros(len(points), dtype=int)
+        for k, cell in enumerate(self.cells):
+            if cell.bounded:
+                found[self._encloses([side for walk in cell.walks for side in walk], points)] = k
+        return found
+
+    def _encloses(self, walk: list[Side], points: Array) -> Array:
+        """Which points (k, 2) the pieces of a walk go around."""
+        arcs = [self.division.pieces[n].arc for n, _ in walk]
+        return inside_curves([arc.polyline for arc in arcs], [arc.pieces for arc in arcs], points)
+
+    def inner_point(self, cell: Cell) -> Array | None:
+        """A point well inside a cell: the middle of the widest chord through it."""
+        lines = self.polylines(cell)
+        y = np.concatenate([line[:, 1] for line in lines])
+        best, found = 0.0, None
+        for share in np.linspace(0.03, 0.97, 25):
+            height = y.min() + share * (y.max() - y.min())
+            x = np.sort(np.concatenate([_cuts(line, height) for line in lines]))
+            for a, b in zip(x[::2], x[1::2], strict=False):
+                if b - a > best:
+                    best, found = b - a, np.array([0.5 * (a + b), height])
+        return found
+
+
+def _cuts(line: Array, height: float) -> Array:
+    above = line[:, 1] > height
+    k = np.flatnonzero(above[1:] != above[:-1])
+    share = (height - line[k, 1]) / (line[k + 1, 1] - line[k, 1])
+    return np.asarray(line[k, 0] + share * (line[k + 1, 0] - line[k, 0]))
+
+
+def _separation(angles: Array) -> float:
+    """The smallest angle between neighbouring directions."""
+    ordered = np.sort(angles)
+    return float(np.diff(np.append(ordered, ordered[0] + 2 * np.pi)).min())
+
+
+def _angle_at(piece: Piece, way: int, centre: Array, radius: float) -> float:
+    """The direction in which a piece leaves a node, where it is a small distance away."""
+    arc = piece.arc
+    low, high = (0.0, 0.5 * arc.end) if way == 0 else (arc.end, 0.5 * arc.end)
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        if np.linalg.norm(arc.point(middle) - centre) < radius:
+            low = middle
+        else:
+            high = middle
+    away = arc.point(high) - centre
+    return float(np.arctan2(away[1], away[0]))

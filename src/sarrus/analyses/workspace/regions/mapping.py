@@ -1,0 +1,288 @@
+"""A map under way: starts are found and curves traced until nothing new turns up; it can be stopped and resumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....algebra import Array
+from ....model import Model, SarrusError
+from ....results.polygons import inside
+from ....results.workspace import Component, Effort, Verification, Workspace, place_of
+from ....system import System
+from ...arguments import refuse_other_system
+from ..problem.dependent_outputs import refuse_dependent
+from ..problem.formulation import Limits, formulate
+from ..problem.random_positions import Samples
+from ..problem.refusals import functions, refuse_counts
+from ..problem.rows import Problem
+from ..problem.settle import allowed, constrained, settle
+from ..problem.watch import Stop, stopped
+from ..tracing.curve import LONGEST
+from ..tracing.explore import Branch, Explorer
+from ..tracing.newton import Tally
+from ..tracing.ray import Ray
+from ..tracing.seeds import Start, random_start
+from .crossing import Crossing, crossing
+from .label import TRIES
+from .reach import reach
+from .region import Region, component_of, measured
+
+REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
+MOST_STARTS = 600
+CONFIDENCE = 0.95
+BESIDE = 1e-4  # of a critical value: another one that is proposed
+NEAREST = 40  # known positions from which one at a place is looked for
+
+
+Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
+
+
+def _refuse_counts(problem: Problem) -> None:
+    name, freedoms = problem.system.name, problem.freedoms
+    if len(problem.outputs) != 2:
+        told = "see workspace_range for one, workspace_volume for three"
+        raise SarrusError(f"a map is of two outputs, not {len(problem.outputs)}; {told}")
+    if freedoms < 2:
+        told = f"{name} has {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
+        raise SarrusError(f"{told}; fix less, or ask for the range of one output (workspace_range)")
+
+
+class WorkspaceMap:
+    """The curves of a workspace, traced one by one: iterate, stop at any time, look at `result()`, and go on.
+
+    Parameters
+    ----------
+    system, output, limits, fixed : see `sarrus.workspace`
+    seed : of all random numbers
+    repeats : starts in a row that lead to nothing new, before the map counts as complete
+    longest : step of a curve, free of units; smaller numbers give more points
+
+    Attributes
+    ----------
+    problem : the equations; `asked` what they were made of
+    explorer : the graph of curves
+    starts, in_a_row : starts so far; how many of the last led to known curves
+    stop : why it ended early, if it did
+    """
+
+    def __init__(
+        self,
+        system: System,
+        output: Iterable[Any],
+        *,
+        limits: Limits | None = None,
+        fixed: Mapping[Any, float] | None = None,
+        seed: int = 0,
+        repeats: int = REPEATS,
+        longest: float = LONGEST,
+    ) -> None:
+        refuse_other_system(system, "WorkspaceMap")
+        wanted = functions(output)
+        refuse_counts(seed=seed, repeats=repeats, longest=longest)
+        problem = formulate(system, wanted, limits=limits, fixed=fixed)
+        _refuse_counts(problem)
+        refuse_dependent(problem)
+        self.asked: Asked = (system.model, wanted, limits, fixed)
+        self._begin(problem, seed, repeats, longest)
+
+    def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:
+        self.problem, self.seed, self.repeats = problem, seed, repeats
+        self.explorer = Explorer(problem, longest=longest)
+        self.random, self.samples = np.random.default_rng(seed), Samples(problem, seed)
+        self.met: list[Array] = []
+        self.starts = self.in_a_row = 0
+        self.stop: Stop | None = None
+        self._crossings: dict[int, Crossing] = {}
+        self._checks = Tally()
+        self._region: tuple[tuple[int, int, bool], Region] | None = None
+
+    @classmethod
+    def of(
+        cls, problem: Problem, seed: int = 0, repeats: int = REPEATS, longest: float = LONGEST
+    ) -> WorkspaceMap:
+        """The map of a problem that is formulated already."""
+        found = cls.__new__(cls)
+        found._begin(problem, seed, repeats, longest)
+        return found
+
+    def __iter__(self) -> Iterator[Branch]:
+        return self
+
+    def __next__(self) -> Branch:
+        """The next curve, with new starts where the last are exhausted."""
+        self.stop = None
+        while True:
+            for branch in self.explorer:
+                return branch
+            if self.explorer.endless:
+                raise StopIteration
+            if self.in_a_row >= self.repeats or self.starts >= MOST_STARTS or not self._start():
+                raise StopIteration
+
+    def run(self) -> WorkspaceMap:
+        """Trace all there is."""
+        for _ in self:
+            pass
+        return self
+
+    def tried(self) -> WorkspaceMap:
+        """Trace all there is, until the time limit of the analysis passes or the user interrupts it."""
+        self.stop = stopped(self.run)
+        return self
+
+    def _start(self) -> bool:
+        """One more start, in turn by a ray and by Newton's method on random equations; false if there is none."""
+        q = next(self.samples, None)
+        if q is None:
+            return False
+        self.begin_at(q)
+        return True
+
+    def begin_at(self, q: Array) -> None:
+        """Look for a new curve from an admissible position; it becomes open in the explorer."""
+        self.starts += 1
+        self.met.append(q)
+        by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
+        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random, self.explorer.tally)
+        led = "lost" if start is None else self.explorer.start(*start)
+        if led != "lost":
+            self.in_a_row = 0 if led == "new" else self.in_a_row + 1
+
+    def ray(self, q: Array) -> Start | None:
+        """The end of a ray in a random direction."""
+        angle = self.random.uniform(0.0, 2 * np.pi)
+        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)]), self.explorer.tally).end()
+
+    def position_at(self, place: ArrayLike) -> Array | None:
+        """A position (nq,) with the outputs at a place (2,), within all limits; nothing, if none is found."""
+        p = self.problem
+        known = [point.x[: p.n] for branch in self.branches for point in branch.points]
+        target = place_of(place) / p.units[p.outputs]
+        q = reach(p, target, np.array([*self.met, *known]), NEAREST, np.random.default_rng(self.seed))
+        return None if q is None else q * p.scale
+
+    @property
+    def branches(self) -> list[Branch]:
+        """The curves so far, without those of no length."""
+        return [branch for branch in self.explorer.branches if len(branch.points) > 1]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every curve so far ends where others begin, and bounds what can be reached."""
+        lost = self.explorer.open or any(branch.trouble for branch in self.explorer.branches)
+        return not lost and self.region().is_consistent
+
+    def region(self) -> Region:
+        """The plane divided by the curves so far."""
+        branches = self.branches
+        mark = (len(branches), len(self.met), self.stop is None)
+        if self._region is None or self._region[0] != mark:
+            found = [self._crossing(branch) for branch in branches]
+            tries = TRIES if self.stop is None else 0
+            self._region = (
+                mark,
+                Region(self.problem, branches, found, np.array(self.met), self.seed, tries),
+            )
+        return self._region[1]
+
+    def positions_outside(self) -> list[Array]:
+        """Known admissible positions that lie outside of the region of the curves so far."""
+        return self.region().positions_outside if self.branches else []
+
+    def _crossing(self, branch: Branch) -> Crossing:
+        if id(branch) not in self._crossings:
+            self._crossings[id(branch)] = crossing(branch, self._checks)
+        return self._crossings[id(branch)]
+
+    def result(self, verification: Verification | None = None) -> Workspace:
+        """What is known so far, as a value."""
+        p, region = self.problem, self.region()
+        units = p.units[p.outputs]
+        names = [p.table[k].name for k in p.limited]
+        status, message = self._status(region, verification)
+        one, other = (p.table[k] for k in p.outputs)
+        known = status == "mapped"
+        parts = tuple(component_of(part, units, known) for part in region.components())
+        return Workspace(
+            p.system.name,
+            (one.name, other.name),
+            (one.unit, other.unit),
+            tuple(region.curves(names)),
+            region.area * float(units.prod()) if known else np.nan,
+            region.area_error(self._checks) * float(units.prod()) if known else np.nan,
+            measured(region.perimeter, units) if known else np.nan,
+            parts,
+            self._drawn(parts),
+            status,
+            message,
+            verification,
+            self._effort(),
+            self,
+        )
+
+    def _drawn(self, parts: Sequence[Component]) -> int | None:
+        """The part in which the model's own position lies."""
+        p = self.problem
+        q = settle(p, p.system.q0 / p.scale, *constrained(p))
+        if q is None or not allowed(p, q):
+            return None
+        place = (p.values(q)[p.m + p.outputs] * p.units[p.outputs])[None]
+        return next((n for n, part in enumerate(parts) if inside(list(part.loops), place)[0]), None)
+
+    def _effort(self) -> Effort:
+        tally = self.explorer.tally
+        return Effort(tally.points, tally.newton, tally.factorizations, len(self.met), self.starts)
+
+    def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
+        name = self.problem.system.name
+        if self.stop:
+            told = "The curves traced so far are returned; go on with its `map`, or allow more time"
+            return self.stop.status, f"{name}: {self.stop.reason}. {told}"
+        trouble = self._trouble(region, tests)
+        if trouble:
+            return "incomplete", f"{name}: {trouble}"
+        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
+        told = (
+            f"the last {self.in_a_row} starts led to nothing new, so with {100 * CONFIDENCE:.0f} % confidence"
+        )
+        return (
+            "mapped",
+            f"{name}: mapped; {told} curves that were missed attract less than {share:.1%} of starts",
+        )
+
+    def _trouble(self, region: Region, tests: Verification | None) -> str:
+        """What keeps a map from being complete, in words."""
+        branches = self.explorer.branches
+        lost = [branch.trouble for branch in branches if branch.trouble]
+        if not self.met:
+            return (
+                "no position within the limits was found. Widen them, or check that they can be met together"
+            )
+        if self.explorer.endless:
+            return self._endless()
+        if not branches:
+            return "no boundary curve was found. Check that a limit or a singularity ends it"
+        if self.explorer.open or self.in_a_row < self.repeats:
+            return "the map is not complete. Go on with it, or give it more starts"
+        if lost:
+            told = f"{len(lost)} of {len(branches)} curves were lost, the first because {lost[0]}"
+            return f"{told}. Take smaller steps (longest)"
+        if not region.is_consistent:
+            return "the curves contradict each other about what can be reached. Take smaller steps (longest)"
+        failed = tests is not None and not tests.success
+        return "a test failed. See the verification" if failed else ""
+
+    def _endless(self) -> str:
+        """Where a function is held at a critical value: the mechanism is singular on a whole curve."""
+        p = self.problem
+        held = [(p.table[k].name, p.fixed[k]) for k in p.fixed if k not in p.locked]
+        told = "the mechanism is singular on whole curves of configurations, where boundary curves cross without end"
+        if not held:
+            return f"{told}. Change its dimensions a little, or map other outputs"
+        name, value = held[-1]
+        beside = value + BESIDE * (abs(value) or p.size)
+        return f"{told}: {name} = {value:.9g} is a critical value. Fix it beside, such as at {beside:.9g}"

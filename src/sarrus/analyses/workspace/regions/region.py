@@ -1,0 +1,299 @@
+"""From traced curves to a region: the plane divided, its cells labelled, and what each curve is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results.workspace import BoundaryCurve, Component, CurveKind
+from ..problem.rows import Problem
+from ..tracing.explore import Branch
+from ..tracing.newton import NoPoint, Tally, correct, plane
+from .arc import Arc
+from .arrangement import TOUCH, Division, Piece, divide
+from .crossing import Crossing
+from .faces import Cells
+from .label import labels, normal_at
+
+BULGE = 64 / 140  # area under tau³ (1 - tau)³ over its height in the middle, the shape of a quintic's error
+LOOSE = 3e-4  # free of units: how far polylines may be from their curves
+OUTSIDE = 1e-6  # free of units: positions that are farther outside contradict a region
+CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
+
+Cause = tuple[
+    tuple[tuple[int, int], ...], bool
+]  # limits that are active; whether the mechanism is singular, too
+
+
+class Loop(NamedTuple):
+    """A closed part of the boundary: points, where runs of one cause begin, their causes, and the curve."""
+
+    line: Array
+    corners: tuple[int, ...]
+    causes: tuple[frozenset[Cause], ...]
+    pieces: Array
+
+
+class _Edge(NamedTuple):
+    """A piece of the boundary, run through with the region on its left."""
+
+    arc: Arc
+    start: int
+    end: int
+    first: Array
+    last: Array
+    causes: frozenset[Cause]
+
+
+class Region:
+    """What two outputs can reach, free of units.
+
+    Attributes
+    ----------
+    division, cells : of the plane
+    can : which cells can be reached
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        branches: Sequence[Branch],
+        crossings: Sequence[Crossing],
+        met: Array,
+        seed: int,
+        tries: int,
+    ) -> None:
+        self.problem, self.branches, self.crossings, self._met = problem, branches, crossings, met
+        arcs = [Arc(np.array([step.quintic() for step in branch.steps()])) for branch in branches]
+        self.division: Division = divide(arcs)
+        self.cells = Cells(self.division)
+        self.can = labels(problem, branches, crossings, self.cells, met, seed, tries)
+        self.sides = np.array(
+            [(self.cells.of[k, 0], self.cells.of[k, 1]) for k in range(len(self.division.pieces))], dtype=int
+        ).reshape(-1, 2)
+        self.bounds = self.can[self.sides[:, 0]] != self.can[self.sides[:, 1]]
+
+    @property
+    def is_consistent(self) -> bool:
+        """Whether no curve claims that the unbounded cell can be reached, and areas and known positions agree."""
+        areas = np.array([cell.area for cell in self.cells.cells[1:]])
+        return not self.can[0] and bool(np.all(areas > -TOUCH)) and not self.positions_outside
+
+    @cached_property
+    def positions_outside(self) -> list[Array]:
+        """Known admissible positions that lie outside."""
+        outputs = self.problem.m + self.problem.outputs
+        u = np.array([self.problem.values(q)[outputs] for q in self._met]).reshape(-1, 2)
+        return [self._met[k] for k in np.flatnonzero(self.outside(u, OUTSIDE))] if len(u) else []
+
+    @property
+    def area(self) -> float:
+        """Of all cells that can be reached."""
+        return float(sum(cell.area for cell, can in zip(self.cells.cells, self.can, strict=True) if can))
+
+    @property
+    def perimeter(self) -> float:
+        """Of the boundary between what can be reached and what cannot."""
+        return float(sum(self.division.pieces[k].arc.length for k in np.flatnonzero(self.bounds)))
+
+    def area_error(self, tally: Tally) -> float:
+        """How far interpolated curves of the boundary are from true ones in the middle of their steps, as an area."""
+        owners = {n for k in np.flatnonzero(self.bounds) for n, *_ in self.division.pieces[k].owners}
+        return sum(_error(self.branches[n], tally) for n in owners)
+
+    def components(self) -> list[tuple[float, float, list[Loop]]]:
+        """Area, perimeter and loops of the parts that hang together, the largest first."""
+        group = self._groups()
+        found = []
+        for label in sorted({group[k] for k in np.flatnonzero(self.can).tolist()}):
+            mine = [k for k in np.flatnonzero(self.can).tolist() if group[k] == label]
+            area = sum(self.cells.cells[k].area for k in mine)
+            edges = [k for k in np.flatnonzero(self.bounds).tolist() if group[self._reached_side(k)] == label]
+            length = sum(self.division.pieces[k].arc.length for k in edges)
+            found.append((area, length, self._loops(edges)))
+        return sorted(found, key=lambda one: -one[0])
+
+    def _groups(self) -> list[int]:
+        group = list(range(len(self.cells.cells)))
+        for (a, b), bound in zip(self.sides.tolist(), self.bounds, strict=True):
+            if not bound and self.can[a]:
+                old, new = group[a], group[b]
+                group = [new if g == old else g for g in group]
+        return group
+
+    def _reached_side(self, k: int) -> int:
+        left, right = self.sides[k].tolist()
+        return int(left if self.can[left] else right)
+
+    def _loops(self, edges: list[int]) -> list[Loop]:
+        """Boundary pieces joined to closed loops, the region on their left, the longest first."""
+        leaving: dict[int, list[_Edge]] = {}
+        for k in edges:
+            edge = self._edge(k)
+            leaving.setdefault(edge.start, []).append(edge)
+        loops = []
+        while any(leaving.values()):
+            node = next(n for n, lines in leaving.items() if lines)
+            loops.append(_loop(leaving, node))
+        return sorted(loops, key=lambda loop: len(loop.line), reverse=True)
+
+    def _edge(self, k: int) -> _Edge:
+        piece = self.division.pieces[k]
+        first, last = piece.arc.slope(0.0), piece.arc.slope(piece.arc.end)
+        causes = self._causes(k)
+        if self.can[self.sides[k, 0]]:
+            return _Edge(piece.arc, piece.start, piece.end, first, last, causes)
+        return _Edge(piece.arc.reversed(), piece.end, piece.start, -last, -first, causes)
+
+    def _causes(self, k: int) -> frozenset[Cause]:
+        """What makes a piece of the boundary: limits that are reached, and whether it is a singularity."""
+        owners = {n for n, *_ in self.division.pieces[k].owners}
+        telling = {n for n in owners if self.crossings[n].side} or owners
+        strata = [self.branches[n].stratum for n in telling]
+        return frozenset((stratum.active, stratum.dimension > 1) for stratum in strata)
+
+    def kind_of(self, k: int, owner: int) -> CurveKind:
+        """What a curve is along a piece."""
+        if self.crossings[owner].side == 0:
+            return "crossable"
+        if not self.bounds[k]:
+            return "barrier"
+        left, right = self.sides[k].tolist()
+        other = right if self.can[left] else left
+        return "void" if self.cells.cells[other].bounded else "outer"
+
+    def outside(self, points: Array, tolerance: float) -> Array:
+        """Which points (k, 2) lie outside by more than a tolerance (k,)."""
+        found = ~self.can[self.cells.locate(points)]
+        edges = np.flatnonzero(self.bounds).tolist()
+        for n in np.flatnonzero(found):
+            found[n] = self._beyond(points[n], edges, tolerance)
+        return np.asarray(found)
+
+    def _beyond(self, p: Array, edges: list[int], tolerance: float) -> bool:
+        """Whether a point that polylines place outside is outside of the curves themselves."""
+        near = [
+            self._signed(p, self.division.pieces[k], k)
+            for k in edges
+            if _may_touch(p, self.division.pieces[k])
+        ]
+        nearest = min(near, key=abs, default=np.inf)
+        return nearest > tolerance
+
+    def _signed(self, p: Array, piece: Piece, k: int) -> float:
+        """Distance from a piece, negative on the side that can be reached."""
+        at, away = piece.arc.nearest(p)
+        slope, d = piece.arc.slope(at), p - piece.arc.point(at)
+        on_left = float(slope[0] * d[1] - slope[1] * d[0]) > 0
+        return -away if on_left == bool(self.can[self.sides[k, 0]]) else away
+
+    def curves(self, names: Sequence[str]) -> list[BoundaryCurve]:
+        """All parts of all curves with what they are; names are those of the limits."""
+        found = []
+        for k, piece in enumerate(self.division.pieces):
+            for number, (n, way, low, high) in enumerate(piece.owners):
+                again = any(
+                    self.kind_of(k, other) == self.kind_of(k, n) for other, *_ in piece.owners[:number]
+                )
+                found.append(self._curve(k, (n, way, low, high), again, names))
+        return found
+
+    def _curve(
+        self, k: int, owner: tuple[int, int, float, float], again: bool, names: Sequence[str]
+    ) -> BoundaryCurve:
+        n, _, low, high = owner
+        p, branch, piece = self.problem, self.branches[n], self.division.pieces[k]
+        units, side = p.units[p.outputs], self.crossings[n].side or 1
+        line = piece.arc.polyline
+        c = normal_at(branch, 0.5 * (low + high))
+        slope = piece.arc.slope(0.5 * piece.arc.end)
+        leftward = 1.0 if side * float(c[1] * slope[0] - c[0] * slope[1]) > 0 else -1.0
+        inner = sorted((low, high))
+        points = [
+            branch.points[j] for j in range(len(branch.points)) if inner[0] - 1e-9 <= j <= inner[1] + 1e-9
+        ]
+        points = points or [branch.points[round(0.5 * (low + high))]]
+        active = tuple(f"{names[i]} {('lowest', 'highest')[end]}" for i, end in branch.stratum.active)
+        return BoundaryCurve(
+            self.kind_of(k, n),
+            line * units,
+            _normals(line, units) * leftward,
+            np.array([point.x[: p.n] * p.scale for point in points]),
+            np.array([point.u * units for point in points]),
+            active,
+            branch.stratum.dimension > 1,
+            Arc(piece.arc.pieces * units).length,
+            n,
+            again,
+        )
+
+
+def _normals(line: Array, units: Array) -> Array:
+    """Unit normals to the left of a polyline, in real units."""
+    d = np.gradient(line * units, axis=0)
+    left = np.stack([-d[:, 1], d[:, 0]], axis=1)
+    return np.asarray(left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), 1e-300))
+
+
+def _may_touch(p: Array, piece: Piece) -> bool:
+    low, high = piece.arc.box
+    return bool(np.all((p > low - LOOSE) & (p < high + LOOSE)))
+
+
+def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
+    """Edges walked along from a node until it is met again; runs of one cause without a corner are one."""
+    edges: list[_Edge] = []
+    while leaving.get(node):
+        edges.append(leaving[node].pop())
+        node = edges[-1].end
+    lines = [edge.arc.polyline for edge in edges]
+    places = np.cumsum([0, *(len(line) - 1 for line in lines)]).tolist()
+    new = [n for n, edge in enumerate(edges) if not _goes_on(edges[n - 1], edge)]
+    line = np.concatenate([lines[0][:1], *(line[1:] for line in lines)])
+    pieces = np.concatenate([edge.arc.pieces for edge in edges])
+    return Loop(line, tuple(places[n] for n in new), tuple(edges[n].causes for n in new or [0]), pieces)
+
+
+def _goes_on(before: _Edge, after: _Edge) -> bool:
+    a, b = before.last, after.first
+    sizes = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return before.causes == after.causes and (sizes == 0 or float(a @ b) > np.cos(CORNER) * sizes)
+
+
+def _error(branch: Branch, tally: Tally) -> float:
+    """The area between a branch and its interpolation."""
+    total, problem = 0.0, branch.stratum.problem
+    for step in branch.steps():
+        if not step.length:  # a start that is a corner
+            continue
+        guess = step.x(0.5)
+        try:
+            x, linear = correct(branch.stratum, guess, plane(guess, step.a.t), tally)
+        except NoPoint:
+            continue
+        there = linear.values[problem.m + problem.outputs]
+        tau = float(step.a.t @ (x - step.a.x)) / step.length
+        off = there - tau ** np.arange(6) @ step.quintic()
+        c = x[-2:] / max(float(np.linalg.norm(x[-2:])), 1e-300)
+        total += BULGE * abs(float(c @ off)) * float(np.linalg.norm(step.b.u - step.a.u))
+    return total
+
+
+def measured(length: float, units: Array) -> float:
+    """A length in the plane of the outputs in real units; nan where these differ, so that it has none."""
+    return length * float(units[0]) if units[0] == units[1] else np.nan
+
+
+def component_of(part: tuple[float, float, list[Loop]], units: Array, known: bool) -> Component:
+    """A component in real units; its measures are nan unless the map is complete."""
+    area, perimeter, loops = part
+    return Component(
+        area * float(units.prod()) if known else np.nan,
+        measured(perimeter, units) if known else np.nan,
+        tuple(loop.line * units for loop in loops),
+        tuple(loop.pieces * units for loop in loops),
+    )

@@ -1,0 +1,145 @@
+"""One candidate curve by pseudo-arclength continuation, from its beginning to its next event: an iterator of points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ..problem.watch import check
+from .bifurcation import directions
+from .event import Event, first_event
+from .newton import NoPoint, Tally, Tangent, correct, plane
+from .point import Point, point_at, point_with
+from .step import Step
+from .stratum import Stratum
+
+ANGLE = 0.22  # rad that the tangent may turn in one step
+SHORTEST = 1e-7
+LONGEST = 0.35  # free of units, in x
+CROSSING = 0.03  # of a step that ends where curves cross
+OFF = 2e-3  # how far Newton's method may move the predicted point, for a step of 1
+DOUBT = 1e-5  # of the outputs in the middle of a step, free of units: areas are then right to some 1e-8
+NOTHING = 1e-12  # free of units: a curve that ends so near to its start is that point alone
+TURN = 2 * np.pi
+
+
+class _Again(Exception):
+    """The step is taken again with another length."""
+
+
+class Trace:
+    """Points of a curve one by one; an iterator that can be left and taken up again.
+
+    Parameters
+    ----------
+    stratum : Stratum
+    start : where it begins, its tangent into the curve
+    own : the event at which it begins
+    closes : whether it may come back to its start
+    longest : step, free of units
+    most : points
+
+    Attributes
+    ----------
+    points : so far
+    event : at the end, when it is reached
+    trouble : why there is none
+    """
+
+    def __init__(
+        self,
+        stratum: Stratum,
+        start: Point,
+        own: tuple[str, tuple[int, int] | None] | None,
+        closes: bool,
+        tally: Tally,
+        *,
+        longest: float = LONGEST,
+        most: int = 5000,
+    ) -> None:
+        self.stratum, self.points, self.tally = stratum, [start], tally
+        self.event: Event | None = None
+        self.trouble = ""
+        self._own, self._closes, self._longest, self._most = own, closes, longest, most
+        self._h = self._wanted(start)
+
+    def __iter__(self) -> Iterator[Point]:
+        return self
+
+    def __next__(self) -> Point:
+        if self.event is not None or self.trouble:
+            raise StopIteration
+        check()
+        told = "the curve bends too much at its start"
+        while self._h > SHORTEST:
+            try:
+                return self._step()
+            except _Again:
+                continue
+            except NoPoint as trouble:
+                self._h *= 0.4
+                told = str(trouble)
+        self.trouble = f"the step became too short: {told}"
+        raise StopIteration
+
+    def _wanted(self, point: Point) -> float:
+        longest = self._longest if point.tangent.bends else CROSSING
+        return min(longest, ANGLE / max(float(np.linalg.norm(point.tangent.turn)), 1e-9))
+
+    def _step(self) -> Point:
+        a, h, stratum = self.points[-1], self._h, self.stratum
+        guess = a.x + h * a.t + 0.5 * h * h * a.tangent.turn
+        x, linear = correct(stratum, guess, plane(guess, a.t), self.tally, steps=4)
+        off = float(np.linalg.norm(x - guess))
+        if off > 10 * OFF:
+            raise NoPoint("the curve bends too much")
+        b = self._near(a, point_at(stratum, x, linear, a.t, self.tally), h)
+        if float(a.t @ b.t) < np.cos(1.6 * ANGLE):
+            raise NoPoint("the curve turns too much")
+        if Step(a, b).doubt() > DOUBT:
+            raise NoPoint("the curve bends too quickly")
+        self._take(a, b)
+        grow = min(2.0, max(0.5, (OFF / max(off, 1e-12)) ** (1 / 3)))
+        self._h = min(self._wanted(b), grow * h)
+        return self.points[-1]
+
+    def _take(self, a: Point, b: Point) -> None:
+        """Keep a step up to its first event."""
+        first = len(self.points) == 1
+        start = self.points[0] if self._closes and len(self.points) > 2 else None
+        event = first_event(self.stratum, Step(a, b), self._own if first else None, start, self.tally)
+        if event is not None and event.kind == "branch":
+            if event.tau * self._h > CROSSING:
+                self._h = event.tau * self._h - 0.7 * CROSSING
+                raise _Again
+            event = event._replace(point=self._crossed(a, event.point))
+        if event is not None:
+            b = self._near(a, event.point, event.tau * self._h)
+            event = event._replace(point=b)
+        if first and event is not None and abs(event.tau) * self._h < NOTHING:
+            self.points.clear()
+        self.points.append(b)
+        self.event = event
+        if event is None and len(self.points) > self._most:
+            self.trouble = "it has too many points"
+
+    def _crossed(self, a: Point, b: Point) -> Point:
+        """A crossing with the exact direction of the curve that was followed."""
+        linear, tally = self.stratum.linear(b.x), self.tally
+        found = directions(self.stratum, b.x, linear)
+        if not found:
+            return b
+        t = max(found, key=lambda t: abs(float(t @ a.t)))
+        t = t if t @ a.t > 0 else -t
+        return point_with(self.stratum, b.x, linear, Tangent(t, np.zeros_like(t), 0.0, False), tally)
+
+    def _near(self, a: Point, b: Point, h: float) -> Point:
+        """Angles among the outputs counted on from the last point."""
+        problem = self.stratum.problem
+        angles = problem.output_angles
+        if not angles.any():
+            return b
+        goal = a.u + h * a.u_s
+        return replace(b, u=b.u + np.where(angles, TURN * np.round((goal - b.u) / TURN), 0.0))

@@ -1,0 +1,262 @@
+"""What can happen between two points of a candidate curve, and exactly where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from .newton import NoPoint, Row, Tally, bordered, correct, plane
+from .point import Point, point_at
+from .same_point import signs
+from .step import Step
+from .stratum import Linear, Stratum
+
+STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
+NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
+SLACK = 1e-10  # of a limit that counts as kept, free of units
+ITERATIONS = 40
+SETTLED = 1e-13  # of the parameter of a step
+LOOKS = 8  # places of a step at which margins and multipliers are looked at
+POWERS = np.arange(6)
+PLACES = np.linspace(0, 1, LOOKS + 1)[:, None] ** POWERS
+BENDS = PLACES @ np.diag([2.0, 6.0, 12.0, 20.0], 2)  # of their second derivatives
+
+
+class Event(NamedTuple):
+    """What happens at a point between two others: tau = 0 ... 1 tells where.
+
+    `kind` is "hit" (a limit is reached), "release" (its multiplier vanishes), "cusp" (the outputs stand still),
+    "branch" (curves cross) or "closed"; `limit` which limit is meant.
+    """
+
+    tau: float
+    kind: str
+    limit: tuple[int, int] | None
+    point: Point
+
+
+class Guess(NamedTuple):
+    """Where something seems to happen."""
+
+    tau: float
+    kind: str
+    limit: tuple[int, int] | None
+
+
+def first_event(
+    stratum: Stratum,
+    step: Step,
+    own: tuple[str, tuple[int, int] | None] | None,
+    start: Point | None,
+    tally: Tally,
+) -> Event | None:
+    """The first event of a step; `own` is the event at which the curve began, which its first step leaves.
+
+    Raises
+    ------
+    NoPoint
+        If something happens that cannot be located: the step is too long.
+    """
+    found = [_located(stratum, step, guess, tally) for guess in _guesses(stratum, step, own)]
+    closed = None if start is None else _closing(stratum, step, start, tally)
+    found += [] if closed is None else [closed]
+    return min(found, key=lambda event: event.tau, default=None)
+
+
+def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | None] | None) -> Iterator[Guess]:
+    yield from _hits(stratum, step, own)
+    yield from _releases(stratum, step, own)
+    cusp = _turns_back(stratum, step) and own not in STILL
+    if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
+        yield Guess(_crossing(_speeds(step)) if cusp else 0.5, "branch", None)
+    elif cusp:
+        yield Guess(_crossing(_speeds(step)), "cusp", None)
+
+
+def _turns_back(stratum: Stratum, step: Step) -> bool:
+    """Whether the outputs turn back; where they stand still all along, signs of their speed mean nothing."""
+    a, b = step.a.speed, step.b.speed
+    return stratum.problem.has_cusps and a * b < 0 and max(abs(a), abs(b)) > SLACK
+
+
+def _hits(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
+    a, b = step.a, step.b
+    if not a.margins.size:
+        return
+    margins = step.margins()
+    for i, end in zip(*np.nonzero(_may_sink(margins)), strict=True):
+        limit = (int(i), int(end))
+        if limit in stratum.key or (int(i), 1 - int(end)) in stratum.key:
+            continue
+        mine = own == ("limit", limit)
+        if mine and b.margins[limit] < -SLACK:
+            raise NoPoint("a limit is reached at once")
+        tau = _sinks(margins[:, i, end], mine)
+        if tau is not None:
+            yield Guess(tau, "hit", limit)
+
+
+def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
+    unknowns = step.unknowns() if stratum.active else np.zeros((6, 0))
+    for limit in stratum.active:
+        k, mine = stratum.multiplier(limit), own == ("limit", limit)
+        a, b = step.a.x[k], step.b.x[k]
+        if (
+            max(abs(a), abs(b)) <= SLACK
+        ):  # a limit at a singular configuration: its multiplier vanishes all along
+            continue
+        begins_at_zero = mine or abs(a) <= SLACK
+        if mine and b * step.a.t[k] < 0:
+            raise NoPoint("a multiplier vanishes at once")
+        tau = _sinks(unknowns[:, k] * np.sign(step.a.t[k] if begins_at_zero else a), begins_at_zero)
+        if tau is None and a * b < 0 and not begins_at_zero:
+            tau = a / (a - b)
+        if tau is not None:
+            yield Guess(tau, "release", limit)
+
+
+def _may_sink(polynomials: Array) -> Array:
+    """Which polynomials (6, ...) may become negative in 0 ... 1: by values at some places and the bend in between."""
+    values, bends = (np.tensordot(powers, polynomials, axes=1) for powers in (PLACES, BENDS))
+    return np.asarray(values.min(axis=0) - abs(bends).max(axis=0) / (8 * LOOKS**2) < -SLACK)
+
+
+def _sinks(polynomial: Array, from_zero: bool) -> float | None:
+    """Where in 0 ... 1 a polynomial (6,) becomes negative, after its zero at 0 if it begins there."""
+    if not _may_sink(polynomial):
+        return None
+    slope = polynomial[1:] * np.arange(1, 6)
+    turns = [tau for tau in _zeros(slope) if 0 < tau < 1]
+    if min(float(tau**POWERS @ polynomial) for tau in (*turns, 1.0)) >= -SLACK:
+        return None
+    zeros = _zeros(polynomial[1:] if from_zero else polynomial)
+    return min((tau for tau in zeros if tau ** POWERS[:5] @ slope <= 0), default=0.5)
+
+
+def _zeros(polynomial: Array) -> list[float]:
+    """Real zeros of a polynomial in 0 ... 1."""
+    roots = np.roots(polynomial[::-1])
+    return [r.real for r in roots if abs(r.imag) < 1e-6 and -1e-9 <= r.real <= 1 + 1e-9]
+
+
+def _speeds(step: Step) -> Array:
+    rates = []
+    for p in (step.a, step.b):
+        c_s = p.t[-len(p.c) :]
+        rates.append(c_s[0] * p.u_s[1] - c_s[1] * p.u_s[0] + p.c[0] * p.u_ss[1] - p.c[1] * p.u_ss[0])
+    return step.cubic(np.array(step.a.speed), rates[0], np.array(step.b.speed), rates[1])
+
+
+def _crossing(cubic: Array) -> float:
+    """The first zero of a cubic in 0 ... 1, or its lowest magnitude there."""
+    return min(_zeros(cubic), default=0.5)
+
+
+def _located(stratum: Stratum, step: Step, guess: Guess, tally: Tally) -> Event:
+    if guess.kind == "hit":
+        assert guess.limit is not None
+        return _by_newton(stratum, step, guess, _limit_row(stratum, guess.limit), tally)
+    if guess.kind == "release":
+        assert guess.limit is not None
+        return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit), tally)
+    if guess.kind == "cusp" or _turns_back(stratum, step):
+        return _by_bracket(stratum, step, guess, _speed, tally)
+    return _by_bracket(stratum, step, guess, _Determinant(stratum), tally)
+
+
+def _by_newton(stratum: Stratum, step: Step, guess: Guess, row: Row, tally: Tally) -> Event:
+    x, linear = correct(stratum, step.x(guess.tau), row, tally)
+    tau = float(step.a.t @ (x - step.a.x)) / step.length
+    if (
+        not -1e-6 <= tau <= 1 + 1e-6
+        or np.linalg.norm(x - step.x(min(max(tau, 0.0), 1.0))) > 0.3 * step.length
+    ):
+        raise NoPoint("the event lies on another curve")
+    return Event(tau, guess.kind, guess.limit, point_at(stratum, x, linear, step.a.t, tally))
+
+
+def _limit_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
+    p, (i, end) = stratum.problem, limit
+    at = p.m + p.limited[i]
+
+    def row(x: Array, linear: Linear) -> tuple[float, Array]:
+        gradient = np.zeros(stratum.size)
+        gradient[: stratum.n] = linear.J[at]
+        return float(linear.values[at] - p.bounds[i, end]), gradient
+
+    return row
+
+
+def _multiplier_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
+    unit = np.zeros(stratum.size)
+    unit[stratum.multiplier(limit)] = 1.0
+    return lambda x, linear: (float(unit @ x), unit)
+
+
+def _speed(point: Point) -> float:
+    return point.speed
+
+
+class _Determinant:
+    """A smooth function with the sign of det [G_x; t], from a bordered system with fixed borders."""
+
+    def __init__(self, stratum: Stratum) -> None:
+        self._stratum = stratum
+        self._borders = np.random.default_rng(1).normal(size=(2, stratum.size + 1))
+
+    def __call__(self, point: Point) -> float:
+        square = bordered(self._stratum.linear(point.x).G_x, point.t)
+        column, last = self._borders
+        right = np.append(np.zeros(len(square)), 1.0)
+        whole = np.concatenate([np.concatenate([square, column[:-1, None]], axis=1), last[None]])
+        return float(np.linalg.solve(whole, right)[-1])
+
+
+def _by_bracket(
+    stratum: Stratum, step: Step, guess: Guess, value: Callable[[Point], float], tally: Tally
+) -> Event:
+    """The zero of a function of the points between the ends: false position with halved ends (Illinois)."""
+    low, high, f_low, f_high = 0.0, 1.0, value(step.a), value(step.b)
+    if f_low * f_high > 0:
+        raise NoPoint("no change of sign")
+    tau, last, found = min(max(guess.tau, 1e-6), 1 - 1e-6), 0.0, step.b
+    for _ in range(ITERATIONS):
+        if high - low < NEAR and guess.kind == "branch":
+            break
+        through = plane(step.a.x + tau * step.length * step.a.t, step.a.t)
+        try:
+            x, linear = correct(stratum, step.x(tau), through, tally)
+            found = point_at(stratum, x, linear, step.a.t, tally)
+        except NoPoint:
+            if guess.kind == "branch" and low > 0 and high < 1:
+                break
+            raise
+        f = value(found)
+        if f * f_high < 0:
+            low, f_low, f_high = tau, f, f_high * (0.5 if last == 1 else 1)
+            last = 1
+        else:
+            high, f_high, f_low = tau, f, f_low * (0.5 if last == -1 else 1)
+            last = -1
+        if f == 0 or high - low < SETTLED:
+            break
+        before, tau = tau, (low * f_high - high * f_low) / (f_high - f_low)
+        if abs(tau - before) < SETTLED:
+            break
+    return Event(tau, guess.kind, None, found)
+
+
+def _closing(stratum: Stratum, step: Step, start: Point, tally: Tally) -> Event | None:
+    """Back at the start, with the same or turned signs."""
+    flip = signs(stratum, start.x, step.b.x)
+    back = flip * start.x
+    tau = float(step.a.t @ (back - step.a.x)) / step.length
+    if not -1e-9 <= tau <= 1 + 1e-9 or np.linalg.norm(back - step.x(tau)) > 0.02 * step.length:
+        return None
+    x, linear = correct(stratum, step.x(tau), plane(back, step.a.t), tally)
+    if np.linalg.norm(x - back) > 1e-6:
+        return None
+    return Event(tau, "closed", None, point_at(stratum, x, linear, step.a.t, tally))

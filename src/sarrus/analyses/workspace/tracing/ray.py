@@ -1,0 +1,159 @@
+"""Rays: from a position, the outputs go straight on as far as the mechanism can; where it stops, a curve passes.
+
+The largest t with u = u0 + t e is climbed to along projected gradients with an active set of limits, then found exactly
+by Newton's method on G = 0 with the line's equation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....algebra import Array
+from ..problem.rows import Problem
+from ..problem.settle import allowed, constrained, settle
+from ..problem.watch import check
+from .newton import NoPoint, Tally, correct
+from .seeds import Start, onto
+from .stratum import Active, Linear, Stratum
+
+STRIDE = 0.12  # of one climbing step, free of units
+STEPS = 120
+STEEP = 0.25  # length of the projected gradient below which Newton's method is tried
+FLAT = 1e-7
+
+
+class Ray:
+    """One ray of a problem with one or two outputs.
+
+    Parameters
+    ----------
+    problem : Problem
+    q : scaled position that keeps all limits
+    direction : (k,) of the outputs
+    """
+
+    def __init__(self, problem: Problem, q: Array, direction: Array, tally: Tally) -> None:
+        self.problem, self.q, self.tally = problem, q, tally
+        self.e = direction / np.linalg.norm(direction)
+        self.across = np.array([[-self.e[1], self.e[0]]]) if len(self.e) == 2 else np.zeros((0, 1))
+        self.outputs = problem.m + problem.outputs
+        self.u0 = problem.values(q)[self.outputs]
+        self.active: dict[int, int] = {}
+        self.rows, self.goal = constrained(problem)
+
+    def end(self) -> Start | None:
+        """The point at which the outputs can go no further; nothing, if the climb got lost."""
+        for _ in range(STEPS):
+            check()
+            way, multipliers, slope = self._way()
+            if slope < STEEP:
+                found = self._stopped()
+                if found is not None:
+                    return found
+            if slope < FLAT:
+                leave = self._to_leave(multipliers)
+                if leave is None:
+                    return None
+                del self.active[leave]
+                continue
+            if not self._climb(way / slope, min(STRIDE, max(slope, 0.02) * STRIDE)):
+                return None
+        return None
+
+    def _way(self) -> tuple[Array, Array, float]:
+        """The projected gradient of t, the multipliers of the active limits, its length."""
+        p, J = self.problem, self.problem.jacobian(self.q)
+        limits = [p.m + p.limited[i] for i in self.active]
+        A = np.concatenate([J[self.rows], self.across @ J[self.outputs], J[limits]])
+        g = self.e @ J[self.outputs]
+        y = np.linalg.lstsq(A.T, g, rcond=1e-10)[0]
+        way = g - A.T @ y
+        size = float(np.linalg.norm(g)) or 1.0
+        return way / size, -y[len(y) - len(limits) :], float(np.linalg.norm(way)) / size
+
+    def _to_leave(self, multipliers: Array) -> int | None:
+        """The active limit that it pays most to leave."""
+        gains = {i: -m * (1 - 2 * end) for (i, end), m in zip(self.active.items(), multipliers, strict=True)}
+        best = max(gains, key=lambda i: gains[i], default=None)
+        return best if best is not None and gains[best] > 0 else None
+
+    def _climb(self, way: Array, stride: float) -> bool:
+        """One step up, no further than to the next limit; false where there is no way."""
+        p = self.problem
+        before = float(self.e @ p.values(self.q)[self.outputs])
+        for _ in range(12):
+            there = self._onto(self.q + stride * way, self.active)
+            if there is not None and np.linalg.norm(there - self.q) < 3 * stride:
+                margins = p.margins(p.values(there))
+                beyond = [
+                    (i, end) for i, end in np.argwhere(margins < -1e-9).tolist() if i not in self.active
+                ]
+                if not beyond:
+                    gain = float(self.e @ p.values(there)[self.outputs]) - before
+                    if gain > 0:
+                        self.q = there
+                        return True
+                else:
+                    i, end = min(beyond, key=lambda one: margins[one[0], one[1]])
+                    if self._stop_at(there, i, end):
+                        return True
+            stride *= 0.5
+        return False
+
+    def _stop_at(self, there: Array, i: int, end: int) -> bool:
+        """The limit becomes active, at the position in between where it is reached."""
+        p = self.problem
+        m_here = p.margins(p.values(self.q))[i, end]
+        m_there = p.margins(p.values(there))[i, end]
+        share = m_here / (m_here - m_there) if m_here > m_there else 1.0
+        found = self._onto(self.q + share * (there - self.q), {**self.active, i: end})
+        if found is None or not allowed(p, found):
+            return False
+        self.q, self.active[i] = found, end
+        return True
+
+    def _onto(self, q: Array, active: dict[int, int]) -> Array | None:
+        p = self.problem
+        rows = np.concatenate([self.rows, p.m + p.limited[list(active)]]).astype(int)
+        goal = np.concatenate([self.goal, [p.bounds[i, end] for i, end in active.items()]])
+        return settle(p, q, rows, goal, steps=8)
+
+    def _stopped(self) -> Start | None:
+        """The exact point nearby where the outputs cannot go on along the ray."""
+        key: Active = frozenset(self.active.items())
+        stratum = Stratum(self.problem, key)
+        if stratum.dimension < 0:
+            return None
+        x = self._exact(stratum)
+        if x is None:
+            return None
+        q, lam, c = stratum.parts(x)
+        if np.linalg.norm(q - self.q) > 0.5 or not allowed(self.problem, q) or not self.problem.built(q):
+            return None
+        pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs * np.sign(c @ self.e)
+        return None if np.any(pushes > 1e-9) else Start(key, x)
+
+    def _exact(self, stratum: Stratum) -> Array | None:
+        """On the ray's line for two outputs; for one, such points are single."""
+        guess = self._with_multipliers(stratum)
+        if not len(self.across):
+            return onto(stratum, guess, self.tally, steps=12)
+        try:
+            return correct(stratum, guess, self._line, self.tally, steps=12)[0]
+        except NoPoint:
+            return None
+
+    def _with_multipliers(self, stratum: Stratum) -> Array:
+        J = self.problem.jacobian(self.q)
+        g = self.e @ J[stratum.normal]
+        A = np.concatenate([J[stratum.rows], self.across @ J[stratum.normal]])
+        y = -np.linalg.lstsq(A.T, g, rcond=1e-10)[0]
+        count = len(stratum.pushing)
+        both = np.concatenate([y[:count], self.e + y[count:] @ self.across])
+        return np.concatenate([self.q, both / np.linalg.norm(both)])
+
+    def _line(self, x: Array, linear: Linear) -> tuple[float, Array]:
+        """The outputs are on the ray's line."""
+        gradient = np.zeros(len(x))
+        gradient[: self.problem.n] = self.across[0] @ linear.J[self.outputs]
+        return float(self.across[0] @ (linear.values[self.outputs] - self.u0)), gradient

@@ -1,0 +1,127 @@
+"""Candidates for the boundary with a given set of active limits: the equations G(x) = 0 and their derivatives.
+
+x = (q, lam, c):   rows active in S vanish,   Aᵀ lam + Uᵀ c = 0,   lam·lam + c·c = 1
+
+A are the gradients of Φ, of the functions that are held and of the active limits, U those of the outputs: they are
+dependent. c is normal to the candidate curve in the space of the outputs. For singularities of the inputs, U are their
+gradients, and functions that are held push on nothing: they only choose a section.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ..problem.rows import Problem
+
+Active = frozenset[tuple[int, int]]  # limits by number with their end: 0 the lowest, 1 the highest value
+
+
+class Linear(NamedTuple):
+    """G, G_x and the gradients of all rows at one x."""
+
+    G: Array
+    G_x: Array
+    values: Array
+    J: Array
+
+
+class Stratum:
+    """G for one set of active limits.
+
+    Attributes
+    ----------
+    active : the limits that are active, in the order of their multipliers
+    rows : rows of the table that vanish; `pushing` those with multipliers; `normal` those with the normal c
+    size : unknowns
+    """
+
+    def __init__(self, problem: Problem, active: Active) -> None:
+        self.problem, self.key, self.active = problem, active, tuple(sorted(active))
+        limit_rows = [problem.m + problem.limited[i] for i, _ in self.active]
+        held = problem.m + problem.held
+        self.rows = np.concatenate([np.arange(problem.m), held, np.array(limit_rows, dtype=int)]).astype(int)
+        self.normal = problem.m + problem.normal
+        ends = [problem.bounds[i, end] for i, end in self.active]
+        self.goal = np.concatenate([np.zeros(problem.m), problem.targets, np.array(ends)])
+        self.pushing = self.rows
+        if not problem.of_outputs:
+            locks = problem.m + np.array(problem.locked, dtype=int)
+            self.pushing = np.concatenate([np.arange(problem.m), locks])
+        self.n, self.count, self.k = problem.n, len(self.pushing), len(self.normal)
+        self.size = self.n + self.count + self.k
+        self.first_limit = self.n + self.count - len(self.active)
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the set of positions with these limits active."""
+        return self.n - len(self.rows)
+
+    @cached_property
+    def signs(self) -> Array:
+        """+1 for limits at their lowest, -1 at their highest value: the admissible direction."""
+        return np.array([1.0 - 2.0 * end for _, end in self.active])
+
+    def parts(self, x: Array) -> tuple[Array, Array, Array]:
+        """q, lam and c of x."""
+        end = self.n + self.count
+        return x[: self.n], x[self.n : end], x[end:]
+
+    def weights(self, x: Array) -> Array:
+        """The multipliers of x in their places in the table."""
+        _, lam, c = self.parts(x)
+        found = np.zeros(self.problem.rows)
+        found[self.pushing] = lam
+        found[self.normal] += c  # an output may be limited, too
+        return found
+
+    def multiplier(self, limit: tuple[int, int]) -> int:
+        """The place in x of the multiplier of an active limit."""
+        return self.first_limit + self.active.index(limit)
+
+    def residual(self, x: Array) -> Array:
+        """G (size - 1,) for curves."""
+        q = x[: self.n]
+        values, J = self.problem.values(q), self.problem.jacobian(q)
+        return self._residual(x, values, J)
+
+    def _residual(self, x: Array, values: Array, J: Array) -> Array:
+        _, lam, c = self.parts(x)
+        force = J[self.pushing].T @ lam + J[self.normal].T @ c
+        return np.concatenate([values[self.rows] - self.goal, force, [0.5 * (lam @ lam + c @ c - 1)]])
+
+    def linear(self, x: Array) -> Linear:
+        """G and its exact derivative."""
+        q = x[: self.n]
+        values, J = self.problem.values(q), self.problem.jacobian(q)
+        n, m, first = self.n, len(self.rows), self.n + self.count
+        G_x = np.zeros((m + n + 1, self.size))
+        G_x[:m, :n] = J[self.rows]
+        G_x[m:-1, :n] = self.problem.curvature(q, self.weights(x))
+        G_x[m:-1, n:first] = J[self.pushing].T
+        G_x[m:-1, first:] = J[self.normal].T
+        G_x[-1, n:] = x[n:]
+        return Linear(self._residual(x, values, J), G_x, values, J)
+
+    def second(self, x: Array, t: Array, s: Array) -> Array:
+        """G_xx[t, s], exact; symmetric in t and s."""
+        q, p, n = x[: self.n], self.problem, self.n
+        alpha, beta = t[:n], s[:n]
+        top = self._top(q, alpha, beta)
+        force = p.curvature_along(q, self.weights(x), alpha) @ beta
+        force += p.curvature(q, self._spread(t)) @ beta
+        force += p.curvature(q, self._spread(s)) @ alpha
+        return np.concatenate([top, force, [t[n:] @ s[n:]]])
+
+    def _spread(self, t: Array) -> Array:
+        return self.weights(t)
+
+    def _top(self, q: Array, alpha: Array, beta: Array) -> Array:
+        """(A alpha)_q beta, by polarization of the quadratic form where they differ."""
+        along = self.problem.second_along
+        if alpha is beta or np.array_equal(alpha, beta):
+            return np.asarray(along(q, alpha)[self.rows])
+        return np.asarray(0.25 * (along(q, alpha + beta) - along(q, alpha - beta))[self.rows])

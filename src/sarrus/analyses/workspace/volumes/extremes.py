@@ -1,0 +1,211 @@
+"""Critical values of one output: positions at which it stands still against all motions that limits allow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.threads import one_thread_if_small
+from ....model import SarrusError, announce, reports_warnings
+from ....results.workspace import Status
+from ....results.workspace_range import CriticalValue, WorkspaceRange
+from ....system import System
+from ...arguments import refuse_other_system
+from ...progress import Progress
+from ..problem.dependent_outputs import refuse_dependent
+from ..problem.formulation import Limits, formulate
+from ..problem.random_positions import Samples
+from ..problem.refusals import functions, refuse_counts
+from ..problem.rows import Problem
+from ..problem.watch import STARTS, reached, stopped, watched
+from ..regions.crossing import examine
+from ..regions.mapping import CONFIDENCE, MOST_STARTS, REPEATS
+from ..regions.reach import reach
+from ..tracing.newton import Tally
+from ..tracing.ray import Ray
+from ..tracing.same_point import SAME, apart
+from ..tracing.seeds import Start, random_start
+from ..tracing.stratum import Stratum
+
+ONE = 1e-7  # free of units: nearer values are one
+MOST_ALIKE = 8  # positions with one value and the same active limits that are kept
+TRIES = 20
+
+
+@reports_warnings
+@one_thread_if_small
+def workspace_range(
+    system: System,
+    output: Any,
+    *,
+    limits: Limits | None = None,
+    fixed: Mapping[Any, float] | None = None,
+    seed: int = 0,
+    repeats: int = REPEATS,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
+    strict: bool = False,
+) -> WorkspaceRange:
+    """The values that one output can take: from where it stops to where it stops.
+
+    Parameters
+    ----------
+    system, limits, fixed, seed, repeats : see `sarrus.workspace`
+    output : one function of the position, such as ``"slider.x"``
+    progress : True for a line on the terminal, or a function that is called with the number of starts so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    WorkspaceRange
+
+    Raises
+    ------
+    SarrusError
+        If a name is unknown or the mechanism cannot be assembled within its limits.
+    """
+    refuse_other_system(system, "workspace_range")
+    refuse_counts(seed=seed, repeats=repeats)
+    problem = formulate(system, functions(output), limits=limits, fixed=fixed)
+    if len(problem.outputs) != 1:
+        raise SarrusError(f"a range is of one output, not {len(problem.outputs)}; see workspace for two")
+    refuse_dependent(problem)
+    with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
+        search = Search(problem, seed, repeats)
+    found = search.result()
+    if not found.success:
+        announce([f"{system.name}: the range of {found.output} is not complete. {found.message}."])
+    return found
+
+
+class Search:
+    """Random starts until nothing new is found."""
+
+    def __init__(self, problem: Problem, seed: int, repeats: int) -> None:
+        self.problem, self.seed = problem, seed
+        self.found: list[Start] = []
+        self.met: list[Array] = []
+        self.in_a_row = 0
+        self.stop = stopped(lambda: self._run(repeats))
+        self.complete = self.stop is None and self.in_a_row >= repeats
+
+    def _run(self, repeats: int) -> None:
+        problem, seed = self.problem, self.seed
+        random, tally = np.random.default_rng(seed), Tally()
+        for _, q in zip(range(MOST_STARTS), Samples(problem, seed), strict=False):
+            reached(len(self.met), STARTS)
+            self.met.append(q)
+            direction = np.array([random.choice((-1.0, 1.0))])
+            by_ray = len(self.met) % 2 == 1
+            start = (
+                Ray(problem, q, direction, tally).end() if by_ray else random_start(problem, q, random, tally)
+            )
+            if start is not None:
+                self.in_a_row = 0 if self._is_new(start) else self.in_a_row + 1
+            if self.in_a_row >= repeats:
+                break
+
+    def _is_new(self, start: Start) -> bool:
+        """Whether it is another position; one of a family of positions with the same value tells nothing new."""
+        n, value = self.problem.n, self._value(start.x[: self.problem.n])
+        alike = [one for one in self.found if one.key == start.key]
+        if any(apart(one.x[:n], start.x[:n]) < SAME for one in alike):
+            return False
+        family = [one for one in alike if abs(self._value(one.x[:n]) - value) < ONE]
+        if len(family) < MOST_ALIKE:
+            self.found.append(start)
+        return not family
+
+    def _value(self, q: Array) -> float:
+        return float(self.problem.values(q)[self.problem.m + self.problem.outputs[0]])
+
+    def values(self) -> list[float]:
+        """Of the output at all critical positions, free of units."""
+        return [self._value(start.x[: self.problem.n]) for start in self.found]
+
+    def result(self) -> WorkspaceRange:
+        """The intervals that can be reached, with their ends."""
+        p, critical = self.problem, self._critical()
+        one = p.table[p.outputs[0]]
+        ends = _different([each.value for each in critical], ONE * p.units[p.outputs[0]])
+        can = [self._can(low, high, critical) for low, high in pairwise(ends)]
+        return WorkspaceRange(
+            p.system.name,
+            one.name,
+            "rad" if one.kind == "angle" else "m",
+            _merged(ends, can),
+            tuple(critical),
+            self._status(),
+            self._message(),
+            self,
+        )
+
+    def _status(self) -> Status:
+        if self.stop:
+            return self.stop.status
+        return "mapped" if self.complete and self.found else "incomplete"
+
+    def _message(self) -> str:
+        if self.stop:
+            return f"{self.stop.reason[0].upper()}{self.stop.reason[1:]}, so that ends may be missing"
+        if not self.met:
+            return (
+                "No position within the limits was found. Widen them, or check that they can be met together"
+            )
+        if not self.found:
+            return "No end was found. Check that a limit or a singularity ends it"
+        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
+        told = f"The last {self.in_a_row} starts led to nothing new, so with {CONFIDENCE:.0%} confidence"
+        return f"{told} ends that were missed attract less than {share:.1%} of starts"
+
+    def _critical(self) -> list[CriticalValue]:
+        found = [self._one(start) for start in self.found]
+        return sorted(found, key=lambda one: one.value)
+
+    def _one(self, start: Start) -> CriticalValue:
+        p, stratum = self.problem, Stratum(self.problem, start.key)
+        seen, q = examine(stratum, start.x), start.x[: self.problem.n]
+        active = tuple(
+            f"{p.table[p.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in stratum.active
+        )
+        side = int(seen.side * np.sign(start.x[-1]))
+        value = self._value(q) * p.units[p.outputs[0]]
+        return CriticalValue(float(value), side, active, stratum.dimension > 0, q * p.scale, seen.sure)
+
+    def _can(self, low: float, high: float, critical: list[CriticalValue]) -> bool:
+        """Whether values between two neighbouring critical ones can be reached."""
+        near = 1e-9 * (1 + abs(low) + abs(high))
+        told = [c for c in critical if c.sure]
+        if any(c.side >= 0 and abs(c.value - low) < near for c in told):
+            return True
+        if any(c.side <= 0 and abs(c.value - high) < near for c in told):
+            return True
+        unit = float(self.problem.units[self.problem.outputs[0]])
+        inside = [low < self._value(q) * unit < high for q in self.met]
+        target = np.array([0.5 * (low + high) / unit])
+        random = np.random.default_rng(self.seed)
+        return any(inside) or reach(self.problem, target, np.array(self.met), TRIES, random) is not None
+
+
+def _different(values: list[float], near: float) -> list[float]:
+    found: list[float] = []
+    for value in sorted(values):
+        if not found or value - found[-1] > near:
+            found.append(value)
+    return found
+
+
+def _merged(ends: list[float], can: list[bool]) -> tuple[tuple[float, float], ...]:
+    """Neighbouring intervals that can be reached, joined."""
+    found: list[tuple[float, float]] = []
+    for low, high, ok in zip(ends, ends[1:], can, strict=False):
+        if ok and found and found[-1][1] == low:
+            found[-1] = (found[-1][0], high)
+        elif ok:
+            found.append((low, high))
+    return tuple(found)

@@ -1,0 +1,263 @@
+"""Workspaces of three outputs: the integral of slices' areas between critical heights, where their kind changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.threads import one_thread_if_small
+from ....model import SarrusError, announce, reports_warnings
+from ....model.announcement import collecting
+from ....results.workspace import Status
+from ....results.workspace_range import WorkspaceRange
+from ....results.workspace_volume import Slice, WorkspaceVolume
+from ....system import System
+from ...arguments import refuse_other_system
+from ...progress import Progress
+from ..problem.dependent_outputs import refuse_dependent
+from ..problem.formulation import Limits, formulate
+from ..problem.measures import measures
+from ..problem.random_positions import Samples
+from ..problem.refusals import functions, refuse_counts
+from ..problem.watch import SLICES, Stop, check, stopped, watched
+from ..tracing.curve import LONGEST
+from .extremes import workspace_range
+from .quadrature import NEAR, Integral
+from .slicing import NEARLY, Asked, Slicer
+from .surface_from_slices import loft
+
+WALK = 5  # positions of a random walk from each assembled one
+RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
+
+
+@reports_warnings
+@one_thread_if_small
+def workspace_volume(
+    system: System,
+    output: Iterable[Any],
+    *,
+    limits: Limits | None = None,
+    fixed: Mapping[Any, float] | None = None,
+    between: tuple[float, float] | None = None,
+    rtol: float = 1e-4,
+    most: int = 600,
+    samples: int = 150,
+    executor: Executor | None = None,
+    seed: int = 0,
+    longest: float = LONGEST,
+    derivatives: bool = False,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
+    strict: bool = False,
+) -> WorkspaceVolume:
+    """Map what three outputs can reach, by slices at values of the third.
+
+    Slices change their kind at critical heights: a loop appears, another limit or singularity takes part in the
+    boundary. These are found first. In between the area is a smooth function of theta, z = mid - half·cos(theta), also
+    where it ends like a root; it is integrated by the rule of Clenshaw and Curtis with twice as many slices each time,
+    until the error is small enough.
+
+    Parameters
+    ----------
+    system, limits, fixed, seed, longest : see `sarrus.workspace`
+    output : three functions of the position
+    between : lowest and highest value of the third output; by default all that it can reach
+    rtol : error of the volume, relative
+    most : slices; no more are made, and the error that is left is told
+    samples : random admissible positions, which must lie inside; slices also start from them, and draw some of their
+        own. A part of the volume that none of them meets is not covered by its error
+    executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
+    derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
+    progress : True for a line on the terminal, or a function that is called with the number of slices so far
+    time_limit : seconds of the clock after which it ends with the status "time limit" and the slices made so far
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    WorkspaceVolume
+
+    Raises
+    ------
+    SarrusError
+        If there are not three outputs, rtol is not positive, `between` does not rise, or the mechanism cannot be
+        assembled within its limits.
+    """
+    refuse_other_system(system, "workspace_volume")
+    names = functions(output)
+    refuse_counts(seed=seed, samples=samples, most=most, longest=longest)
+    _refuse(names, rtol, between)
+    refuse_dependent(formulate(system, names, limits=limits, fixed=fixed))
+    search = _Search(system, names, limits, fixed, between, seed)
+    with watched(progress, done="made", unit=SLICES, time_limit=time_limit):
+        stop = stopped(lambda: search.run(rtol, most, samples, executor, longest, derivatives))
+    found = search.result(stop, derivatives)
+    announce(_shortcomings(found, rtol))
+    return found
+
+
+def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | None) -> None:
+    if len(names) != 3:
+        raise SarrusError(f"a volume is of three outputs, not {len(names)}; name as many")
+    if not 0 < rtol < np.inf:
+        raise SarrusError(f"rtol must be positive, but is {rtol:g}; choose another, such as 1e-4")
+    if between is not None and np.shape(between) != (2,):
+        raise SarrusError(f"between must be a pair (lowest, highest), got {between!r}. Pass e.g. (0.0, 1.0).")
+    if between is not None and not -np.inf <= between[0] < between[1] <= np.inf:
+        raise SarrusError(
+            f"between must rise, but is {between[0]:g} to {between[1]:g}; give the lower value first"
+        )
+
+
+def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
+    """What a user must know of a volume that is not complete, or not as exact as asked."""
+    if not found.success:
+        yield f"{found.name}: the volume is not complete, so that none is given. {found.message}."
+    elif found.volume_error > rtol * found.volume:
+        told = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"
+        yield f"{told}. Allow more slices (most)."
+
+
+class _Search:
+    """The steps to a volume; what was found when they end early is given, too."""
+
+    def __init__(
+        self,
+        system: System,
+        names: tuple[Any, ...],
+        limits: Limits | None,
+        fixed: Mapping[Any, float] | None,
+        between: tuple[float, float] | None,
+        seed: int,
+    ) -> None:
+        self.system, self.names, self.limits, self.fixed = system, names, limits, fixed
+        self.between, self.seed = between, seed
+        self.reach: WorkspaceRange | None = None
+        self.integral: Integral | None = None
+        self.outside = self.tested = 0
+
+    def run(
+        self,
+        rtol: float,
+        most: int,
+        samples: int,
+        executor: Executor | None,
+        longest: float,
+        derivatives: bool,
+    ) -> None:
+        """The range of heights, slices and their integral, random positions."""
+        system, names, limits, fixed, seed = self.system, self.names, self.limits, self.fixed, self.seed
+        with collecting():
+            reach = workspace_range(
+                system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS
+            )
+        self.reach = reach
+        check()
+        ranges = self.ranges
+        middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
+        span = max((high - low for low, high in ranges), default=1.0)
+        asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
+        positions = list(_positions(system, asked, samples))
+        standing = [(one.value, one.q / reach.search.problem.scale) for one in reach.critical]
+        slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
+        expected = sorted({one.value for one in reach.critical})
+        self.integral = Integral(slicer, ranges, expected, rtol, most)
+        self.integral.run()
+        missed = _missed(positions, reach.intervals, self.between, NEAR * span)
+        self.outside, self.tested = _outside(slicer, positions, ranges) + missed, len(positions)
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Of the third output, as far as they are asked for."""
+        return tuple(_cut(self.reach.intervals, self.between)) if self.reach else ()
+
+    def result(self, stop: Stop | None, derivatives: bool) -> WorkspaceVolume:
+        """What was found; volume and surface only if it is complete."""
+        integral = self.integral
+        found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
+        status, message = self._status(found, stop)
+        whole = integral if integral and not stop else None
+        return WorkspaceVolume(
+            self.system.name,
+            tuple(one.name for one in measures(self.system, self.names)),  # type: ignore[arg-type]
+            self.ranges,
+            tuple(integral.critical) if integral else (),
+            tuple(found),
+            whole.value if whole and status == "mapped" else np.nan,
+            whole.error if whole and status == "mapped" else np.nan,
+            *loft(whole.groups() if whole else []),
+            status,
+            message,
+            self.system.model,
+            whole.rates(self.reach) if whole and self.reach and derivatives and found else None,
+        )
+
+    def _status(self, found: Sequence[Slice], stop: Stop | None) -> tuple[Status, str]:
+        if stop:
+            return stop.status, f"{stop.reason[0].upper()}{stop.reason[1:]}; {len(found)} slices were made"
+        lost = sum(not one.success for one in found)
+        told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
+        if not found:
+            heights = "between these heights" if self.between else "over a range of heights"
+            told = f"Nothing can be reached {heights}"
+        known = self.reach is not None and self.reach.success
+        told += (
+            "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
+        )
+        told += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
+        return "mapped" if known and not lost and not self.outside else "incomplete", told
+
+
+def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:
+    """Random admissible positions: the first two outputs, the third one, and the scaled coordinates."""
+    problem = formulate(system, asked.output, limits=asked.limits, fixed=asked.fixed)
+    outputs, units, samples = (
+        problem.m + problem.outputs,
+        problem.units[problem.outputs],
+        Samples(problem, asked.seed),
+    )
+    while count > 0 and (q := next(samples, None)) is not None:
+        for there in (q, *samples.walks(q, min(WALK, count) - 1)):
+            u = problem.values(there)[outputs] * units
+            yield u[:2], float(u[2]), there
+            count -= 1
+
+
+def _outside(
+    slicer: Slicer, positions: Iterable[tuple[Array, float, Array]], ranges: Iterable[tuple[float, float]]
+) -> int:
+    """How many positions lie neither in the slices above or below nor in their own, which is made if need be."""
+    doubtful = [
+        (u, z)
+        for u, z, _ in positions
+        if any(low < z < high for low, high in ranges) and not any(one.holds(u) for one in slicer.around(z))
+    ]
+    own = slicer.at(z for _, z in doubtful)
+    size = max((float(np.ptp(loop.points)) for one in own for loop in one.loops), default=0.0)
+    return sum(not one.holds(u, NEARLY * size) for (u, _), one in zip(doubtful, own, strict=True))
+
+
+def _missed(
+    positions: Iterable[tuple[Array, float, Array]],
+    intervals: Iterable[tuple[float, float]],
+    between: tuple[float, float] | None,
+    near: float,
+) -> int:
+    """How many positions that were asked for lie at heights that seemed out of reach."""
+    lowest, highest = between or (-np.inf, np.inf)
+    can = [(low - near, high + near) for low, high in intervals]
+    heights = [z for _, z, _ in positions if lowest < z < highest]
+    return sum(not any(low < z < high for low, high in can) for z in heights)
+
+
+def _cut(
+    intervals: Iterable[tuple[float, float]], between: tuple[float, float] | None
+) -> Iterator[tuple[float, float]]:
+    for low, high in intervals:
+        if between is not None:
+            low, high = max(low, between[0]), min(high, between[1])
+        if high > low:
+            yield low, high

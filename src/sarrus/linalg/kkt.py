@@ -1,0 +1,130 @@
+"""The matrix [A Jᵀ; J 0] for a Jacobian J of any rank: its answer of least multipliers, by proximal refinement."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+
+from .._jit.link import link
+from ..algebra import Array
+from .factors import DENSE_BELOW, Factored
+from .rank import DEPENDENT, row_lengths
+from .sparse_lu import compressed
+
+PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
+REFINEMENTS = 12
+SLOW = 1e-9  # the same: where it is larger at the end, the answer is found by singular values
+EXACT_UP_TO = 1500  # rows and columns, for which these are computed
+SMALL = 1e-15  # correction, relative, at which refinement ends
+
+
+class KKT:
+    """Solves A x + Jᵀ y = f, J x = g, factored once for any number of right sides; A is symmetric.
+
+    With -δI in the place of 0 the matrix is regular whatever the rank of J, if A is positive on the null space of J.
+    Refining the solution removes the effect of δ; y stays in the range of J, and is so the shortest of all multipliers,
+    those of equations scaled to unit length in the metric. In that metric all is computed, so that no unit matters.
+
+    Parameters
+    ----------
+    A : (n, n) by rows, or its diagonal (n,)
+    J : (m, n)
+    weight : (n,) diagonal of the metric; by default A
+    """
+
+    def __init__(self, A: Any, J: csr_array, weight: Array | None = None) -> None:
+        matrix: csr_array = diagonal(A) if isinstance(A, np.ndarray) else A
+        self._column = 1 / np.sqrt(matrix.diagonal() if weight is None else weight)
+        self._row = 1 / row_lengths(_scaled(J, np.ones(J.shape[0]), self._column))
+        self._A = _scaled(matrix, self._column, self._column)
+        self._J = _scaled(J, self._row, self._column)
+        self._JT = self._J.T
+        self.n = J.shape[1]
+        self._factors = Factored(self._matrix())
+
+    def _matrix(self) -> Any:
+        m, n = self._J.shape
+        if m + n >= DENSE_BELOW:
+            (i, j), (row, column), corner = _places(self._A), _places(self._J), np.arange(n, n + m)
+            numbers = np.concatenate([self._A.data, self._J.data, self._J.data, np.full(m, -PROXIMAL)])
+            rows, columns = (
+                np.concatenate([i, n + row, column, corner]),
+                np.concatenate([j, column, n + row, corner]),
+            )
+            indptr, indices, place = link(compressed)(n + m, rows.astype(np.int32), columns.astype(np.int32))
+            data = np.zeros(len(indices))
+            data[place] = numbers
+            return csc_array((data, indices, indptr), shape=(n + m, n + m))
+        matrix = np.zeros((n + m, n + m))
+        matrix[:n, :n], matrix[n:, :n] = self._A.toarray(), self._J.toarray()
+        matrix[:n, n:] = matrix[n:, :n].T
+        matrix[range(n, n + m), range(n, n + m)] = -PROXIMAL
+        return matrix
+
+    def step(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """x and y without refinement, for the directions of iterations."""
+        x, y = self._step(_times(self._column, f), _times(self._row, g))
+        return _times(self._column, x), _times(self._row, y)
+
+    def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """x and y (n,), (m,), or one column for each of f and g (n, k), (m, k).
+
+        Where g is not in the range of J, J x is as near to g as can be reached.
+        """
+        x, y = self._refined(_times(self._column, f), _times(self._row, g))
+        return _times(self._column, x), _times(self._row, y)
+
+    def _step(self, f: Array, g: Array) -> tuple[Array, Array]:
+        found = self._factors.solve(np.concatenate([f, g]))
+        return found[: self.n], found[self.n :]
+
+    def _refined(self, f: Array, g: Array) -> tuple[Array, Array]:
+        x, y = self._step(f, g)
+        size, before = abs(x).max(initial=0.0), np.inf
+        for _ in range(REFINEMENTS):
+            dx, dy = self._step(f - self._A @ x - self._JT @ y, g - self._J @ x)
+            change = abs(dx).max(initial=0.0)
+            if change >= before:
+                break
+            x, y, before = x + dx, y + dy, change
+            if change <= SMALL * size:
+                break
+        slow = before > SLOW * size and self._J.shape[0] + self.n <= EXACT_UP_TO
+        return self._exact(f, g) if slow else (x, y)
+
+    def _exact(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """By singular values, where some are so small, but not zero, that refinement is slow."""
+        left, sizes, right = self._singular_values
+        rank = int(np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0)))
+        left, along, Z = left[:, :rank], right[:rank].T, right[rank:].T
+        x = along @ _times(1 / sizes[:rank], left.T @ g)
+        x = x + Z @ np.linalg.solve(Z.T @ (self._A @ Z), Z.T @ (f - self._A @ x))
+        return x, left @ _times(1 / sizes[:rank], along.T @ (f - self._A @ x))
+
+    @cached_property
+    def _singular_values(self) -> tuple[Array, Array, Array]:
+        left, sizes, right = np.linalg.svd(self._J.toarray(), full_matrices=True)
+        return left, sizes, right
+
+
+def _times(factors: Array, columns: Array) -> Array:
+    return np.asarray((factors * columns.T).T)
+
+
+def _scaled(matrix: csr_array, rows: Array, columns: Array) -> csr_array:
+    i, j = _places(matrix)
+    return csr_array((rows[i] * matrix.data * columns[j], matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def diagonal(weight: Array) -> csr_array:
+    """The matrix (n, n) with this diagonal."""
+    n = len(weight)
+    return csr_array((weight, np.arange(n), np.arange(n + 1)), shape=(n, n))
+
+
+def _places(matrix: csr_array) -> tuple[Array, Array]:
+    """Rows and columns of the numbers."""
+    return np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr)), matrix.indices

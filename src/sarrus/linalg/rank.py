@@ -1,0 +1,152 @@
+"""Rank of a sparse Jacobian: the combinations of rows that vanish, and the directions that it does not restrain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import csr_array, eye_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from ..algebra import Array
+
+DEPENDENT = 1e-9
+
+# A singular value of the rows scaled to unit length, relative to the largest, that counts as zero
+TOLERANCE = 1e-8
+DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
+# Share of the tolerance, in large components: that of a chain of N links falls with 1/N² and is not zero
+LONG = 0.01
+FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
+
+
+@dataclass(frozen=True)
+class Rank:
+    """Rank of J (m, n).
+
+    Attributes
+    ----------
+    rank : number of independent rows
+    null : (m, m - rank) orthonormal combinations of unit rows that vanish
+    smallest : smallest singular value that is not taken for zero, rows scaled to unit length
+    """
+
+    rank: int
+    null: Array
+    smallest: float
+
+
+class Sparse(Protocol):
+    """What has a pattern by rows."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def indptr(self) -> Array: ...
+    @property
+    def indices(self) -> Array: ...
+
+
+def rank_of(J: csr_array, tolerance: float = TOLERANCE, parts: tuple[Array, int] | None = None) -> Rank:
+    """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration.
+
+    `parts` are the `components` of its pattern, if they are known.
+    """
+    unit = unit_rows(J)
+    labels, count = parts or components(J)
+    nulls, smallest = [], np.inf
+    for n in range(count):
+        rows = np.flatnonzero(labels == n)
+        null, least = _null_of(unit if count == 1 else unit[rows], tolerance)
+        wide = np.zeros((J.shape[0], null.shape[1]))
+        wide[rows] = null
+        nulls.append(wide)
+        smallest = min(smallest, least)
+    null = np.hstack(nulls) if nulls else np.zeros((J.shape[0], 0))
+    return Rank(J.shape[0] - null.shape[1], null, float(smallest))
+
+
+def unit_rows(J: csr_array) -> csr_array:
+    """J with every row scaled to unit length; rows of zeros stay."""
+    return divided(J, row_lengths(J))
+
+
+def divided(J: csr_array, rows: Array) -> csr_array:
+    """J with every row divided by a number."""
+    return csr_array((J.data / rows[_rows(J)], J.indices, J.indptr), shape=J.shape)
+
+
+def row_lengths(J: csr_array) -> Array:
+    """Length of every row (m,), 1 for rows of zeros."""
+    length = np.sqrt(np.bincount(_rows(J), weights=J.data * J.data, minlength=J.shape[0]))
+    return np.where(length > 0, length, 1.0)
+
+
+def _rows(J: csr_array) -> Array:
+    """The row of every number."""
+    return np.repeat(np.arange(J.shape[0]), np.diff(J.indptr))
+
+
+def independent_rows(null: Array, last: Array) -> Array:
+    """A well-conditioned choice of independent rows, given all vanishing combinations (m, k).
+
+    Parameters
+    ----------
+    null : (m, k) from `Rank`
+    last : (m,) rows that must be kept (their removal would be no help to anyone)
+
+    Notes
+    -----
+    The k rows left out are the pivots of a QR factorization of the combinations: what these rows say follows from the
+    others with the least amplification.
+    """
+    candidates = np.flatnonzero(~last)
+    if not null.shape[1]:
+        return np.arange(len(null))
+    order = qr(null[candidates].T, mode="r", pivoting=True)[1]
+    dropped = candidates[order[: null.shape[1]]]
+    return np.setdiff1d(np.arange(len(null)), dropped)
+
+
+def components(J: Sparse) -> tuple[Array, int]:
+    """The component of each row, and how many there are: rows that share a column belong together."""
+    m, n = J.shape
+    pointers = np.concatenate([J.indptr, np.full(n, J.indptr[-1])])
+    graph = csr_array((np.ones(len(J.indices)), m + J.indices, pointers), shape=(m + n, m + n))
+    labels = connected_components(graph, directed=False)[1][:m]
+    names, labels = np.unique(labels, return_inverse=True)
+    return labels, len(names)
+
+
+def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
+    m = unit.shape[0]
+    if m > DENSE_UP_TO:
+        return _null_by_iteration(unit, tolerance)
+    used = np.unique(unit.indices)
+    dense = (unit if 2 * len(used) > unit.shape[1] else unit[:, used]).toarray()
+    values = np.linalg.svd(dense, compute_uv=False)
+    values = np.concatenate([values, np.zeros(m - len(values))])
+    zero = values <= tolerance * values.max(initial=0.0)
+    left = np.linalg.svd(dense)[0] if np.any(zero) else np.zeros((m, m))  # vectors cost the most
+    return left[:, zero], float(values[~zero].min(initial=np.inf))
+
+
+def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]:
+    """The eigenvectors of J Jᵀ for its smallest eigenvalues, more of them until the last is not zero."""
+    m = unit.shape[0]
+    normal = (unit @ unit.T).tocsc()
+    inverse = LinearOperator((m, m), matvec=splu((normal + FLOOR * eye_array(m)).tocsc()).solve)
+    start = np.random.default_rng(0).normal(size=m)
+    for count in (8, 32, 128, 512):
+        _, vectors = eigsh(inverse, k=min(count, m - 1), which="LM", v0=start)
+        turns, values, _ = np.linalg.svd((unit.T @ vectors).T, full_matrices=False)
+        vectors = vectors @ turns
+        zero = values <= tolerance * LONG * np.sqrt(normal.diagonal().max())
+        if not np.all(zero):
+            return vectors[:, zero], float(values[~zero].min())
+    raise ArithmeticError(
+        "more than 500 dependent equations in one mechanism; look for joints that were copied"
+    )

@@ -3,6 +3,8 @@
 What counts is the largest error of any column at any time kept, relative to that column's largest value or to 1.
 """
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from tests.analyses.test_simulation import table
@@ -56,5 +58,10 @@ def test_ode(name: str) -> None:
 
 @pytest.mark.parametrize(("method", "allowed"), [(sr.HHT(), 0.1), (sr.Radau(), 1e-3), (sr.ODE(), 1e-4)])
 def test_through_a_position_where_freedoms_branch(method: object, allowed: float) -> None:
-    """Two four-bars, which lie flat twice in each turn; the library allows 1e-1 for low precision."""
-    assert error("four_bars", 1e-8, method) < allowed
+    """Two four-bars, which lie flat twice in each turn; the library allows 1e-1 for low precision.
+
+    HHT steps over these positions; where others pass them without a step, the run says so.
+    """
+    crossed = "two four-bar mechanisms: a singular configuration is passed between t = "
+    with nullcontext() if isinstance(method, sr.HHT) else pytest.warns(sr.SarrusWarning, match=crossed):
+        assert error("four_bars", 1e-8, method) < allowed

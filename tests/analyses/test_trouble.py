@@ -46,6 +46,7 @@ def test_a_force_that_is_never_a_number_is_named(method: object) -> None:
     assert len(run.t) == 0
 
 
+@pytest.mark.filterwarnings("ignore:parallelogram. a singular configuration is passed")
 @pytest.mark.parametrize("method", METHODS, ids=named)
 def test_a_position_where_motions_branch_is_named_by_its_rows(method: object) -> None:
     run = sr.simulate(linkages.parallelogram(), until=3.0, rtol=1e-9, atol=1e-11, method=method)

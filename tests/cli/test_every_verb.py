@@ -153,7 +153,7 @@ def test_a_bar_without_progress_says_why(
     with progress.Bar("simulating 1 s", 1.0) as bar:
         time.sleep(0.2)
         bar.reach(1.0)
-    assert "(the first run of a kind compiles what it needs" in capsys.readouterr().err
+    assert "(the first run of a kind compiles its kernels" in capsys.readouterr().err
     with progress.Bar("simulating 1 s", 1.0) as bar:
         bar.reach(0.5)
         time.sleep(0.2)

@@ -343,8 +343,8 @@ def test_one_constraint_and_lines_of_progress(
     limit, options = sr.Within("slider.x", upper=10.0), {"until": 0.1, "iterations": 2, **LOOSE}
     found = sr.optimize(slider_crank(), "slider.x", ["spring.k"], constraints=limit, progress=True, **options)
     assert list(found.constraints) == ["final of slider.x 2"]  # the objective has this name, too
-    told = capsys.readouterr().err.splitlines()
-    assert len(told) == len(found.history)
+    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("simulation")]
+    assert len(told) == len(found.history)  # other lines: designs that cannot be simulated
     assert told[0].startswith("simulation 1: objective 4.")
 
 

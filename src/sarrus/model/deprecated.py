@@ -13,13 +13,13 @@ R = TypeVar("R")
 RENAMED = {"keep_steps": "store_steps"}  # old keyword: new keyword, in every function that has the new one
 
 
-def warn_deprecated(old: str, new: str) -> None:
-    """Warn the caller of the function that calls this one."""
-    warnings.warn(f"{old} is deprecated. Use {new}.", DeprecationWarning, stacklevel=3)
+def warn_deprecated(old: str, new: str, depth: int = 2) -> None:
+    """Warn who called the function that calls this one, or who is further up by a depth."""
+    warnings.warn(f"{old} is deprecated. Use {new}.", DeprecationWarning, stacklevel=depth + 1)
 
 
 def accepts_deprecated_keywords(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a public function that also accepts the old spellings of its keywords."""
+    """Decorate an analysis, below `reports_warnings`, that also accepts the old spellings of its keywords."""
 
     @wraps(function)
     def translating(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -27,7 +27,7 @@ def accepts_deprecated_keywords(function: Callable[P, R]) -> Callable[P, R]:
             new = RENAMED[old]
             if new in kwargs:
                 raise TypeError(f"{old} is the old spelling of {new}. Give {new} only.")
-            warn_deprecated(old, new)
+            warn_deprecated(old, new, 3)
             kwargs[new] = kwargs.pop(old)
         return function(*args, **kwargs)
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from enum import IntEnum
 from typing import Any
 
@@ -144,4 +145,7 @@ def _spelt(name: str) -> str:
 
 def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput:
     """The error for a name that is not there."""
-    return UnknownOutput(f"{owner} has no output {name!r}; {suggest(name, known)}")
+    names = list(known)
+    parts = get_close_matches(name.split(".")[0], {one.split(".")[0] for one in names}, n=1)
+    nearest = [one for one in names if one.split(".")[0] in parts] if "." not in name else []
+    return UnknownOutput(f"{owner} has no output {name!r}; {suggest(name, nearest or names)}")

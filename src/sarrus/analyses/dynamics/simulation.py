@@ -51,8 +51,8 @@ def refuse_end(until: float, begin: float = 0.0) -> None:
         raise ValueError(f"until must be at most {LATEST:g} s, but is {until:g}. Check its unit.")
 
 
-@accepts_deprecated_keywords
 @reports_warnings
+@accepts_deprecated_keywords
 @one_thread_if_small
 def simulate(
     system: System,

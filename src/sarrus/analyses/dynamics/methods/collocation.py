@@ -22,7 +22,7 @@ SIZES = {"Q": COORDINATES, "V": COORDINATES, "L": CONSTRAINTS, "N": CONSTRAINTS}
 def collocation(A: Array, c: Array) -> Description:
     """The method of a Runge-Kutta matrix (s, s) and nodes (s,), the last of which is 1."""
     unknowns = {f"{name}{i}": size for i in range(len(c)) for name, size in SIZES.items()}
-    return Description(unknowns, partial(_step, np.linalg.inv(A), c), {}, damps=True)
+    return Description(unknowns, partial(_step, np.linalg.inv(A), c), {})
 
 
 def radau(stages: int = 3) -> Description:

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from sarrus.analyses.driven.jacobian.jacobian import Driven
 from tests.analyses.driven import X0, SliderOfCrank, parallelogram, pendulum, pushed, turned
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.driven.jacobian import Driven
 
 ROUND_OFF = 1e-11
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from sarrus.analyses.workspace.problem.rows.formulation import formulate
 
 import sarrus as sr
 from sarrus import mechanisms, model
 from sarrus.analyses.dynamics.event_output import EventOutput
+from sarrus.analyses.workspace.problem.formulation import formulate
 from sarrus.cli import main
 from sarrus.elements import Element, Force, output
 from sarrus.elements.element import Scalar, Vec3

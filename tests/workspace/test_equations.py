@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from sarrus.analyses.workspace.problem.rows.formulation import formulate
-from sarrus.analyses.workspace.problem.rows.random_positions import Samples
-from sarrus.analyses.workspace.problem.rows.rows import Problem
 
 import sarrus as sr
+from sarrus.analyses.workspace.problem.formulation import formulate
+from sarrus.analyses.workspace.problem.random_positions import Samples
+from sarrus.analyses.workspace.problem.rows import Problem
 from sarrus.analyses.workspace.tracing.stratum import Stratum
 
 from .mechanisms import Case, arm_2r, arm_3r, five_bar, platform_haug

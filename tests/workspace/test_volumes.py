@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sarrus.analyses.workspace.problem.rows.formulation import formulate
 
 import sarrus as sr
+from sarrus.analyses.workspace.problem.formulation import formulate
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 from sarrus.analyses.workspace.volumes import slicing
 from sarrus.analyses.workspace.volumes.quadrature import Integral

@@ -144,8 +144,9 @@ def _spelt(name: str) -> str:
 
 
 def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput:
-    """The error for a name that is not there."""
-    names = list(known)
-    parts = get_close_matches(name.split(".")[0], {one.split(".")[0] for one in names}, n=1)
-    nearest = [one for one in names if one.split(".")[0] in parts] if "." not in name else []
+    """The error for a name that is not there, with names of the nearest part."""
+    names, part = list(known), name.split(".")[0]
+    parts = {one.split(".")[0] for one in names}
+    near = [part] if part in parts else get_close_matches(part, parts, n=1)
+    nearest = [one for one in names if one.split(".")[0] in near]
     return UnknownOutput(f"{owner} has no output {name!r}; {suggest(name, nearest or names)}")

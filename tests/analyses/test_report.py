@@ -36,6 +36,7 @@ def test_a_wait_for_kernels_is_explained(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sarrus.analyses.progress.PATIENCE", 0.05)
+    monkeypatch.setattr("sarrus.analyses.progress.compiles", lambda thread: True)
     with monitor(True, 1.0) as report:
         time.sleep(0.3)
         report(1.0)

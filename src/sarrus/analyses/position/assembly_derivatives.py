@@ -191,7 +191,7 @@ class AssemblyDerivatives:
         ]
         for x, size in zip(found, sizes, strict=True):
             if x.shape != (size, *columns):
-                raise ValueError(f"a direction must have shape {(size, *columns)}, but has {x.shape}")
+                raise ValueError(f"a direction must have shape {(size, *columns)}, got {x.shape}.")
         return found[0], found[1], found[2]
 
     def _velocity_along(

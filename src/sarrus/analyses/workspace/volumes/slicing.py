@@ -223,7 +223,7 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
     for n, (share, shift) in enumerate(TRIES):
         moved = shift * asked.span
         here = problem.held_at(place, task.height + moved)
-        found = _mapped(here, _seed(asked.seed + n, task.height), asked.longest * share, task)
+        found = _mapped(here, asked.seed + n, asked.longest * share, task)
         if found.branches and found.is_closed:
             break
     return _as_slice(task.height, found, abs(moved), asked.derivatives)
@@ -255,11 +255,6 @@ def _left_out(map_: WorkspaceMap, starts: Sequence[Start]) -> list[Array]:
     u = np.array([p.values(start.x[: p.n])[p.m + p.outputs] for start in starts])
     outside = region.outside(u, NEARLY * float(np.ptp(u, axis=0).max()))
     return [starts[k].x[: p.n] for k in np.flatnonzero(outside).tolist()]
-
-
-def _seed(seed: int, height: float) -> int:
-    """Another one for every slice, so that all together draw many different positions."""
-    return abs(hash((seed, height))) % 2**32
 
 
 def _followed(map_: WorkspaceMap) -> None:

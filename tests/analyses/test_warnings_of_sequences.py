@@ -11,12 +11,12 @@ import pytest
 import sarrus as sr
 from sarrus.analyses import progress
 from sarrus.model import announce, reports_warnings
-from sarrus.results import Listed, Product, Singularities
+from sarrus.results import Product, ResultList, Singularities
 
 
 @pytest.mark.parametrize(
     "found",
-    [Singularities(()), Listed([1, 2]), Product.of(np.array([1.0, 2.0]))],
+    [Singularities(()), ResultList([1, 2]), Product.of(np.array([1.0, 2.0]))],
     ids=lambda x: type(x).__name__,
 )
 def test_such_a_result_keeps_the_warnings_of_its_analysis(found: Any) -> None:

@@ -11,7 +11,7 @@ from .modes import Modes
 from .optimum import Optimum, StartReport
 from .reaction import Reaction
 from .reading import load_run
-from .sequences import Listed, Product, Singularities
+from .sequences import Product, ResultList, Singularities
 from .shape import ShapeDerivative
 from .singularity import Singularity
 from .solution import NoSolution, Solution, State
@@ -37,7 +37,6 @@ __all__ = [
     "Hessian",
     "InputSingularities",
     "JointMotion",
-    "Listed",
     "Mobility",
     "Modes",
     "NoSolution",
@@ -47,6 +46,7 @@ __all__ = [
     "RadauSteps",
     "Reaction",
     "Repetition",
+    "ResultList",
     "ShapeDerivative",
     "SingularCurve",
     "Singularities",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any, Self
 
 import numpy as np
@@ -10,8 +11,8 @@ from ..algebra import Array
 from .singularity import Singularity
 
 
-class Singularities(tuple[Singularity, ...]):
-    """Singular configurations in the order of a path.
+class Warned:
+    """A sequence that carries warnings.
 
     Attributes
     ----------
@@ -22,37 +23,21 @@ class Singularities(tuple[Singularity, ...]):
 
     def with_warnings(self, warnings: tuple[str, ...]) -> Self:
         """The same with warnings."""
-        found = type(self)(self)
+        found = copy(self)
         found.warnings = warnings
         return found
 
 
-class Listed(list[Any]):
-    """Results in a list.
-
-    Attributes
-    ----------
-    warnings : see `Result`
-    """
-
-    warnings: tuple[str, ...] = ()
-
-    def with_warnings(self, warnings: tuple[str, ...]) -> Self:
-        """The same with warnings."""
-        found = type(self)(self)
-        found.warnings = warnings
-        return found
+class Singularities(Warned, tuple[Singularity, ...]):
+    """Singular configurations in the order of a path."""
 
 
-class Product(np.ndarray[Any, np.dtype[np.float64]]):
-    """An array; what is computed from it is a plain one.
+class ResultList(Warned, list[Any]):
+    """Results in a list."""
 
-    Attributes
-    ----------
-    warnings : see `Result`
-    """
 
-    warnings: tuple[str, ...] = ()
+class Product(Warned, np.ndarray[Any, np.dtype[np.float64]]):
+    """An array; what is computed from it is a plain one."""
 
     @classmethod
     def of(cls, array: Array) -> Product:
@@ -62,9 +47,3 @@ class Product(np.ndarray[Any, np.dtype[np.float64]]):
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
         plain = np.asarray(array)
         return plain[()] if return_scalar else plain
-
-    def with_warnings(self, warnings: tuple[str, ...]) -> Product:
-        """The same with warnings."""
-        found = Product.of(self.copy())
-        found.warnings = warnings
-        return found

@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...linalg.svd import singular
 from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError, reports_warnings
-from ...results import Listed
+from ...results import ResultList
 from ...system import System
 from ..arguments import refuse_other_system
 from .problem.formulation import formulate
@@ -72,7 +72,7 @@ def dexterity(
         told = f"{system.name}: {problem.freedoms} degrees of freedom, but {len(problem.normal)} inputs"
         raise SarrusError(f"{told}. Give as many inputs.")
     positions = positions / problem.scale
-    return Listed(dexterity_at(problem, one, problem.normal) for one in positions)
+    return ResultList(dexterity_at(problem, one, problem.normal) for one in positions)
 
 
 def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -132,7 +132,7 @@ class Search:
         """The intervals that can be reached, with their ends."""
         p, critical = self.problem, self._critical()
         one = p.table[p.outputs[0]]
-        ends = _different([each.value for each in critical], ONE * p.units[p.outputs[0]])
+        ends = distinct([each.value for each in critical], ONE * p.units[p.outputs[0]])
         can = [self._can(low, high, critical) for low, high in pairwise(ends)]
         return WorkspaceRange(
             p.system.name,
@@ -192,7 +192,8 @@ class Search:
         return any(inside) or reach(self.problem, target, np.array(self.met), TRIES, random) is not None
 
 
-def _different(values: list[float], near: float) -> list[float]:
+def distinct(values: Iterable[float], near: float) -> list[float]:
+    """Values by size that are not near to the one before."""
     found: list[float] = []
     for value in sorted(values):
         if not found or value - found[-1] > near:

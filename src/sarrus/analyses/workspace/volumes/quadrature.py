@@ -13,6 +13,7 @@ from scipy.interpolate import BarycentricInterpolator
 from ....algebra import Array
 from ....results.workspace_range import WorkspaceRange
 from ....results.workspace_volume import Slice, VolumeRates
+from .extremes import distinct
 from .slicing import Slicer
 
 NEAR = 1e-4  # of the whole range: so near to a critical height it is located
@@ -94,7 +95,7 @@ class Integral:
         self.slicer, self.ranges, self.rtol, self.most = slicer, ranges, rtol, most
         self._span = max((high - low for low, high in ranges), default=0.0)
         self._near = NEAR * self._span
-        self.expected = _apart(expected, AROUND * self._near)
+        self.expected = distinct(expected, AROUND * self._near)
         self.pieces = [piece for low, high in ranges for piece in self._first(low, high)]
         self.critical: list[float] = []
         self.value, self.error = 0.0, np.inf
@@ -102,7 +103,7 @@ class Integral:
     def _first(self, low: float, high: float) -> Iterator[Piece]:
         """Pieces between expected heights, also of features that are too small to be met by chance."""
         least = LEAST * self._span
-        inner = _apart(self._expected(low + least, high - least), least)
+        inner = distinct(self._expected(low + least, high - least), least)
         for a, b in pairwise([low, *inner, high]):
             yield Piece(a, b, SCAN if b - a > LONG * self._span else 2 * FIRST)
 
@@ -310,15 +311,6 @@ class Integral:
         middle = 0.5 * (low + high)
         expected = self._expected(low - AROUND * self._near, high + AROUND * self._near)
         return min(expected, key=lambda z: abs(z - middle), default=middle)
-
-
-def _apart(values: Sequence[float], near: float) -> list[float]:
-    """Values by size that are not near to the one before."""
-    found: list[float] = []
-    for value in sorted(values):
-        if not found or value - found[-1] > near:
-            found.append(value)
-    return found
 
 
 def _inside(low: float, high: float) -> tuple[float, float]:

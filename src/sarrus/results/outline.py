@@ -31,7 +31,7 @@ def inside_curves(
 
     Parameters
     ----------
-    lines : polylines of the curves, which are closed together
+    lines : closed polylines of the curves
     curves : coefficients (count, 6, 2) of their pieces, polynomials of the parameter 0 ... 1
     points : (n, 2)
     tolerance : distance from a curve that counts as inside

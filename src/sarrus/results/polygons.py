@@ -12,7 +12,10 @@ AT_ONCE = 2_000_000  # pairs of points and segments
 
 
 def inside(lines: Sequence[Array], points: Array) -> Array:
-    """Which points (n, 2) are inside of polylines (k, 2) that are closed together, by crossings of a ray (n,)."""
+    """Which points (n, 2) are inside of polylines (k, 2), by crossings of a ray (n,).
+
+    Each polyline ends exactly where it begins; one that misses its beginning by round-off would let rays through.
+    """
     crossed = np.zeros(len(points), dtype=int)
     if not lines:
         return crossed > 0

@@ -107,9 +107,18 @@ class Cells:
 
     def _ends(self, side: Side) -> tuple[Array, Array]:
         """The first and last point of a piece, run through in a direction."""
-        arc = self.division.pieces[side[0]].arc
-        first, last = arc.point(0.0), arc.point(arc.end)
-        return (last, first) if side[1] else (first, last)
+        line = self._line(side)
+        return line[0], line[-1]
+
+    def _line(self, side: Side) -> Array:
+        """The polyline of a piece, run through in a direction."""
+        n, way = side
+        return self.division.pieces[n].arc.polyline[:: 1 - 2 * way]
+
+    def _closed(self, walk: list[Side]) -> Array:
+        """A walk as one polyline that ends exactly where it begins: a ray through a gap in a node would miscount."""
+        lines = [self._line(side) for side in walk]
+        return np.concatenate([*lines, lines[0][:1]])
 
     def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
         """An island belongs to the smallest cell around it; it may touch that, so that most of its points count."""
@@ -119,32 +128,28 @@ class Cells:
             (areas[k], k)
             for k, other in enumerate(outer)
             if not mine & {n for n, _ in other}
-            and 2 * np.count_nonzero(self._encloses(other, points)) > len(points)
+            and 2 * np.count_nonzero(self._enclose([other], points)) > len(points)
         ]
         cell = self.cells[1 + min(around)[1]] if around else self.cells[0]
         cell.walks.append(walk)
         cell.area += area
-
-    def polylines(self, cell: Cell) -> list[Array]:
-        """The pieces around a cell as polylines."""
-        return [self.division.pieces[n].arc.polyline for walk in cell.walks for n, _ in walk]
 
     def locate(self, points: Array) -> Array:
         """The number of the cell of every point (n,)."""
         found = np.zeros(len(points), dtype=int)
         for k, cell in enumerate(self.cells):
             if cell.bounded:
-                found[self._encloses([side for walk in cell.walks for side in walk], points)] = k
+                found[self._enclose(cell.walks, points)] = k
         return found
 
-    def _encloses(self, walk: list[Side], points: Array) -> Array:
-        """Which points (k, 2) the pieces of a walk go around."""
-        arcs = [self.division.pieces[n].arc for n, _ in walk]
-        return inside_curves([arc.polyline for arc in arcs], [arc.pieces for arc in arcs], points)
+    def _enclose(self, walks: list[list[Side]], points: Array) -> Array:
+        """Which points (k, 2) walks go around."""
+        curves = [self.division.pieces[n].arc.pieces for walk in walks for n, _ in walk]
+        return inside_curves([self._closed(walk) for walk in walks], curves, points)
 
     def inner_point(self, cell: Cell) -> Array | None:
         """A point well inside a cell: the middle of the widest chord through it."""
-        lines = self.polylines(cell)
+        lines = [self._closed(walk) for walk in cell.walks]
         y = np.concatenate([line[:, 1] for line in lines])
         best, found = 0.0, None
         for share in np.linspace(0.03, 0.97, 25):

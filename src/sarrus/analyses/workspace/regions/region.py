@@ -253,7 +253,7 @@ def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
     lines = [edge.arc.polyline for edge in edges]
     places = np.cumsum([0, *(len(line) - 1 for line in lines)]).tolist()
     new = [n for n, edge in enumerate(edges) if not _goes_on(edges[n - 1], edge)]
-    line = np.concatenate([lines[0][:1], *(line[1:] for line in lines)])
+    line = np.concatenate([*(line[:-1] for line in lines), lines[0][:1]])
     pieces = np.concatenate([edge.arc.pieces for edge in edges])
     return Loop(line, tuple(places[n] for n in new), tuple(edges[n].causes for n in new or [0]), pieces)
 

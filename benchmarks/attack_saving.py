@@ -35,7 +35,7 @@ import numpy as np
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.model.written import with_numbers
-from sarrus.results import saved
+from sarrus.results.saving import saved
 
 STATES = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", "kinetic_energy", "potential_energy")
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected", "status", "message")

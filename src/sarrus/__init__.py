@@ -131,8 +131,8 @@ if TYPE_CHECKING:
     from .model import parse_expression as parse_expression
     from .results import Assembly as Assembly
     from .results import Equilibrium as Equilibrium
+    from .results import EventRecord as EventRecord
     from .results import Gradient as Gradient
-    from .results import Happened as Happened
     from .results import Hessian as Hessian
     from .results import InputSingularities as InputSingularities
     from .results import Mobility as Mobility
@@ -194,7 +194,7 @@ _HOMES = {
     ),
     "io": "Robot load_any load_mjcf load_urdf",
     "results": (
-        "Assembly Equilibrium Gradient Happened Hessian InputSingularities Mobility Modes Optimum Reaction "
+        "Assembly Equilibrium EventRecord Gradient Hessian InputSingularities Mobility Modes Optimum Reaction "
         "ShapeDerivative Singularity Solution State Trajectory Workspace WorkspaceField WorkspaceRange "
         "WorkspaceVolume load_run"
     ),
@@ -204,6 +204,7 @@ _HOMES = {
         "StudyTable Uncertainty Values Vibration open_study study uncertainty"
     ),
 }
+_RENAMED = {"Happened": "EventRecord"}  # deprecated names of classes, for one release
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
@@ -213,6 +214,11 @@ rendering.register(lambda: import_module(".views", __name__))
 
 
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        from .model.deprecated import warn_deprecated
+
+        warn_deprecated(f"sarrus.{name}", f"sarrus.{_RENAMED[name]}")
+        return getattr(import_module(__name__), _RENAMED[name])
     if name not in _HOME_OF:
         raise AttributeError(f"module 'sarrus' has no attribute {name!r}")
     value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)

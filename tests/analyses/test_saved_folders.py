@@ -18,8 +18,8 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics import march
 from sarrus.model import SarrusError
-from sarrus.results import checked_file, saved
-from sarrus.results.versions import versions
+from sarrus.results.saving import checked_file, saved
+from sarrus.results.saving.versions import versions
 
 ROOT = Path(__file__).parents[2]
 GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201)}
@@ -204,7 +204,7 @@ def test_a_second_writer_in_the_same_process_is_refused(tmp_path: Path) -> None:
 def test_where_files_cannot_be_locked_the_process_that_is_named_counts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from sarrus.results import folder_lock
+    from sarrus.results.saving import folder_lock
 
     def none(_: object) -> None:
         raise OSError(errno.ENOLCK, "No locks available")

@@ -12,7 +12,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.dynamics import march
-from sarrus.results.saved import checkpoint
+from sarrus.results.saving.saved import checkpoint
 
 METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau(), "ODE": sr.ODE()}
 TIMES = np.linspace(0, 20, 5001)

@@ -45,7 +45,7 @@ def test_every_analysis_can_be_strict(name: str) -> None:
 def test_every_result_has_warnings() -> None:
     results = [getattr(sr, name) for name in sr._HOMES["results"].split() + ["StudyTable", "Uncertainty"]]
     without = {one.__name__ for one in results if isinstance(one, type) and not issubclass(one, Result)}
-    assert without <= {"Happened", "Reaction", "Singularity", "Solution", "State"}
+    assert without <= {"EventRecord", "Reaction", "Singularity", "Solution", "State"}
 
 
 def test_a_warning_is_issued_once_and_printed_with_the_result() -> None:

@@ -16,7 +16,7 @@ from tests.studies import own
 
 import sarrus as sr
 from sarrus.model import Model, SarrusError
-from sarrus.results import checked_file
+from sarrus.results.saving import checked_file
 from sarrus.studies import open_study, study
 from sarrus.studies.ledger import CASES, STUDY
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.results.outline import inside_curves, sampled
+from sarrus.results.maps.outline import inside_curves, sampled
 
 from .mechanisms import arm_3r, five_bar
 

@@ -11,7 +11,7 @@ from scipy.io import netcdf_file
 
 import sarrus as sr
 from sarrus.cli.workspace import QUANTITIES
-from sarrus.results.workspace_field import Quantity
+from sarrus.results.maps.workspace_field import Quantity
 
 from .mechanisms import arm_2r_both_elbows, five_bar, platform_haug
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import sarrus as sr
-from sarrus.results.workspace import BoundaryCurve as Curve
+from sarrus.results.maps.workspace import BoundaryCurve as Curve
 
 from .mechanisms import (
     DEGREE,

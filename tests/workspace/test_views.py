@@ -9,9 +9,9 @@ from scipy.io import netcdf_file
 
 import sarrus as sr
 from sarrus.cli import main
-from sarrus.results.polygons import inside
-from sarrus.results.workspace_range import CriticalValue, WorkspaceRange
-from sarrus.results.workspace_volume import Loop, Slice, WorkspaceVolume
+from sarrus.results.maps.polygons import inside
+from sarrus.results.maps.workspace_range import CriticalValue, WorkspaceRange
+from sarrus.results.maps.workspace_volume import Loop, Slice, WorkspaceVolume
 from sarrus.views.workspace_sheets import barrier_sheets
 from sarrus.views.workspace_surface import surface_parts
 

@@ -18,7 +18,7 @@ from sarrus.analyses.workspace.volumes import slicing
 from sarrus.analyses.workspace.volumes.quadrature import Integral
 from sarrus.analyses.workspace.volumes.slicing import Asked, Slicer, _height_of, _on_curve
 from sarrus.analyses.workspace.volumes.volume import _missed
-from sarrus.results.workspace_volume import Slice
+from sarrus.results.maps.workspace_volume import Slice
 
 from .mechanisms import Case, about, delta, elbow_arm, gough, orthogonal_arm, puma, tilted, translated
 

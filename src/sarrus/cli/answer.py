@@ -48,7 +48,7 @@ class Answer:
 
     def draw(self, figure: Any, file: Path) -> None:
         """Write a figure, and record its file."""
-        from ..results.exported_file import exporting
+        from ..results.saving.exported_file import exporting
 
         with exporting(file):
             figure.savefig(file, dpi=DPI)

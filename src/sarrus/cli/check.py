@@ -61,7 +61,7 @@ def _table(report: Report) -> list[dict[str, Any]]:
 
 
 def _draw(model: Model, file: Path, answer: Answer) -> None:
-    from ..results.exported_file import exporting
+    from ..results.saving.exported_file import exporting
     from ..views import mechanism_figure
 
     with exporting(file):

@@ -87,7 +87,7 @@ def _times(system: Any, start: Any) -> str:
 
 
 def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
-    from ..results.exported_file import exporting
+    from ..results.saving.exported_file import exporting
     from ..system.check import TOLERANCE
     from ..views import check_figure, motion_figure
 

@@ -15,10 +15,10 @@ from .values import figure_file, natural, positive, refuse_unwritable
 if TYPE_CHECKING:
     from ..analyses.workspace.problem.formulation import Limits
     from ..results import InputSingularities, Workspace, WorkspaceField, WorkspaceRange, WorkspaceVolume
-    from ..results.input_singularities import Lost
+    from ..results.maps.input_singularities import Lost
     from ..system import System
 
-QUANTITIES = (  # see results/workspace_field.py
+QUANTITIES = (  # see results/maps/workspace_field.py
     "solutions",
     "manipulability",
     "worst_manipulability",
@@ -96,7 +96,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Map and draw; 1 if the map, or what is drawn over it, is not complete."""
     from ..model import announce
-    from ..results.exported_file import exporting
+    from ..results.saving.exported_file import exporting
     from ..system import System
 
     refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])

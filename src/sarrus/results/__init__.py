@@ -1,26 +1,29 @@
-"""Results are values: plain arrays with names."""
+"""Results are values: frozen dataclasses of plain arrays with names.
+
+Here are the results of analyses at one position and of searches; those over time are in `motion`, those of workspaces
+in `maps`. `saving` reads and writes runs and other files.
+"""
 
 from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
 from .gradient import Gradient, Hessian, StateDerivatives
-from .happened import Happened
-from .input_singularities import InputSingularities, SingularCurve
-from .joint_motion import JointMotion
+from .maps.input_singularities import InputSingularities, SingularCurve
+from .maps.shape import ShapeDerivative
+from .maps.workspace import BoundaryCurve, Component, Effort, Verification, Workspace
+from .maps.workspace_field import WorkspaceField
+from .maps.workspace_range import CriticalValue, WorkspaceRange
+from .maps.workspace_volume import Slice, WorkspaceVolume
 from .mobility import Mobility, Repetition
 from .modes import Modes
+from .motion.events import EventRecord
+from .motion.parts import BodyMotion, JointMotion, Reaction
+from .motion.solution import NoSolution, Solution, State
+from .motion.steps import AlphaSteps, Pieces, RadauSteps, StabilizedSteps, Steps, StepsTaken, Turn
+from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
-from .reaction import Reaction
-from .reading import load_run
-from .sequences import Product, ResultList, Singularities
-from .shape import ShapeDerivative
-from .singularity import Singularity
-from .solution import NoSolution, Solution, State
-from .steps import AlphaSteps, Pieces, RadauSteps, StabilizedSteps, Steps, StepsTaken, Turn
-from .trajectory import BodyMotion, Trajectory
-from .workspace import BoundaryCurve, Component, Effort, Verification, Workspace
-from .workspace_field import WorkspaceField
-from .workspace_range import CriticalValue, WorkspaceRange
-from .workspace_volume import Slice, WorkspaceVolume
+from .result import Product, ResultList
+from .saving.reading import load_run
+from .singularity import Singularities, Singularity
 
 __all__ = [
     "AlphaSteps",
@@ -32,8 +35,8 @@ __all__ = [
     "CriticalValue",
     "Effort",
     "Equilibrium",
+    "EventRecord",
     "Gradient",
-    "Happened",
     "Hessian",
     "InputSingularities",
     "JointMotion",

@@ -11,8 +11,8 @@ import numpy as np
 from ..algebra import Array
 from ..model.arguments import refuse_place
 from ..rendering import renderer
+from .motion.trajectory import place_of
 from .result import Result
-from .trajectory import place_of
 
 SHOWN = 8  # names that an error lists
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..algebra import Array
 from ..rendering import renderer
-from .exported_file import exports
 from .result import Result
+from .saving.exported_file import exports
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""A singular configuration that was found along a motion."""
+"""Singular configurations that were found along a motion."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
+from .result import Warned
 
 
 @dataclass(frozen=True)
@@ -27,3 +28,7 @@ class Singularity:
     kind: Literal["branch", "dead centre"]
     smallest: float
     message: str
+
+
+class Singularities(Warned, tuple[Singularity, ...]):
+    """Singular configurations in the order of a path."""

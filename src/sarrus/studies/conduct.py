@@ -13,8 +13,8 @@ import numpy as np
 
 from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
 from ..model import Model, SarrusError, announce, reports_warnings
-from ..results.checked_file import NOT_SAVED, NotSavedError
-from ..results.versions import versions
+from ..results.saving.checked_file import NOT_SAVED, NotSavedError
+from ..results.saving.versions import versions
 from ..system import System
 from . import pool
 from .case import Outcome, Task

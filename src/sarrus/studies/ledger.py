@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..model import SarrusError
-from ..results.checked_file import (
+from ..results.saving.checked_file import (
     DRAFT,
     FolderTakenError,
     NoSavedDataError,
@@ -29,7 +29,7 @@ from ..results.checked_file import (
     replace_file,
     writing,
 )
-from ..results.folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
+from ..results.saving.folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .case import Outcome
 
 STUDY, CASES = "study.json", "cases.jsonl"

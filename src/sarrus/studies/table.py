@@ -14,8 +14,8 @@ import numpy as np
 from ..model import SarrusError
 from ..model.arguments import checked, refuse_place
 from ..rendering import renderer
-from ..results.exported_file import exports
 from ..results.result import Result
+from ..results.saving.exported_file import exports
 from .ledger import read_cases, read_study
 from .parameters import Array
 

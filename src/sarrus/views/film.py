@@ -15,7 +15,7 @@ import numpy as np
 from ..algebra import Array
 from ..analyses.progress import monitor
 from ..euler import A
-from ..results.exported_file import exporting
+from ..results.saving.exported_file import exporting
 from .browser import Shown
 from .browser.scene import GHOSTS, front, pace
 from .camera import Camera, camera

@@ -12,7 +12,7 @@ from ..algebra import Array
 from ..model import blueprint
 from ..model.coordinates import WIDTH
 from ..model.rotation import matrix
-from ..results.workspace import Workspace
+from ..results.maps.workspace import Workspace
 
 GHOST = "#4b5058"
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..euler import A
-from ..results.exported_file import exporting
+from ..results.saving.exported_file import exporting
 from .browser import Shown
 from .looks import Part, Span
 from .shapes import normals

@@ -206,7 +206,7 @@ def plot_sensitivities(
     ImportError
         If Matplotlib is not installed.
     """
-    from ..results.trajectory import place_of
+    from ..results.motion.trajectory import place_of
 
     curves = found.q_b[:, place_of(coordinate, run.coordinate_names, run.name)]
     sizes = abs(curves).max(axis=0)

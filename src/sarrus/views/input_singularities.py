@@ -10,7 +10,7 @@ import numpy as np
 from ..algebra import Array
 from ..model import SarrusError
 from ..model.show import quote, suggest
-from ..results.input_singularities import InputSingularities, Lost, SingularCurve
+from ..results.maps.input_singularities import InputSingularities, Lost, SingularCurve
 from .plots import BLUE, GREY, _tidy, _window_axes
 
 RED = "#c23b4e"

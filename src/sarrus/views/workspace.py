@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..model import SarrusError
 from ..model.show import quote, suggest
-from ..results.polygons import inside
-from ..results.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
+from ..results.maps.polygons import inside
+from ..results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
 from .ghosts import draw_ghost
 from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
 from .workspace_words import area_unit

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import SarrusError
-from ..results.workspace_field import Quantity, WorkspaceField
+from ..results.maps.workspace_field import Quantity, WorkspaceField
 from .plots import GREY, _tidy, _window_axes
 from .workspace import draw_curves, path_of
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..algebra import Array
-from ..results.workspace_volume import Slice
+from ..results.maps.workspace_volume import Slice
 
 FAR = (
     0.12  # of the size: lines of neighbouring slices that are farther from each other are of different sheets

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import SarrusError
-from ..results.workspace_volume import WorkspaceVolume
+from ..results.maps.workspace_volume import WorkspaceVolume
 from .browser import Page
 from .looks import Part
 from .shapes import Mesh

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..results.workspace_volume import WorkspaceVolume
+from ..results.maps.workspace_volume import WorkspaceVolume
 from .plots import BLUE, ORANGE, figure_of
 
 SHOWN = 9  # slices drawn as lines

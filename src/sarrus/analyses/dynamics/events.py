@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from ...algebra import Array
 from ...model.arguments import Whole, real
-from ...results import Happened
-from ...results.happened import happened_of
+from ...results import EventRecord
+from ...results.motion.events import event_records
 from ...system import System
 from .event_output import EventOutput
 from .nodes import Nodes
@@ -243,7 +243,7 @@ class Watches:
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         self._all = [Watch(system, event) for event in events]
-        self.happened: list[Happened] = []
+        self.happened: list[EventRecord] = []
 
     def __bool__(self) -> bool:
         return bool(self._all)
@@ -278,7 +278,7 @@ class Watches:
         for n, watch in enumerate(self._all):
             watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
             watch.at, watch.near = float(at[n]), state.get(f"watch_near_{n}", watch.near)
-        self.happened = happened_of(state)
+        self.happened = event_records(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
         """All crossings within the nodes, in the order of time."""

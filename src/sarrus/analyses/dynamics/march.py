@@ -13,11 +13,11 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import announce, collected
-from ...results import Assembly, Happened, NoSolution, Solution, State, Trajectory, load_run
-from ...results.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
-from ...results.saved import UNFINISHED, Store
-from ...results.steps import Pieces, StepsTaken, Turn
-from ...results.steps import until as steps_until
+from ...results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
+from ...results.motion.steps import Pieces, StepsTaken, Turn
+from ...results.motion.steps import until as steps_until
+from ...results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
+from ...results.saving.saved import UNFINISHED, Store
 from ...system import System
 from ..progress import TimeLimit
 from .events import Event, Impact, Watch, Watches, restitutions_of
@@ -241,7 +241,7 @@ class March:
         states = self.sampler.states(nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
         after = watch.after(t, q, v, self.sampler)
-        self.watches.happened.append(Happened(watch.name, t, q, v, after))
+        self.watches.happened.append(EventRecord(watch.name, t, q, v, after))
         if not watch.ends and watch.event.reset is None:
             return None
         self._take(_until(nodes, states))

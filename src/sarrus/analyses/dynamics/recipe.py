@@ -13,8 +13,8 @@ from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model import Model, announce, reports_warnings
 from ...results import Assembly, Trajectory, load_run
-from ...results.checked_file import NOT_SAVED, NotSavedError
-from ...results.saved import UNFINISHED, Store, arrays_of, is_begun, other_versions, recipe_of
+from ...results.saving.checked_file import NOT_SAVED, NotSavedError
+from ...results.saving.saved import UNFINISHED, Store, arrays_of, is_begun, other_versions, recipe_of
 from ...system import System
 from ..progress import monitor
 from .crossing import Crossing

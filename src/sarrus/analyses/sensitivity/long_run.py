@@ -15,7 +15,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...results import Assembly, Pieces, RadauSteps, Steps, StepsTaken, Trajectory, Turn
-from ...results.steps import first_of, last_of, led
+from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.breakpoints import stops_of
 from ..dynamics.events import Event

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...algebra import Array
 from ...results import StepsTaken
-from ...results.steps import last_of, led
+from ...results.motion.steps import last_of, led
 from ...system import System
 from .chain import BackwardState, Chain, Nodes
 from .steps.curves import Curves

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...linalg.threads import one_thread_if_small
 from ...model import reports_warnings
-from ...results.workspace import Workspace
+from ...results.maps.workspace import Workspace
 from ...system import System
 from ..arguments import refuse_other_system
 from ..progress import Progress

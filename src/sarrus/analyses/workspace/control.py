@@ -10,9 +10,9 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError, announce, reports_warnings
-from ...results.input_singularities import InputSingularities, Lost, SingularCurve
-from ...results.outline import DENSE
-from ...results.workspace import Status
+from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
+from ...results.maps.outline import DENSE
+from ...results.maps.workspace import Status
 from ...system import System
 from ..arguments import refuse_other_system
 from ..progress import Progress

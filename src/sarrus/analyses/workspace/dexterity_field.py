@@ -11,8 +11,8 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError, announce, reports_warnings
-from ...results.workspace import Workspace
-from ...results.workspace_field import Quantity, WorkspaceField
+from ...results.maps.workspace import Workspace
+from ...results.maps.workspace_field import Quantity, WorkspaceField
 from ..progress import Progress
 from .dexterity import dexterity_at
 from .problem.formulation import TURN, formulate

@@ -9,7 +9,7 @@ import webbrowser
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...results.exported_file import exports
+from ...results.saving.exported_file import exports
 
 HEIGHT = 520  # [px] in a notebook
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from ....model import SarrusError
 from ....model.function import Function
+from ....results.maps.workspace import Workspace
 from ....results.result import Result
-from ....results.workspace import Workspace
 
 LEAST = {
     "seed": 0,

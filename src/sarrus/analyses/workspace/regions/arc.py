@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ....algebra import Array
-from ....results.outline import DENSE, POWERS, sampled
+from ....results.maps.outline import DENSE, POWERS, sampled
 from ..tracing.step import gauss
 
 

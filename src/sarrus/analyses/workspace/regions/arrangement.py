@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ....algebra import Array
-from ....results.outline import DENSE
+from ....results.maps.outline import DENSE
 from .arc import Arc
 
 TOUCH = 2e-6  # free of units: nearer points are one

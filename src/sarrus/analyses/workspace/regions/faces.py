@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ....algebra import Array
-from ....results.outline import inside_curves
+from ....results.maps.outline import inside_curves
 from .arrangement import TOUCH, Division, Piece
 
 NEAR = 1e-3  # free of units: where the order of curves around a node is looked at first

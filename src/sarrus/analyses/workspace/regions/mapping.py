@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ....algebra import Array
 from ....model import Model, SarrusError
-from ....results.polygons import inside
-from ....results.workspace import Component, Effort, Verification, Workspace, place_of
+from ....results.maps.polygons import inside
+from ....results.maps.workspace import Component, Effort, Verification, Workspace, place_of
 from ....system import System
 from ...arguments import refuse_other_system
 from ..problem.dependent_outputs import refuse_dependent

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results.workspace import BoundaryCurve, Component, CurveKind
+from ....results.maps.workspace import BoundaryCurve, Component, CurveKind
 from ..problem.rows import Problem
 from ..tracing.explore import Branch
 from ..tracing.newton import NoPoint, Tally, correct, plane

@@ -13,7 +13,7 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import announce, reports_warnings
-from ....results.workspace import Verification, Workspace
+from ....results.maps.workspace import Verification, Workspace
 from ....system import System
 from ...progress import Progress
 from ..problem.formulation import formulate

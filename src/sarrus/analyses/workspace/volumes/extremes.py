@@ -11,8 +11,8 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError, announce, reports_warnings
-from ....results.workspace import Status
-from ....results.workspace_range import CriticalValue, WorkspaceRange
+from ....results.maps.workspace import Status
+from ....results.maps.workspace_range import CriticalValue, WorkspaceRange
 from ....system import System
 from ...arguments import refuse_other_system
 from ...progress import Progress

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 
 from ....algebra import Array
-from ....results.workspace_range import WorkspaceRange
-from ....results.workspace_volume import Slice, VolumeRates
+from ....results.maps.workspace_range import WorkspaceRange
+from ....results.maps.workspace_volume import Slice, VolumeRates
 from .extremes import distinct
 from .slicing import Slicer
 

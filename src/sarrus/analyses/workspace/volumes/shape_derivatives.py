@@ -20,10 +20,10 @@ from ....elements.operators import Axis
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError, reports_warnings
 from ....model.show import suggest
-from ....results.shape import ShapeDerivative
-from ....results.workspace import Workspace, place_of
-from ....results.workspace_range import WorkspaceRange
-from ....results.workspace_volume import WorkspaceVolume
+from ....results.maps.shape import ShapeDerivative
+from ....results.maps.workspace import Workspace, place_of
+from ....results.maps.workspace_range import WorkspaceRange
+from ....results.maps.workspace_volume import WorkspaceVolume
 from ...sensitivity.chain import Gradients
 from ...sensitivity.parameters import Parameters, UnknownParameter
 from ..problem.refusals import listed, refuse_incomplete, refuse_other

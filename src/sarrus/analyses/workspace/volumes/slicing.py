@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 
 from ....algebra import Array
 from ....model import Model
-from ....results.workspace_volume import Loop, Slice
+from ....results.maps.workspace_volume import Loop, Slice
 from ....system import System
 from ..problem.formulation import formulate
 from ..problem.rows import Problem

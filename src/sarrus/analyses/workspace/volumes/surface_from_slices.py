@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results.workspace_volume import Loop, Slice
+from ....results.maps.workspace_volume import Loop, Slice
 from .patch import Sheet, fill
 
 AROUND = 96  # points of every loop, nearly

@@ -12,9 +12,9 @@ from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError, announce, reports_warnings
 from ....model.announcement import collecting
-from ....results.workspace import Status
-from ....results.workspace_range import WorkspaceRange
-from ....results.workspace_volume import Slice, WorkspaceVolume
+from ....results.maps.workspace import Status
+from ....results.maps.workspace_range import WorkspaceRange
+from ....results.maps.workspace_volume import Slice, WorkspaceVolume
 from ....system import System
 from ...arguments import refuse_other_system
 from ...progress import Progress

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..algebra import Array
-from .result import Result
+from ...algebra import Array
+from ..result import Result
 from .workspace import Status
 
 

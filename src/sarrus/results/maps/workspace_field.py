@@ -7,13 +7,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..algebra import Array
-from ..model import ModelError
-from ..model.show import show
-from ..rendering import renderer
-from .exported_file import exports
-from .netcdf import Column, write_netcdf
-from .result import Result
+from ...algebra import Array
+from ...model import ModelError
+from ...model.show import show
+from ...rendering import renderer
+from ..result import Result
+from ..saving.exported_file import exports
+from ..saving.netcdf import Column, write_netcdf
 from .workspace import Status, Workspace
 
 Quantity = Literal[

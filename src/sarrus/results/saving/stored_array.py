@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 from .checked_file import SIZE, SavedDataError, checksum, damaged, flush_to_disk, read_file
 
 METADATA = "zarr.json"

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra import Array
-from ..rendering import renderer
-from .exported_file import exports
-from .netcdf import Column, flags, write_netcdf
+from ...algebra import Array
+from ...rendering import renderer
+from ..result import Result
+from ..saving.exported_file import exports
+from ..saving.netcdf import Column, flags, write_netcdf
 from .polygons import inside
-from .result import Result
 from .workspace import Status
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 
 AT_ONCE = 2_000_000  # pairs of points and segments
 

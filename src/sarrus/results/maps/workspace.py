@@ -9,13 +9,13 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra import Array
-from ..model import SarrusError, announce
-from ..rendering import renderer
-from .exported_file import exports
-from .netcdf import Column, flags, write_netcdf
+from ...algebra import Array
+from ...model import SarrusError, announce
+from ...rendering import renderer
+from ..result import Result
+from ..saving.exported_file import exports
+from ..saving.netcdf import Column, flags, write_netcdf
 from .outline import inside_curves
-from .result import Result
 
 TRACED = 1e-7  # of the size: how far traced curves may be from true ones; five times what was seen
 

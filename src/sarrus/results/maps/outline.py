@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 from .polygons import inside, within
 
 DENSE = 8  # points per piece of a polyline

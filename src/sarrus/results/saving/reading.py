@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..model.arguments import checked
-from .happened import happened_of
+from ...model.arguments import checked
+from ..motion.events import event_records
+from ..motion.solution import State
+from ..motion.trajectory import Trajectory
 from .saved import arrays_of, recipe_of
-from .solution import State
-from .trajectory import Trajectory
 
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 
@@ -63,7 +63,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         success=told["status"] in ("finished", "event"),
         status=told["status"],
         message=told["message"],
-        events=tuple(happened_of(state)),
+        events=tuple(event_records(state)),
         singular=tuple(told.get("singular", ())),
         warnings=tuple(told.get("warnings", ())),
         final=State.stored(state),

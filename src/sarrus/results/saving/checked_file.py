@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..model import SarrusError
+from ...model import SarrusError
 
 NOT_SAVED = "not saved"  # the status where the disk is full, or the folder cannot be written
 DRAFT = ".draft"  # ending of a file that is being written

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..algebra import Array
+from ...algebra import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Happened:
+class EventRecord:
     """One crossing of one event.
 
     Attributes
@@ -28,8 +28,8 @@ class Happened:
     after: Array = field(repr=False)
 
 
-def happened_of(state: Mapping[str, Array]) -> list[Happened]:
+def event_records(state: Mapping[str, Array]) -> list[EventRecord]:
     """The events of a checkpoint."""
     columns = (state[f"event_{name}"] for name in ("of", "t", "q", "v", "after"))
     rows = zip(*columns, strict=True)
-    return [Happened(str(state["event_names"][n]), float(t), q, v, after) for n, t, q, v, after in rows]
+    return [EventRecord(str(state["event_names"][n]), float(t), q, v, after) for n, t, q, v, after in rows]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from .result import Result
+from ..result import Result
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from ..model import SarrusError
+from ...model import SarrusError
 from .checked_file import FolderTakenError
 
 LOCK = "lock"

@@ -9,42 +9,23 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
-from ..euler import G
-from ..model.arguments import CHECKS, checked
-from ..model.coordinates import coordinates_of
-from ..outputs.motion import Series, series
-from ..outputs.output import unknown_output
-from ..rendering import renderer
-from ..system import JointCoordinates
-from .exported_file import exports
-from .happened import Happened
-from .joint_motion import JointMotion
-from .reaction import Reaction, reaction
-from .result import Result
+from ...algebra import Array
+from ...euler import G
+from ...model.arguments import CHECKS, checked
+from ...model.coordinates import coordinates_of
+from ...outputs.motion import Series, series
+from ...outputs.output import unknown_output
+from ...rendering import renderer
+from ...system import JointCoordinates
+from ..result import Result
+from ..saving.exported_file import exports
+from .events import EventRecord
+from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
 from .steps import Pieces, StepsTaken
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
-
-
-@dataclass(frozen=True, eq=False)
-class BodyMotion:
-    """One body's motion over the times of a trajectory.
-
-    Attributes
-    ----------
-    position, velocity : of the frame's origin, in global axes (nt, 3) [m], [m/s]
-    euler : Euler parameters, scalar first (nt, 4)
-    angular_velocity : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
-    """
-
-    name: str
-    position: Array
-    euler: Array
-    velocity: Array
-    angular_velocity: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +76,7 @@ class Trajectory(Result):
     nsteps: int = 0
     nrejected: int = 0
     history: Array = field(default_factory=lambda: np.zeros((0, 5)), repr=False)
-    events: tuple[Happened, ...] = ()
+    events: tuple[EventRecord, ...] = ()
     restitutions: Mapping[str, float] = field(default_factory=dict, repr=False)
     sol: Solution | NoSolution = field(default=NoSolution(), repr=False, compare=False)
     velocity_violation: Array = field(default_factory=lambda: np.zeros(0), repr=False)

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra import Array
-from ..model import ModelError
+from ...algebra import Array
+from ...model import ModelError
 
 NONE = np.zeros(0)
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 
 
 class Column(NamedTuple):

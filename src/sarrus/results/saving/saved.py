@@ -21,7 +21,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 from . import stored_array
 from .checked_file import (
     DRAFT,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from ..algebra import Array
-from ..rendering import renderer
-from .exported_file import exports
-from .result import Result
+from ...algebra import Array
+from ...rendering import renderer
+from ..result import Result
+from ..saving.exported_file import exports
 from .workspace import Status
 
 Lost = Literal["inputs", "outputs"]

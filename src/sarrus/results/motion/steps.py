@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..algebra import Array
+from ...algebra import Array
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,0 +1,1 @@
+"""Results over time: trajectories, the steps that integrators took, events, motions and reactions of parts."""

@@ -11,6 +11,7 @@ from sarrus import mechanisms
 from sarrus._jit.link import link
 from sarrus._jit.pointer import call_kernels
 from sarrus._jit.vector import LANES
+from sarrus.analyses.dynamics.methods.tables import DRIVERS
 from sarrus.analyses.sensitivity import by_numbers
 from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.kernels import GROUPS
@@ -22,7 +23,6 @@ from sarrus.analyses.sensitivity.steps.block_loop import UNKNOWN
 from sarrus.analyses.sensitivity.steps.changes import changes
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 from sarrus.analyses.sensitivity.steps.sweep_loop import CHANGE, solve_lane, solve_lane_transposed
-from sarrus.analyses.sensitivity.steps.tables import DRIVERS
 from sarrus.system import lane_room
 from sarrus.system.lane_room import aligned, room
 

@@ -13,6 +13,7 @@ from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...system import System
 from ...system.lane_room import aligned, room
+from ..dynamics.methods.equations import OPERATOR
 from ..dynamics.newton_matrix import motion_parts
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part, entries_of
 from . import consistent_loop as loop
@@ -22,7 +23,6 @@ from .kernels import GROUPS, operators_by_b
 from .lagrangian import lagrangian
 from .row_order import no_rows
 from .step_matrix import StepMatrix
-from .steps.equations import OPERATOR
 from .steps.sweep import TRUSTED
 
 BY_NUMBERS = ("Phi_b", "Phi_qT_lam_b", "Phi_q_xi_b", "Phi_t_b", "M_a_b", "S_b", "Q_b", "gamma_b")

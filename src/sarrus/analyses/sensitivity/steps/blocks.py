@@ -13,6 +13,7 @@ from ....algebra import Array
 from ....system import System
 from ....system.lane_room import room, used
 from ....system.once import once_alike
+from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
 from ..by_numbers import gradient_entry
@@ -26,7 +27,6 @@ from .changes import UNCHANGED, changes, joined
 from .layout import drivers_of, kinds_of, layout_of
 from .record import Record
 from .stacked import Ragged, ragged, series
-from .tables import DRIVERS, Structure, Tables, tables_of
 
 OPERATIONS = 3  # see `record`
 SOURCES = 10  # different arrays of recorded values, at most

@@ -11,11 +11,11 @@ from ...._jit import pointer
 from ....algebra import Array
 from ....system import System
 from ....system.lane_room import room
+from ...dynamics.methods.tables import NOWHERE, Group, Tables
 from ..by_numbers import elements
 from ..shares import concerned
 from .block_loop import Changes
 from .stacked import ragged
-from .tables import NOWHERE, Group, Tables
 
 NO_INDICES = np.zeros(0, np.int64)
 NONE = ragged([NO_INDICES] * 3)

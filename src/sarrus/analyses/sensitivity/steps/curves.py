@@ -16,7 +16,7 @@ import numpy as np
 from ....algebra import Array
 from ....system.curve_derivatives import CurveDerivatives, Entries
 from ....system.time_derivatives import TimeDerivatives
-from .equations import KINDS
+from ...dynamics.methods.equations import KINDS
 from .record import Occurrences, Record
 from .sweep import PerOperation
 

@@ -10,10 +10,10 @@ import numpy as np
 from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
-from .equations import MULTIPLIERS
+from ...dynamics.methods.equations import MULTIPLIERS
+from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, tables_of
 from .matrix import OperationMatrix, constrained
 from .stacked import Ragged, ragged
-from .tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, tables_of
 
 TABLES = ("by_unknowns", "pieces", "calls", "constrained", "constraints", "groups")
 SIZES = ("n", "moved", "stages", "times", "values", "adjoints")

@@ -20,7 +20,7 @@ from ...._jit.vector import LANES
 from ....system import System
 from ....system.once import once_alike
 from ...dynamics.methods.description import CONSTRAINTS
-from .tables import Quantity, Structure, Tables
+from ...dynamics.methods.tables import Quantity, Structure, Tables
 
 NAMESPACE = {
     "np": np,

@@ -9,12 +9,12 @@ import numpy as np
 from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
+from ...dynamics.methods.equations import OF_CONSTRAINTS
+from ...dynamics.methods.tables import Structure, Tables, at_stage, operator_of, tables_of
 from ...equations.block_matrix import Numbers, entries_of
 from ..kernels import GROUPS
 from ..stages_matrix import StagesMatrix
 from ..step_matrix import StepMatrix
-from .equations import OF_CONSTRAINTS
-from .tables import Structure, Tables, at_stage, operator_of, tables_of
 
 
 class OperationMatrix:

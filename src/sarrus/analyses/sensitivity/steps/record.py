@@ -20,7 +20,7 @@ from ...dynamics.methods.description import (
     projection,
 )
 from ...dynamics.methods.generalized_alpha import generalized_alpha
-from .tables import Quantity, Tables, Weight, structure_of, tables_of
+from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps

@@ -12,8 +12,8 @@ import numpy as np
 from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
-from ...dynamics.methods.description import CONSTRAINTS, ROLES, Operation, Stage
 from ...equations.block_matrix import LEFT_OUT, UNIT, Part
+from .description import CONSTRAINTS, ROLES, Operation, Stage
 from .equations import KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
 
 Sizes = tuple[tuple[str, str], ...]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ...dynamics.methods.description import CONSTRAINTS, COORDINATES
 from ...equations.block_matrix import UNIT
+from .description import CONSTRAINTS, COORDINATES
 
 MULTIPLIERS = ("lam", "mu")  # their operator is Φ_qᵀ
 

@@ -12,8 +12,8 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import euler
-from sarrus.model.inertia import inertia_entries
-from sarrus.model.pose import GROUND_POSE
+from sarrus.model.bodies.inertia import inertia_entries
+from sarrus.model.geometry.pose import GROUND_POSE
 
 FIXED = {  # along and about f, g, h of a frame on the first body
     sr.Revolute: (1, 1, 1, 1, 1, 0),

@@ -215,7 +215,7 @@ rendering.register(lambda: import_module(".views", __name__))
 
 def __getattr__(name: str) -> Any:
     if name in _RENAMED:
-        from .model.deprecated import warn_deprecated
+        from .model.checks.deprecated import warn_deprecated
 
         warn_deprecated(f"sarrus.{name}", f"sarrus.{_RENAMED[name]}")
         return getattr(import_module(__name__), _RENAMED[name])

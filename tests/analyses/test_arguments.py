@@ -14,7 +14,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.progress import monitor, refuse_time_limit
-from sarrus.model.arguments import CHECKS, Number, Whole, checked
+from sarrus.model.checks.arguments import CHECKS, Number, Whole, checked
 
 NAN = float("nan")
 HOSTILE: list[Any] = [

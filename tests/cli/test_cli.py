@@ -286,7 +286,7 @@ def test_help_has_examples_that_parse(verb: str, capsys: pytest.CaptureFixture[s
 
     from sarrus.cli.parser import build
 
-    for line in import_module(f"sarrus.cli.{verb}").EXAMPLES:
+    for line in import_module(f"sarrus.cli.verbs.{verb}").EXAMPLES:
         words = shlex.split(line.removeprefix('eval "$(').replace(')"', ""), comments=True)
         words = words[: words.index(">")] if ">" in words else words
         assert build([verb]).parse_args(words[1:]).verb == verb

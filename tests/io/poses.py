@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sarrus import JointSpace, Robot
-from sarrus.model.motion import compose, pose
-from sarrus.model.pose import GROUND_POSE, Pose
+from sarrus.model.geometry.motion import compose, pose
+from sarrus.model.geometry.pose import GROUND_POSE, Pose
 
 
 def link_poses(robot: Robot, space: JointSpace, theta: NDArray[np.float64]) -> dict[str, Pose]:

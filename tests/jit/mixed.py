@@ -12,7 +12,7 @@ from sarrus.elements.element import WIDTHS, InertiaElement
 from sarrus.elements.evaluation import dense, element_from
 from sarrus.elements.operators import Axis
 from sarrus.functions import exp, sin, sqrt
-from sarrus.model.curve import Curve, Formula
+from sarrus.model.laws.curve import Curve, Formula
 from sarrus.model.primitive import Primitive
 from sarrus.system import System
 

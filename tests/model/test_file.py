@@ -218,7 +218,7 @@ from dataclasses import dataclass
 from sarrus import elements
 from sarrus.model import Force, ModelError, blueprint, load
 from sarrus.model.primitive import Primitive
-from sarrus.model.solid import Solid
+from sarrus.model.bodies.solid import Solid
 
 
 @dataclass(frozen=True, eq=False)

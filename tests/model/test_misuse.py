@@ -9,7 +9,7 @@ import pytest
 import sarrus as sr
 from sarrus import elements
 from sarrus.model.forces import Force
-from sarrus.model.pose import Poses
+from sarrus.model.geometry.pose import Poses
 from sarrus.model.primitive import Primitive
 
 CRANK = sr.Body("crank", mass=1.0, inertia=(1, 1, 1))

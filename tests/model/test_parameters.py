@@ -13,14 +13,13 @@ from typing import Annotated
 import pytest
 
 from sarrus.model import Curve, Force, Joint, Model, ModelError, blueprint, load
-from sarrus.model.body import Body
+from sarrus.model.bodies.body import Body
+from sarrus.model.bodies.inertia import Inertia
 from sarrus.model.expression import Expression
 from sarrus.model.file.numbers import Numbers
 from sarrus.model.file.stated import function_in
-from sarrus.model.inertia import Inertia
-from sarrus.model.measure import In
+from sarrus.model.measure import In, measures, typed
 from sarrus.model.quantity import Vector
-from sarrus.model.typed import measures, typed
 
 CRANK = """\
 name: parameters
@@ -158,9 +157,9 @@ def test_an_unknown_name_in_a_function_is_told_its_variable() -> None:
 def test_a_curve_may_be_a_formula() -> None:
     from pydantic import TypeAdapter
 
-    from sarrus.model.curve import Formula
     from sarrus.model.file.fields import form_of
     from sarrus.model.file.numbers import Numbers
+    from sarrus.model.laws.curve import Formula
 
     form = TypeAdapter(form_of(Annotated[float | Curve | Formula, In("N", over="m")]))
     numbers = Numbers({"parameters": {"k": "2 N/mm"}})

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 import sarrus as sr
-from sarrus.model import rotation
+from sarrus.model.geometry import rotation
 
 SPATIAL = {"rod_length": 5.0, "crank_radius": 2.0, "O_y": 1.0, "O_z": 1.0, "theta0": 0.5}
 

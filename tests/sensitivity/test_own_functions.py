@@ -10,7 +10,7 @@ import sarrus as sr
 from sarrus import model
 from sarrus.elements import Force, Single
 from sarrus.elements.element import Curve, Scalar, Vec3
-from sarrus.model.curve import curve_of
+from sarrus.model.laws.curve import curve_of
 from sarrus.model.primitive import Primitive
 
 SETTINGS = {

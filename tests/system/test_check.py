@@ -12,8 +12,8 @@ from sarrus.algebra import Array, Row, row
 from sarrus.elements import Dot1, Element
 from sarrus.elements.element import Pair
 from sarrus.model import Joint
-from sarrus.model.placement import AboutAxis
-from sarrus.model.pose import Poses
+from sarrus.model.geometry.placement import AboutAxis
+from sarrus.model.geometry.pose import Poses
 from sarrus.model.primitive import Primitive
 
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.io import netcdf_file
 
 import sarrus as sr
-from sarrus.cli.workspace import QUANTITIES
+from sarrus.cli.verbs.workspace import QUANTITIES
 from sarrus.results.maps.workspace_field import Quantity
 
 from .mechanisms import arm_2r_both_elbows, five_bar, platform_haug

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..model.arguments import CHECKS
+from ..model.checks.arguments import CHECKS
 
 WIDTH = 28
 PAUSE = 0.1  # s between two drawings

@@ -42,7 +42,7 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     try:
         with warnings_to(answer.warn):
-            code = int(import_module(f".{chosen.verb}", __name__).run(chosen, answer))
+            code = int(import_module(f".verbs.{chosen.verb}", __name__).run(chosen, answer))
         if chosen.strict and answer.warnings and not code:
             code = _refuse(f"--strict does not allow warnings, and there are {len(answer.warnings)}", FAILED)
         log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)

@@ -75,7 +75,7 @@ def build(wanted: Container[str]) -> Parser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         if verb in wanted:
-            module = import_module(f".{verb}", __package__)
+            module = import_module(f".verbs.{verb}", __package__)
             child.epilog = "examples:\n" + "".join(f"  {line}\n" for line in module.EXAMPLES)
             module.arguments(child)
         _common(child)

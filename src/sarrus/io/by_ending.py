@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..model import Model, ModelError, load
-from ..model.arguments import checked
+from ..model.checks.arguments import checked
 from ..model.show import suggest
 
 

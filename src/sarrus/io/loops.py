@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..model.bodies.solid import GROUND, Solid, ground
+from ..model.checks.findings import Findings
 from ..model.errors import ModelError
 from ..model.expand import expand
-from ..model.file.document import Document
 from ..model.file.load import read, validate
 from ..model.file.numbers import Numbers
-from ..model.findings import Findings
+from ..model.file.text.document import Document
 from ..model.forces import Force
 from ..model.joints import Joint
 from ..model.show import quote, suggest
-from ..model.solid import GROUND, Solid, ground
 from .robot.carried import part_on_bodies
 from .robot.robot import Robot
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar, cast
 
-from .arguments import checker
+from .checks.arguments import checker
 from .errors import SarrusWarning, StrictError
 
 P = ParamSpec("P")

@@ -9,14 +9,14 @@ import numpy as np
 
 from ..elements import Element
 from ..elements.element import WIDTHS
+from .bodies.solid import GROUND
+from .checks.findings import part_name
+from .checks.names import find
 from .errors import ModelError
 from .expand import BodyState, Piece, expand
-from .findings import part_name
 from .model import Model
-from .names import find
 from .quantity import Array, number, numbers
 from .show import show
-from .solid import GROUND
 
 
 class Placed(NamedTuple):

@@ -10,11 +10,11 @@ import numpy as np
 from .. import elements
 from .._jit.functions import atan2
 from ..elements import Element
+from .checks.names import find
 from .errors import ModelError
-from .frame import LocalFrame
-from .names import find
-from .point import LocalPoint
-from .pose import Poses
+from .geometry.frame import LocalFrame
+from .geometry.point import LocalPoint
+from .geometry.pose import Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, plain
 from .show import quote, suggest

@@ -6,23 +6,23 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .. import elements
-from .body import Body, MassProperties
-from .connections import check_connections, kind_of
+from .bodies.body import Body, MassProperties
+from .bodies.solid import GROUND
+from .checks.connections import check_connections, kind_of
+from .checks.findings import Findings
+from .checks.names import check_name
+from .checks.rates import check_rates
+from .checks.text_units import check_texts
 from .coordinate import Coordinate, Known
 from .drivers import Driver
 from .errors import ModelError
-from .findings import Findings
 from .forces import Force
+from .geometry.pose import GROUND_POSE, Pose, Poses
 from .joints import Joint
 from .model import Model
-from .names import check_name
-from .pose import GROUND_POSE, Pose, Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, vector
-from .rates import check_rates
 from .show import quote, show
-from .solid import GROUND
-from .text_units import check_texts
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}

@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..rendering import renderer
-from .body import Body
+from .bodies.body import Body
+from .bodies.shape import Look, Shape
+from .checks.findings import Findings
+from .checks.origin import Origin, Path
 from .drivers import Driver
 from .errors import ModelError
 from .expression import Expression
-from .findings import Findings
 from .forces import Force
-from .formulas import Formulas
 from .joints import Joint
-from .origin import Origin, Path
+from .laws.formulas import Formulas
 from .quantity import Vector
-from .shape import Look, Shape
 
 
 @dataclass(frozen=True, eq=False)

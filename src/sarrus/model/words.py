@@ -10,11 +10,11 @@ from .blueprint import Blueprint, blueprint
 from .coordinates import WIDTH
 from .drivers import Driver
 from .forces import Force
+from .geometry.rotation import matrix
 from .joints import Joint
 from .model import Model
 from .quantity import Array, vector
 from .registry import kind_name
-from .rotation import matrix
 
 MOST = 12  # parts that are named one by one
 

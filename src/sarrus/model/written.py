@@ -14,16 +14,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from .curve import Curve, Formula
+from .bodies.shape import Shape
+from .bodies.solid import Solid
+from .checks.origin import Path
 from .expression import Expression, Number
+from .geometry.point import Point
+from .laws.curve import Curve, Formula
+from .laws.prescribed import parsed
+from .laws.tape import Traced
 from .model import Model
-from .origin import Path
-from .point import Point
-from .prescribed import parsed
 from .quantity import is_list
-from .shape import Shape
-from .solid import Solid
-from .tape import Traced
 
 Steps: TypeAlias = tuple[str | int, ...]
 Change: TypeAlias = Callable[[Steps, Any], Any]

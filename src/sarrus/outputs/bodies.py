@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from ..model import Placed
-from ..model.function import AxisName, Function, PointCoordinate, Turn
-from ..model.point import Point
-from ..model.pose import GROUND_POSE
+from ..model.bodies.solid import GROUND, Solid
+from ..model.geometry.function import AxisName, Function, PointCoordinate, Turn
+from ..model.geometry.point import Point
+from ..model.geometry.pose import GROUND_POSE
 from ..model.show import quote, suggest
-from ..model.solid import GROUND, Solid
 from ..system import System
 from .output import POINT, Level, Output, UnknownOutput, among, calls, provides
 

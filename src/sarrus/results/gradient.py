@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..model.arguments import refuse_place
+from ..model.checks.arguments import refuse_place
 from ..rendering import renderer
 from .motion.trajectory import place_of
 from .result import Result

@@ -10,7 +10,7 @@ import numpy as np
 from ..algebra import Array
 from ..euler import E
 from ..model import ModelError
-from ..model.arguments import Whole
+from ..model.checks.arguments import Whole
 from ..model.coordinates import coordinates_of
 from ..rendering import renderer
 from .result import Result

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model import ModelError, SarrusError
-from ..model.file.document import Document
+from ..model.file.text.document import Document
 from ..model.show import suggest
 
 

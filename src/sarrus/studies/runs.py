@@ -25,7 +25,7 @@ from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.sensitivity.design_start import DesignStart
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError, collecting
-from ..model.arguments import CHECKS, Number, Whole
+from ..model.checks.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, parameters_of, states_of

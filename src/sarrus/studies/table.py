@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..model import SarrusError
-from ..model.arguments import checked, refuse_place
+from ..model.checks.arguments import checked, refuse_place
 from ..rendering import renderer
 from ..results.result import Result
 from ..results.saving.exported_file import exports

@@ -8,7 +8,7 @@ from typing import Any
 from ..model import Model, SarrusError, parse_expression
 from ..model.expression.dimensions import fits, unit_of
 from ..model.expression.units import unit_text
-from ..model.typed import measures
+from ..model.measure import measures
 
 
 def refuse_other_units(model: Model, name: str, given: Any) -> None:

@@ -26,7 +26,7 @@ from ..elements.operators import OPERATORS, Axis
 from ..elements.recorder import Variant, record, structure
 from ..model import Curve, Formula
 from ..model.coordinates import WIDTH
-from ..model.curve import Tree
+from ..model.laws.curve import Tree
 from .population import Population
 from .system import System
 

@@ -14,7 +14,7 @@ from ..elements import Normalization
 from ..elements.operators import Axis
 from ..model import Model, blueprint
 from ..model.coordinates import WIDTH, coordinates_of
-from ..model.marker import Marker, marker
+from ..model.geometry.marker import Marker, marker
 from .check import Report, check_derivatives
 from .constraints import ConstraintOperators
 from .element_values import ElementValues, memory_places

@@ -11,7 +11,7 @@ import numpy as np
 from ..algebra import Array
 from ..model import blueprint
 from ..model.coordinates import WIDTH
-from ..model.rotation import matrix
+from ..model.geometry.rotation import matrix
 from ..results.maps.workspace import Workspace
 
 GHOST = "#4b5058"

@@ -12,7 +12,7 @@ from ..._jit.link import link
 from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW, SingularSystem
 from ...linalg.sparse_solver import SingularMatrix
-from ...model.arguments import Number, real
+from ...model.checks.arguments import Number, real
 from ...results import Assembly, StabilizedSteps, Steps, StepsTaken
 from ...system import System
 from ..equations.block_matrix import PRECISE, PlacedMatrix

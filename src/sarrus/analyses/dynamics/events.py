@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...algebra import Array
-from ...model.arguments import Whole, real
+from ...model.checks.arguments import Whole, real
 from ...results import EventRecord
 from ...results.motion.events import event_records
 from ...system import System

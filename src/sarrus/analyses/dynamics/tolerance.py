@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import ModelError
-from ...model.arguments import as_numbers
+from ...model.checks.arguments import as_numbers
 from ...model.expression import parse
 from ...model.expression.dimensions import fits, unit_of
 from ...system import System

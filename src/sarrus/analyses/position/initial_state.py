@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...linalg.rank import row_lengths
 from ...model import Model, announce
-from ...model.arguments import as_numbers
+from ...model.checks.arguments import as_numbers
 from ...results import Asked, Assembly, Equilibrium, State, Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system

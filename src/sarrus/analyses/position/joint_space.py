@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...euler import E
 from ...model import ModelError
-from ...model.motion import Motion, Twist
-from ...model.pose import Pose
+from ...model.geometry.motion import Motion, Twist
+from ...model.geometry.pose import Pose
+from ...model.geometry.tree import Step, TreeModel, walk
 from ...model.show import quote, suggest
-from ...model.tree import Step, TreeModel, walk
 from ...system import System
 
 

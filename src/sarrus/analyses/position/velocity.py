@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...linalg.kkt import KKT
 from ...linalg.rank import row_lengths
-from ...model.arguments import Number, real
+from ...model.checks.arguments import Number, real
 from ...system import System
 from ..equations.length import lever, scaled, units
 from .joint_rate import JointRate, Rate, rate

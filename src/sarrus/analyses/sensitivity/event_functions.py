@@ -13,7 +13,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.expression import parse
-from ...model.tape import Tape, Traced
+from ...model.laws.tape import Tape, Traced
 from ...outputs import Level, Outputs, find_output
 from ...outputs.recording import Angles, Key, States, Variable
 from ...results import Turn

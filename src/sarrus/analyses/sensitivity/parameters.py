@@ -16,9 +16,9 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model, SarrusError, blueprint
-from ...model.formulas import Formulas
+from ...model.laws.formulas import Formulas
+from ...model.laws.tape import Tape, Traced, value_of
 from ...model.show import suggest
-from ...model.tape import Tape, Traced, value_of
 from ...model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ...system import System
 from ...system.once import once

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model.tape import Tape, Traced
+from ...model.laws.tape import Tape, Traced
 from .panels import Panels
 from .sampling import lagrange
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...model.motion import pose, unit
-from ...model.pose import GROUND_POSE, Pose
+from ...model.geometry.motion import pose, unit
+from ...model.geometry.pose import GROUND_POSE, Pose
 from ..robot import Edge, Inertial, Link, Visual
 from .compiled import mujoco, name_of
 from .joints import motions_of

@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from ...model.errors import ModelError
-from ...model.file.source import read_bytes
+from ...model.file.text.source import read_bytes
 
 MOST = 20_000  # elements, those those in <replicate> counted as often as they are repeated
 MOST_CELLS = 25_000_000  # of a texture or a height field

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.motion import Ball, Free, Motion, Slide, Turn
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
 from ..robot import Limit
 from .compiled import name_of
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...model.arguments import checked
+from ...model.checks.arguments import checked
 from ...model.errors import ModelError
 from ...model.quantity import triple
 from ..loops import close

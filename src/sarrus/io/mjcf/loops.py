@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...model.errors import ModelError
+from ...model.geometry.motion import unit
+from ...model.geometry.rotation import matrix
 from ...model.joints import Fixed, Joint, Spherical
-from ...model.motion import unit
 from ...model.quantity import Array, Vector
-from ...model.rotation import matrix
 from ...model.show import quote
 from ..robot import Mimic, Robot
 from ..robot.names import legal

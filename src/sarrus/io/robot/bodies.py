@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...model.body import Body
+from ...model.bodies.body import Body
 from ...model.errors import ModelError
-from ...model.pose import Pose
+from ...model.geometry.pose import Pose
 from ...model.show import quote
 from .description import Description, Edge, Inertial
 from .given_body import GivenBody

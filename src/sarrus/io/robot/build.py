@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...model.bodies.solid import GROUND, Solid, ground
+from ...model.checks.origin import Origin
 from ...model.errors import ModelError
+from ...model.geometry.motion import Free
+from ...model.geometry.pose import GROUND_POSE
+from ...model.geometry.tree import Branch, walk
 from ...model.joints import Joint
-from ...model.motion import Free
-from ...model.origin import Origin
-from ...model.pose import GROUND_POSE
 from ...model.quantity import Array
 from ...model.show import quote
-from ...model.solid import GROUND, Solid, ground
-from ...model.tree import Branch, walk
 from .bodies import bodies_of
 from .carried import Carried
 from .chains import fold

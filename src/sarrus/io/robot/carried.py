@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ...model.frame import Frame
-from ...model.point import Point
-from ...model.pose import GROUND_POSE, Pose
+from ...model.bodies.solid import Solid
+from ...model.geometry.frame import Frame
+from ...model.geometry.point import Point
+from ...model.geometry.pose import GROUND_POSE, Pose
 from ...model.quantity import Vector, vector
-from ...model.solid import Solid
 
 Part = TypeVar("Part")
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -26,7 +26,7 @@ class Carried(Solid):
 
     def pose(self) -> Pose:
         """Return the initial pose of the link."""
-        from ...model.motion import compose
+        from ...model.geometry.motion import compose
 
         return compose(self.body.pose(), self.place)
 

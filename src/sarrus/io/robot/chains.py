@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...model.motion import Motion, compose
+from ...model.geometry.motion import Motion, compose
 from .description import WORLD, Edge
 from .merge import Merged
 

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.motion import Motion
-from ...model.pose import Pose
+from ...model.geometry.motion import Motion
+from ...model.geometry.pose import Pose
 from ...model.quantity import Array, Vec3
 from .robot import Limit, Mimic
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import ModelError
-from ...model.body import Body, MassProperties
+from ...model.bodies.body import Body, MassProperties
 from ...model.quantity import positive, vector
 
 ROUND_OFF = 1e-9  # of the largest moment: a negative moment that comes from rounded numbers

@@ -7,15 +7,15 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ...model.bodies.solid import Solid
 from ...model.errors import ModelError
-from ...model.frame import Frame
+from ...model.geometry.frame import Frame
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ...model.geometry.point import Point
+from ...model.geometry.pose import Pose
+from ...model.geometry.rotation import perpendicular
 from ...model.joints import Cylindrical, Fixed, Joint, Planar, Revolute, Spherical, Translational, Universal
-from ...model.motion import Ball, Free, Motion, Slide, Turn
-from ...model.point import Point
-from ...model.pose import Pose
 from ...model.quantity import Array
-from ...model.rotation import perpendicular
-from ...model.solid import Solid
 
 NEAR = 1e-9  # [-, m] how far axes may be from parallel, perpendicular or meeting in a point
 

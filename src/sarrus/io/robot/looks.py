@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
-from ...model.mesh_path import REMEDY, VARIABLE, inside, listed
-from ...model.motion import compose
-from ...model.origin import Origin
-from ...model.shape import Look
+from ...model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
+from ...model.checks.origin import Origin
+from ...model.geometry.motion import compose
 from .carried import Carried
 
 if TYPE_CHECKING:

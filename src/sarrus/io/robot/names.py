@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from itertools import count
 
-from ...model.solid import GROUND
+from ...model.bodies.solid import GROUND
 
 
 def legal(names: Iterable[str], taken: set[str], ending: str) -> dict[str, str]:

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from ...model.bodies.shape import Look
 from ...model.errors import ModelError
 from ...model.forces import Force
-from ...model.frame import Frame
+from ...model.geometry.frame import Frame
+from ...model.geometry.point import Point
+from ...model.geometry.tree import TreeModel
 from ...model.joints import Joint
-from ...model.point import Point
 from ...model.quantity import Vector
-from ...model.shape import Look
 from ...model.show import quote, suggest
-from ...model.tree import TreeModel
 from .carried import Carried
 from .looks import look_of
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...model.errors import ModelError
-from ...model.motion import Motion
+from ...model.geometry.motion import Motion
 from ...model.quantity import Array, number, numbers
 from ...model.show import quote, suggest
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from ...model.errors import ModelError
-from ...model.file.source import read_bytes
+from ...model.file.text.source import read_bytes
 from ...model.show import quote
 
 DEEPEST = 64  # levels of nesting

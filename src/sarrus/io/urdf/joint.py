@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...model.motion import Free, Motion, Slide, Turn
+from ...model.geometry.motion import Free, Motion, Slide, Turn
+from ...model.geometry.rotation import perpendicular
 from ...model.quantity import Array
-from ...model.rotation import perpendicular
 from ...model.show import quote, suggest
 from ..robot import Edge, Limit
 from .element import Element

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...model.errors import ModelError
-from ...model.pose import Pose
+from ...model.geometry.pose import Pose
 from ..robot import Inertial, Link, Visual
 from .element import Element
 from .reader import Reader

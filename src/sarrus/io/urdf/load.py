@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...model.arguments import checked
+from ...model.checks.arguments import checked
 from ...model.quantity import Vector, vector
 from ..loops import close
 from ..robot import ImportOptions, Robot, build

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...model.errors import ModelError
-from ...model.motion import pose
-from ...model.orientation import EulerAngles, euler_parameters
+from ...model.geometry.motion import pose
+from ...model.geometry.orientation import EulerAngles, euler_parameters
 from ...model.quantity import Array, direction, number
 from ...model.show import quote, suggest
 from .element import Element
@@ -19,7 +19,7 @@ from .element import Element
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ...model.pose import Pose
+    from ...model.geometry.pose import Pose
 
 
 class Reader:

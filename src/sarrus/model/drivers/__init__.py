@@ -1,8 +1,8 @@
 """The drivers: prescribed motions, one file each."""
 
-from .angle import AngleDriver as AngleDriver
 from .coordinate import CoordinateDriver as CoordinateDriver
 from .distance import DistanceDriver as DistanceDriver
 from .driver import Driver as Driver
+from .joint import AngleDriver as AngleDriver
+from .joint import TravelDriver as TravelDriver
 from .point import PointDriver as PointDriver
-from .travel import TravelDriver as TravelDriver

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from ... import elements
+from ..bodies.solid import Solid
+from ..checks.names import find
 from ..coordinate import Known
 from ..errors import ModelError
 from ..forces.force import refuse_ground
+from ..geometry.pose import Poses
+from ..laws.prescribed import Motion, motion_of
 from ..measure import In
-from ..names import find
-from ..pose import Poses
-from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
-from ..solid import Solid
 from .driver import Driver
 
 NAMES = ("x", "y", "z", "e0", "e1", "e2", "e3")

@@ -8,11 +8,11 @@ from typing import Annotated
 
 from ... import elements
 from ..coordinate import Known
+from ..geometry.placement import refuse_same_body
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..laws.prescribed import Motion, motion_of
 from ..measure import In
-from ..placement import refuse_same_body
-from ..point import Point
-from ..pose import Poses
-from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
 from .driver import Driver
 

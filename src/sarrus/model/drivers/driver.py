@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ..coordinate import Known
-from ..pose import Poses
+from ..geometry.pose import Poses
 from ..primitive import Primitive
 from ..registry import register
 

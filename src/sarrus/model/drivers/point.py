@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
+from ..bodies.solid import GROUND
 from ..coordinate import Known
 from ..errors import ModelError
 from ..forces.force import refuse_ground
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..laws.prescribed import Motion, motion_of
 from ..measure import In
-from ..point import Point
-from ..pose import Poses
-from ..prescribed import Motion, motion_of
 from ..primitive import Primitive
-from ..solid import GROUND
 from .driver import Driver
 
 ORIGIN = (0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from ..arguments import checked
+from ..checks.arguments import checked
 from ..errors import ModelError
 from ..show import quote, suggest
 from .functions import CONSTANTS, FUNCTIONS

@@ -19,26 +19,23 @@ from pydantic import (
     model_validator,
 )
 
-from ..curve import Curve, Formula
+from ..bodies.inertia import Inertia
+from ..bodies.shape import REMEDY, VARIABLE, Shape, inside, listed
+from ..bodies.solid import Solid
+from ..checks.names import find
 from ..expression import Expression
-from ..forces.history import Load
-from ..frame import Frame
-from ..inertia import Inertia
-from ..law import Law
-from ..matrix6 import Matrix6, Vector6
-from ..measure import In
-from ..mesh_path import REMEDY, VARIABLE, inside, listed
-from ..names import find
-from ..orientation import AxisAngle, EulerAngles, Orientation
-from ..point import Point
-from ..prescribed import Motion
+from ..forces.loads import Load
+from ..forces.matrix6 import Matrix6, Vector6
+from ..geometry.frame import Frame
+from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
+from ..geometry.point import Point
+from ..laws.curve import Curve, Formula
+from ..laws.law import Law
+from ..laws.prescribed import Motion
+from ..measure import In, typed
 from ..quantity import Vector
-from ..shape import Shape
 from ..show import quote
-from ..solid import Solid
-from ..typed import typed
-from .entry import Entry, invalid
-from .form import list_of, marked, one_of
+from .entry import Entry, invalid, list_of, marked, one_of
 from .scope import full_name
 from .stated import function_in, law_in, list_in, number_in
 

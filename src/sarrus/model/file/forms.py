@@ -6,6 +6,7 @@ name. So a new joint or force needs no line here.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, fields
 from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
@@ -13,10 +14,13 @@ from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
 import pydantic
 from pydantic import create_model
 
+from ..checks.origin import Path
 from ..errors import ModelError
+from ..expression import Expression
 from ..registry import kind_name
 from .entry import Entry
 from .fields import Solids, form_of
+from .numbers import Computed
 
 PLURAL = {"body": "bodies", "point": "points", "frame": "frames", "joint": "joints"}
 
@@ -91,3 +95,21 @@ def _built(value: Any, field: str, solids: Solids) -> Any:
         return value.build(solids)
     except ModelError as error:
         raise ModelError(error.message, field=field) from None
+
+
+def formulas(entry: Any, path: Path = ()) -> Iterator[tuple[Path, Expression]]:
+    """Yield path and formula of every number that a formula gave."""
+    if isinstance(entry, Computed):
+        yield path, entry.expression
+    for step, value in _entries(entry):
+        yield from formulas(value, (*path, step))
+
+
+def _entries(entry: Any) -> Iterator[tuple[str | int, Any]]:
+    if isinstance(entry, Entry):
+        for name, field in type(entry).model_fields.items():
+            yield field.alias or name, getattr(entry, name)
+    elif isinstance(entry, Mapping):
+        yield from entry.items()
+    elif isinstance(entry, list | tuple):
+        yield from enumerate(entry)

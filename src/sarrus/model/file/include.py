@@ -8,15 +8,14 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_model
 
-from ..findings import KINDS, part_name
-from ..names import NAME, matches
-from ..origin import Origin, Path
-from ..rates import SECTION as RATES
+from ..checks.findings import KINDS, part_name
+from ..checks.names import NAME, matches
+from ..checks.origin import Origin, Path
+from ..checks.rates import SECTION as RATES
 from ..show import quote, suggest
-from .document import Document, refusal
-from .entry import Entry, invalid
-from .form import list_of, one_of
+from .entry import Entry, invalid, list_of, one_of
 from .scope import Scope, scoped
+from .text.document import Document, refusal
 
 SECTIONS = (*KINDS, RATES)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache, reduce
 from operator import or_
 from typing import Any
 
-from pydantic import Field, StrictStr, create_model
+from pydantic import AfterValidator, Field, StrictStr, create_model
 
-from ..body import Body
+from ..bodies.body import Body
+from ..checks.names import matches
 from ..drivers import Driver
+from ..expression.functions import CONSTANTS
 from ..forces import Force
 from ..joints import Joint
-from .entry import Entry
-from .form import list_of, mapping_of, marked
+from ..show import quote
+from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
 from .forms import entry_model
 from .include import IncludeForm
-from .parameters import Parameters
 from .stated import list_in, number_in
 
 
@@ -66,3 +68,28 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
 def _any_of(kinds: tuple[type, ...]) -> Any:
     models: list[Any] = [entry_model(kind, tagged=True) for kind in kinds]
     return marked(reduce(or_, models), Field(discriminator="type"))
+
+
+WORD = r"[^\W\d]\w*"
+TAKEN = (*CONSTANTS, "t")
+
+
+def _check_names(given: dict[str, Any]) -> dict[str, Any]:
+    for name in given:
+        if not matches(WORD, name):
+            message = (
+                f"has the name {quote(name)}, which must be letters, digits and _, starting with a letter"
+            )
+            raise invalid(f"{message}; rename it", name)
+        if name in TAKEN:
+            raise invalid(f"has the name {quote(name)}, which has a meaning of its own; rename it", name)
+    return given
+
+
+def _form(value: Any) -> str:
+    return "group" if isinstance(value, Mapping) else "number"
+
+
+Names = AfterValidator(_check_names)
+Group: Any = marked(mapping_of(number_in("")), Names)
+Parameters: Any = marked(mapping_of(one_of(_form, number=number_in(""), group=Group)), Names)

@@ -7,27 +7,27 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import checked
-from ..body import Body
+from ..bodies.body import Body
+from ..bodies.solid import GROUND, ground
+from ..checks.arguments import checked
+from ..checks.findings import Findings
+from ..checks.rates import SECTION, check_units
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expand import expand
 from ..expression import Expression
-from ..findings import Findings
 from ..forces import Force
-from ..formulas import Formulas
 from ..joints import Joint
+from ..laws.formulas import Formulas
 from ..model import Model
 from ..quantity import number
-from ..rates import SECTION, check_units
 from ..show import quote, suggest
-from ..solid import GROUND, ground
 
 if TYPE_CHECKING:
-    from .document import Document
     from .entry import Entry
     from .fields import Solids
     from .numbers import Numbers
+    from .text.document import Document
 
 PACKAGED = Path(__file__).resolve().parents[2] / "mechanisms"
 
@@ -84,9 +84,9 @@ def _written_rates(model: Model) -> dict[str, Expression]:
 
 def read(path: Path) -> Document:
     """Return the plain data of a model file."""
-    from .json_document import read_json
-    from .source import read_text
-    from .yaml_document import read_yaml
+    from .text.json_document import read_json
+    from .text.source import read_text
+    from .text.yaml_document import read_yaml
 
     text = read_text(path)
     return read_json(text, str(path)) if path.suffix.lower() == ".json" else read_yaml(text, str(path))
@@ -119,7 +119,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
 
 def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     """Return the model that a validated file describes."""
-    from .collect import formulas
+    from .forms import formulas
 
     findings = Findings(document.origin)
     bodies = _build(entry.bodies, "bodies", {"": Body}, {}, findings)

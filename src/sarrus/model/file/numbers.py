@@ -6,21 +6,20 @@ from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
 from typing import Any, NamedTuple
 
-from ..body import Body
+from ..bodies.body import Body
+from ..checks.findings import KINDS
+from ..checks.text_units import check_function_unit, check_unit, variable_of
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, unit_of
 from ..expression.units import powers_of
-from ..findings import KINDS
 from ..forces import Force
 from ..joints import Joint
-from ..measure import In
+from ..measure import In, measures
 from ..show import quote, show, suggest
-from ..text_units import check_function_unit, check_unit, variable_of
-from ..typed import measures
-from .scalar import NUMBER
 from .scope import full_name
+from .text.scalar import NUMBER
 
 MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another

@@ -16,15 +16,14 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..curve import Formula, Tree
+from ..checks.text_units import variable_of
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression import Number as Constant
-from ..text_units import variable_of
-from .entry import invalid
-from .form import list_of, marked
+from ..laws.curve import Formula, Tree
+from .entry import invalid, list_of, marked
 from .numbers import Echo, Numbers
-from .scalar import NUMBER
+from .text.scalar import NUMBER
 
 Handler: TypeAlias = ValidatorFunctionWrapHandler
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ..checks.findings import KINDS, part_name
+from ..checks.origin import Path, path_text
 from ..errors import ModelError
-from ..findings import KINDS, part_name
-from ..origin import Path, path_text
 from ..show import quote, show, suggest
-from .document import Document
 from .numbers import FORMS
+from .text.document import Document
 
 
 def first_error(error: ValidationError, document: Document) -> ModelError:

@@ -1,18 +1,18 @@
 """The forces: one file each."""
 
 from .bushing import Bushing as Bushing
+from .contact import AngleStop as AngleStop
+from .contact import LengthStop as LengthStop
+from .contact import SphereContact as SphereContact
+from .contact import TravelStop as TravelStop
 from .drag import Drag as Drag
 from .drag import ViscousDrag as ViscousDrag
 from .force import Force as Force
 from .joint_friction import AngleFriction as AngleFriction
 from .joint_friction import TravelFriction as TravelFriction
-from .point_force import PointForce as PointForce
-from .road_tyre import RoadTyre as RoadTyre
+from .loads import PointForce as PointForce
+from .loads import Torque as Torque
 from .rsda import RSDA as RSDA
-from .sphere_contact import SphereContact as SphereContact
-from .stop import AngleStop as AngleStop
-from .stop import LengthStop as LengthStop
-from .stop import TravelStop as TravelStop
-from .torque import Torque as Torque
 from .tsda import TSDA as TSDA
+from .tyre import RoadTyre as RoadTyre
 from .tyre import Tyre as Tyre

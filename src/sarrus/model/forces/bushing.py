@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from ... import elements
-from ..frame import Frame
-from ..matrix6 import Matrix6, Vector6, dissipative6, vector6
+from ..bodies.solid import Solid
+from ..geometry.frame import Frame
+from ..geometry.placement import placed_frames
+from ..geometry.pose import Poses
 from ..measure import In, Place
-from ..placement import placed_frames
-from ..pose import Poses
 from ..primitive import Primitive
-from ..solid import Solid
 from .force import Force
+from .matrix6 import Matrix6, Vector6, dissipative6, vector6
 
 
 @dataclass(frozen=True, eq=False)

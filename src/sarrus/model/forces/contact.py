@@ -1,14 +1,23 @@
-"""The numbers of a unilateral contact, for stops and for a sphere on a plane."""
+"""Unilateral contacts: a sphere or a point on a plane, and stops of a distance, a travel and an angle."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Annotated
 
+from ... import elements
+from ..coordinate import angle
 from ..errors import ModelError
-from ..measure import In, Length, Ratio
+from ..geometry.frame import Frame
+from ..geometry.placement import AboutAxis, points_apart, refuse_same_body
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..measure import Angle, In, Length, Ratio
+from ..primitive import Primitive
 from ..quantity import not_negative, number, positive
 from ..show import show
+from .force import Force
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,3 +54,111 @@ class ContactLaw:
             )
         damping = not_negative(self.damping, "damping", "give it in s/m")
         return stiffness, exponent, damping, positive(self.rounding, "rounding", "give a small depth")
+
+
+@dataclass(frozen=True, eq=False)
+class SphereContact(ContactLaw, Force):
+    """A sphere on one body touches a plane on another, with friction.
+
+    Parameters
+    ----------
+    center
+        The sphere's centre.
+    plane
+        A frame whose origin is in the plane and whose third axis is its normal, towards the sphere.
+    radius
+        [m] 0 for a point.
+    mu
+        Coefficient of friction, after Coulomb: it acts against the sliding speed u as μ N u/√(u² + creep²).
+    creep
+        [m/s] Speed of regularization. What would stick creeps, the slower the smaller this is.
+    """
+
+    center: Point
+    plane: Frame
+    radius: Length = 0.0
+    mu: Ratio = 0.0
+    creep: Annotated[float, In("m/s")] = 1e-3
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the contact."""
+        center, plane = self.center.resolve(poses, "center"), self.plane.resolve(poses, "plane")
+        refuse_same_body(center.body, plane.body, "plane")
+        radius = not_negative(self.radius, "radius", "give the radius in m, or 0 for a point")
+        mu = not_negative(self.mu, "mu", "give the coefficient of friction")
+        creep = positive(self.creep, "creep", "give a small speed in m/s")
+        values = (center.s, plane.s, plane.h, radius, *self.contact(), mu, creep)
+        yield Primitive(elements.SphereContact, (center.body, plane.body), values, "contact")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Limits:
+    """The two limits of a stop, of which one may be missing."""
+
+    lower: Length | None = None
+    upper: Length | None = None
+
+    def limits(self) -> Iterator[tuple[str, float, float]]:
+        """Yield name, limit and sign of each that is given."""
+        given = [(name, getattr(self, name), sign) for name, sign in (("lower", -1.0), ("upper", 1.0))]
+        found = [(name, number(value, name), sign) for name, value, sign in given if value is not None]
+        if not found:
+            raise ModelError("has no limit; give lower, upper or both", field="lower")
+        if len(found) == 2 and found[0][1] >= found[1][1]:
+            raise ModelError(
+                "has a lower limit that is not below the upper one; exchange them", field="lower"
+            )
+        yield from found
+
+
+@dataclass(frozen=True, eq=False)
+class LengthStop(Limits, ContactLaw, Force):
+    """Keeps the distance of two points between ``lower`` and ``upper`` [m], as a rope or a bump stop does.
+
+    Beyond a limit, the force is stiffness · depthⁿ (1 + damping · rate of the depth), never a pull.
+    """
+
+    point_i: Point
+    point_j: Point
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield one stop for each limit."""
+        i, j = points_apart(self.point_i, self.point_j, poses)
+        for name, limit, sign in self.limits():
+            values = (i.s, j.s, limit, sign, *self.contact())
+            yield Primitive(elements.LengthStop, (i.body, j.body), values, name)
+
+
+@dataclass(frozen=True, eq=False)
+class TravelStop(Limits, ContactLaw, AboutAxis, Force):
+    """Keeps the travel of a translational or cylindrical joint between ``lower`` and ``upper`` [m].
+
+    The travel is that of body j along the axis of body i. Placed by a global ``point`` [m] and ``axis`` it starts at 0.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield one stop for each limit."""
+        i, j = self.frames(poses)
+        for name, limit, sign in self.limits():
+            values = (i.h, i.s, j.s, limit, sign, *self.contact())
+            yield Primitive(elements.TravelStop, (i.body, j.body), values, name)
+
+
+@dataclass(frozen=True, eq=False)
+class AngleStop(Limits, ContactLaw, AboutAxis, Force):
+    """Keeps the angle of a revolute or cylindrical joint between ``lower`` and ``upper`` [rad], revolutions included.
+
+    The angle is that of an RSDA: of body j relative to body i about the axis, right-handed.
+    """
+
+    lower: Angle | None = field(default=None, kw_only=True)
+    upper: Angle | None = field(default=None, kw_only=True)
+    damping: Annotated[float, In("s/rad")] = field(default=0.0, kw_only=True)
+    rounding: Angle = field(default=1e-3, kw_only=True)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield one stop for each limit."""
+        i, j = self.frames(poses)
+        for name, limit, sign in self.limits():
+            values = (i.f, i.g, i.h, j.f, j.h, limit, sign, *self.contact(), angle(i, j, poses).start)
+            yield Primitive(elements.AngleStop, (i.body, j.body), values, name)

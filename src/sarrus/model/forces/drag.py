@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
+from ..geometry.point import Point
+from ..geometry.pose import Poses
 from ..measure import In, Velocity
-from ..point import Point
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import not_negative, positive, vector
 from .force import Force, refuse_ground

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...elements import Element
+from ..bodies.solid import GROUND
 from ..errors import ModelError
-from ..pose import Poses
+from ..geometry.pose import Poses
 from ..primitive import Primitive
 from ..registry import register
-from ..solid import GROUND
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from ... import elements
+from ..geometry.placement import AboutAxis
+from ..geometry.pose import Poses
 from ..measure import In, Length, Ratio
-from ..placement import AboutAxis
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import not_negative, positive
 from .force import Force

@@ -8,10 +8,10 @@ from typing import Annotated
 
 from ... import elements
 from ..coordinate import angle
-from ..law import Law, refuse_negative, scaled, varies
+from ..geometry.placement import AboutAxis
+from ..geometry.pose import Poses
+from ..laws.law import Law, refuse_negative, scaled, varies
 from ..measure import Angle, In
-from ..placement import AboutAxis
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import number
 from .force import Force

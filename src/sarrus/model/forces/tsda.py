@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
-from ..law import Law, refuse_negative, scaled, varies
+from ..geometry.placement import points_apart
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..laws.law import Law, refuse_negative, scaled, varies
 from ..measure import In, Length
-from ..placement import points_apart
-from ..point import Point
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import not_negative
 from .force import Force

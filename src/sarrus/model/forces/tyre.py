@@ -1,4 +1,4 @@
-"""A tyre as a vertical spring and damper between a wheel centre and a flat road."""
+"""Tyres as a vertical spring and damper: on a flat road, or with lift-off on a road with a profile."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..laws.curve import Curve, Formula
+from ..laws.law import Law, scaled, varies
 from ..measure import In, Length
-from ..point import Point
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import not_negative, number, positive
 from .force import Force, refuse_ground
@@ -46,3 +48,52 @@ class Tyre(Force):
         c = not_negative(self.c, "c", "give the damping in N s/m")
         radius = positive(self.radius, "radius", "give the unloaded radius in m")
         yield Primitive(elements.Tyre, (point.body,), (point.s, k, c, radius, road), "tyre")
+
+
+@dataclass(frozen=True, eq=False)
+class RoadTyre(Force):
+    """A vertical force k δ + c δ̇ at ``point`` for the compression δ = radius − (z − road), never a pull.
+
+    Parameters
+    ----------
+    point
+        The wheel's centre; z is its global height [m].
+    k, c
+        Stiffness [N/m] and damping [N s/m].
+    radius
+        Of the unloaded wheel [m].
+    road
+        Height of the road [m]: a number, or a law over the global x [m] of the wheel's centre.
+    bump
+        Height [m] that is added under this tyre: a number, or a law over time [s].
+    rounding
+        Compression [m] over which the force sets in smoothly, centred on first touch; beyond half of it, and of the
+        force that belongs to it, the law is exact.
+    """
+
+    point: Point
+    k: Annotated[float, In("N/m")]
+    c: Annotated[float, In("N s/m")]
+    radius: Length
+    road: Annotated[Law, In("m", over="m")] = 0.0
+    bump: Annotated[Law, In("m", over="s")] = 0.0
+    rounding: Length = 1e-3
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the tyre."""
+        point = self.point.resolve(poses, "point")
+        refuse_ground(point.body, "point")
+        k = positive(self.k, "k", "give the stiffness in N/m")
+        c = not_negative(self.c, "c", "give the damping in N s/m")
+        radius = positive(self.radius, "radius", "give the unloaded radius in m")
+        width = positive(self.rounding, "rounding", "give a small length in m")
+        (height, profile), (rise, bump) = _height(self.road, "road", "x"), _height(self.bump, "bump", "t")
+        values = (point.s, k, c, radius, height + rise, width, profile, bump)
+        yield Primitive(elements.RoadTyre, (point.body,), values, "tyre")
+
+
+def _height(value: Law, field: str, variable: str) -> tuple[float, Curve | Formula]:
+    """Return a constant height and what is added to it."""
+    if varies(value):
+        return 0.0, scaled(value, field, variable).curve
+    return number(value, field), Curve.constant(0.0)

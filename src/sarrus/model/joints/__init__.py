@@ -1,20 +1,20 @@
 """The joints: one file each."""
 
 from .constant_angle import ConstantAngle as ConstantAngle
-from .coupler import Coupler as Coupler
+from .couplings import Coupler as Coupler
+from .couplings import Gear as Gear
+from .couplings import RackAndPinion as RackAndPinion
 from .cylindrical import Cylindrical as Cylindrical
-from .distance import Distance as Distance
 from .fixed import Fixed as Fixed
-from .gear import Gear as Gear
 from .joint import Joint as Joint
+from .links import Distance as Distance
+from .links import RevoluteRevolute as RevoluteRevolute
+from .links import RevoluteSpherical as RevoluteSpherical
 from .parallel_axes import ParallelAxes as ParallelAxes
 from .planar import Planar as Planar
-from .point_on_line import PointOnLine as PointOnLine
-from .point_on_plane import PointOnPlane as PointOnPlane
-from .rack_and_pinion import RackAndPinion as RackAndPinion
+from .point_on import PointOnLine as PointOnLine
+from .point_on import PointOnPlane as PointOnPlane
 from .revolute import Revolute as Revolute
-from .revolute_revolute import RevoluteRevolute as RevoluteRevolute
-from .revolute_spherical import RevoluteSpherical as RevoluteSpherical
 from .screw import Screw as Screw
 from .spherical import Spherical as Spherical
 from .translational import Translational as Translational

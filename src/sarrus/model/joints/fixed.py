@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..frame import Frame
+from ..bodies.solid import Solid
+from ..geometry.frame import Frame
+from ..geometry.placement import Frames, placed_frames
+from ..geometry.pose import Poses
 from ..measure import Place
-from ..placement import Frames, placed_frames
-from ..pose import Poses
 from ..primitive import Primitive
-from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
 

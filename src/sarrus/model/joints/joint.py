@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 from ... import elements
 from ..coordinate import Coordinate, Known
-from ..frame import LocalFrame
-from ..point import LocalPoint
-from ..pose import Poses
+from ..geometry.frame import LocalFrame
+from ..geometry.point import LocalPoint
+from ..geometry.pose import Poses
 from ..primitive import Primitive
 from ..quantity import Vec3
 from ..registry import register

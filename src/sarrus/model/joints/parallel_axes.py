@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..bodies.solid import Solid
 from ..coordinate import Coordinate, angle
-from ..frame import Frame
+from ..geometry.frame import Frame
+from ..geometry.placement import Axis, Frames, placed_frames
+from ..geometry.pose import Poses
 from ..measure import Direction
-from ..placement import Axis, Frames, placed_frames
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import Vector
-from ..solid import Solid
 from .joint import Joint, dot1
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..coordinate import Coordinate, angle, travel
-from ..placement import AboutAxis
-from ..pose import Poses
+from ..geometry.placement import AboutAxis
+from ..geometry.pose import Poses
 from ..primitive import Primitive
 from .joint import Joint, dot1, dot2
 

@@ -8,8 +8,8 @@ from math import pi
 
 from ... import elements
 from ..errors import ModelError
+from ..geometry.pose import Poses
 from ..measure import Length
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import number
 from .cylindrical import Cylindrical

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..bodies.solid import Solid
 from ..coordinate import Coordinate, angle, turned
 from ..errors import ModelError
-from ..frame import PERPENDICULAR, Frame, LocalFrame, frame_axes
+from ..geometry.frame import PERPENDICULAR, Frame, LocalFrame, frame_axes
+from ..geometry.placement import Axis, Frames, placed_frames
+from ..geometry.pose import Poses
 from ..measure import Direction, Place
-from ..placement import Axis, Frames, placed_frames
-from ..pose import Poses
 from ..primitive import Primitive
 from ..quantity import Array, direction, plain, triple
-from ..solid import Solid
 from .joint import Joint, dot1, spherical
 
 

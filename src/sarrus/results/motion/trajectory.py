@@ -11,7 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import G
-from ...model.arguments import CHECKS, checked
+from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs.motion import Series, series
 from ...outputs.output import unknown_output

@@ -10,7 +10,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from ...model.arguments import CHECKS
+from ...model.checks.arguments import CHECKS
 from .checked_file import NotSavedError, remove_file
 
 P = ParamSpec("P")

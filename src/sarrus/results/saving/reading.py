@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.arguments import checked
+from ...model.checks.arguments import checked
 from ..motion.events import event_records
 from ..motion.solution import State
 from ..motion.trajectory import Trajectory

@@ -10,11 +10,11 @@ import numpy as np
 from ...algebra import Array
 from ...model import Model
 from ...model.blueprint import Blueprint, Placed
-from ...model.joints.coupling import Coupling
-from ...model.marker import Framed
-from ...model.pose import GROUND_POSE, Poses
+from ...model.bodies.solid import GROUND
+from ...model.geometry.marker import Framed
+from ...model.geometry.pose import GROUND_POSE, Poses
+from ...model.joints.couplings import Coupling
 from ...model.registry import kind_name
-from ...model.solid import GROUND
 
 ORIGIN = np.zeros(3)
 

@@ -8,10 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model.joints.coupler import Coupler
-from ...model.joints.coupling import Coupling
-from ...model.joints.gear import Gear
-from ...model.joints.rack_and_pinion import RackAndPinion
+from ...model.joints.couplings import Coupler, Coupling, Gear, RackAndPinion
 from ..shapes import Mesh, box, disc, joined, ring, toothed
 from .joint import DrawingScale
 from .part import DARK, MOTOR, STEEL, Part

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...model.shape import Look
+from ...model.bodies.shape import Look
 from ..meshes import Colored, MeshError, read_mesh
 from ..shapes import Mesh, ball, box, disc
 from ..shapes.mesh import joined

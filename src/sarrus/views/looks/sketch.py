@@ -13,9 +13,9 @@ from ...algebra import Array
 from ...euler import A
 from ...model import Model, ModelError, blueprint
 from ...model.blueprint import Blueprint
-from ...model.joints.coupling import Coupling
+from ...model.bodies.solid import GROUND
+from ...model.joints.couplings import Coupling
 from ...model.show import quote
-from ...model.solid import GROUND
 from ..meshes import Colored, MeshError
 from ..shapes import Mesh
 from .anchors import Anchor, anchors, centers, points_of

@@ -16,7 +16,7 @@ from ....euler import G
 from ....linalg.svd import singular
 from ....model import Placed
 from ....model.coordinates import WIDTH
-from ....model.rotation import matrix
+from ....model.geometry.rotation import matrix
 from .measures import Measure
 from .rows import Problem
 

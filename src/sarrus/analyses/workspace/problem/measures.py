@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from .... import elements
 from ....model import Placed, SarrusError
-from ....model.function import Function
+from ....model.geometry.function import Function
 from ....outputs import Level, find_output
 from ....outputs.bodies import placed
 from ....outputs.measure import placed_of

@@ -8,7 +8,7 @@ from numbers import Integral, Real
 from typing import Any
 
 from ....model import SarrusError
-from ....model.function import Function
+from ....model.geometry.function import Function
 from ....results.maps.workspace import Workspace
 from ....results.result import Result
 

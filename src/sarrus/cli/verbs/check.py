@@ -1,0 +1,69 @@
+"""``sarrus check MODEL``: a model in words, its freedom, and every derivative against an independent one."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import model_file, shared
+from ..answer import Answer
+from ..progress import Bar
+from ..values import figure_file, refuse_unwritable
+
+if TYPE_CHECKING:
+    from ...model import Model
+    from ...system.check import Report
+
+EXAMPLES = (
+    "sarrus check crank.yaml",
+    "sarrus check crank.yaml --draw crank.png --seed 3",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The model file, the seed of the random states, and a file for a drawing."""
+    model_file.arguments(parser)
+    shared.seed(parser, "velocities, directions and multipliers")
+    parser.add_argument("--draw", type=figure_file, metavar="FILE", help="draw the model, .png, .svg or .pdf")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Print the words and the table; 1 if something does not agree."""
+    from ...analyses import assemble, mobility
+    from ...elements import OPERATORS
+    from ...model import describe
+    from ...system import System
+
+    refuse_unwritable([chosen.draw])
+    model = model_file.read(chosen)
+    system = System(model)
+    start = assemble(system)
+    found = mobility(system, start.q).summary() if start.success else start.message
+    description = describe(model)
+    answer.show(f"{description}\n{found}\n")
+    answer.put(model=system.name, description=description, mobility=found, counts=system.counts())
+    if chosen.draw:
+        _draw(model, chosen.draw, answer)
+    with Bar("compiling and checking operators", len(OPERATORS)) as bar:
+        report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
+    answer.show(report)
+    answer.put(message=str(report).splitlines()[-1], derivatives_agree=report.ok, derivatives=_table(report))
+    return 0 if report.ok else 1
+
+
+def _table(report: Report) -> list[dict[str, Any]]:
+    """The findings, one mapping for each operator."""
+    return [
+        {"operator": one.operator.name, "entries": one.entries, "error": one.error, "ok": one.ok}
+        for one in report.findings
+    ]
+
+
+def _draw(model: Model, file: Path, answer: Answer) -> None:
+    from ...results.saving.exported_file import exporting
+    from ...views import mechanism_figure
+
+    with exporting(file):
+        mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
+    answer.wrote(file)

@@ -1,0 +1,117 @@
+"""``sarrus run MODEL``: assemble and simulate a model file or robot description."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING
+
+from .. import model_file, shared
+from ..answer import Answer, named
+from ..progress import Bar
+from ..values import natural, refuse_unwritable
+
+if TYPE_CHECKING:
+    from ...results import Trajectory
+    from ...system import System
+
+STILL = 1e-12  # [m, 1] less is round-off
+EXAMPLES = (
+    "sarrus run crank.yaml --until 5",
+    "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
+    "sarrus run crank.yaml --until 5 --method radau --rtol 1e-11 --atol 1e-12",
+    "sarrus run crank.yaml --until 5 --start rates.pin=6.28",
+    "sarrus run panda.urdf --base floating --json",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The model file, the end time, and what to write."""
+    model_file.arguments(parser)
+    shared.times(parser)
+    shared.start(parser)
+    shared.tolerances(parser)
+    shared.method(parser)
+    shared.time_limit(parser)
+    parser.add_argument(
+        "--max-steps", type=natural, help="end after so many steps (where they would never end)"
+    )
+    shared.motion_table(parser)
+    parser.add_argument(
+        "--plot", nargs="+", metavar="NAME", help="outputs to draw, e.g. slider.x pin.force.z spring.tension"
+    )
+    shared.figure(parser, "the plot", "run.png")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Simulate; 1 if the assembly or the run failed (what was computed is still written)."""
+    import numpy as np
+
+    from ...analyses import simulate
+    from ...analyses.position.initial_state import start_of
+    from ...system import System
+
+    refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
+    system = System(model_file.read(chosen))
+    _refuse_unknown(chosen, system)
+    start = start_of(system, shared.start_of(chosen))
+    answer.put(model=system.name, assembly=start.message, message=start.message)
+    answer.show(start.message)
+    if not start.success:
+        return 1
+    began = time.perf_counter()
+    with Bar(f"simulating {chosen.until:g} s", chosen.until) as bar:
+        times = np.linspace(start.t, chosen.until, chosen.steps + 1)
+        settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
+        limits = {"time_limit": chosen.time_limit, "max_steps": chosen.max_steps}
+        motion = simulate(
+            system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings, **limits
+        )
+    seconds = time.perf_counter() - began
+    answer.show(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
+    answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
+    _report_end(motion, answer)
+    _write(chosen, motion, answer)
+    return 0 if motion.success else 1
+
+
+def _report_end(motion: Trajectory, answer: Answer) -> None:
+    """Where the bodies are at the last time that was reached; nowhere, if it failed at the start."""
+    import numpy as np
+
+    for body in motion.bodies if len(motion.t) else ():
+        x, y, z = motion[body].position[-1]
+        answer.show(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
+    if len(motion.t) > 1 and np.ptp(np.asarray(motion.q), axis=0).max() < STILL:
+        answer.show("  nothing moved: it rests, or has no freedom; see sarrus check")
+    names = ("position", "euler", "velocity", "angular_velocity")
+    end = {
+        body: {name: getattr(motion[body], name)[-1] for name in names}
+        for body in motion.bodies
+        if len(motion.t)
+    }
+    answer.put(t=motion.t[-1] if len(motion.t) else None, bodies=end)
+
+
+def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
+    """Raise a SarrusError for an output that is not there, before anything is simulated."""
+    from ...outputs import find_output
+    from ...views.plots import figure_of
+
+    if chosen.plot:
+        figure_of(1, 1)  # Matplotlib is there
+    for name in (*(chosen.plot or ()), *chosen.columns):
+        find_output(system, name)
+
+
+def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
+    from ...views import plot
+    from ...views.plots import figure_of
+
+    if chosen.csv:
+        motion.to_csv(chosen.csv, *chosen.columns)
+        answer.wrote(chosen.csv)
+    if chosen.plot:
+        figure = figure_of(7, 3.2)
+        plot(motion, *chosen.plot, ax=figure.subplots())
+        answer.draw(figure, chosen.figure)

@@ -1,0 +1,79 @@
+"""``sarrus sensitivity MODEL``: derivatives of responses of a motion, with the parameters ranked by influence."""
+
+from __future__ import annotations
+
+import argparse
+
+from .. import model_file, shared
+from ..answer import Answer
+from ..values import natural, refuse_unwritable
+
+EXAMPLES = (
+    "sarrus sensitivity crank.yaml --until 2 --response slider.x",
+    "sarrus sensitivity crank.yaml --until 2 --response 'max(slider.x) - min(slider.x)' 'rms(spring.tension)' "
+    "--wrt spring rod.mass pin.point --figure tornado.png",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The model, the motion, what is asked, and what to write."""
+    model_file.arguments(parser)
+    shared.until(parser)
+    shared.start(parser)
+    parser.add_argument(
+        "--response",
+        nargs="+",
+        required=True,
+        metavar="FORMULA",
+        help="e.g. slider.x (its final value), 'integral(slider.velocity.x**2)', 'max(spring.tension)'",
+    )
+    parser.add_argument(
+        "--wrt",
+        nargs="+",
+        metavar="NAME",
+        help="numbers or parts of the model, e.g. spring.k rod pin.point, or parameters of its file (all numbers)",
+    )
+    shared.tolerances(parser)
+    shared.method(parser, shared.KEEPING_STEPS)
+    parser.add_argument("--most", type=natural, default=20, help="how many numbers are listed (20)")
+    shared.figure(parser, "a tornado plot")
+
+
+def run(chosen: argparse.Namespace, answer: Answer) -> int:
+    """Simulate, differentiate, and list what matters most."""
+    import numpy as np
+
+    from ...analyses import Problem
+    from ...analyses.optimization import Infeasible
+    from ...analyses.sensitivity.design_start import DesignStart
+    from ...studies.differentiable import differentiable
+    from ...studies.responses import responses_of
+    from ...system import System
+    from ...views import tornado_figure
+
+    refuse_unwritable([chosen.figure])
+    system = System(model_file.read(chosen))
+    start = DesignStart.of(system, shared.start_of(chosen))
+    wanted = [differentiable(one, chosen.until, start.t) for one in responses_of(chosen.response)]
+    settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
+    problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, **settings)
+    try:
+        with np.errstate(invalid="ignore", divide="ignore"):  # reported below
+            found = problem.gradient(problem.x0)
+    except Infeasible as error:
+        answer.show(error)
+        answer.put(model=system.name, message=str(error))
+        return 1
+    for row in range(len(found.responses)):
+        answer.show(found.table(row, chosen.most))
+    answer.put(model=system.name, message=f"responses: {len(found.responses)}, numbers: {len(found.names)}")
+    answer.put(names=found.names, at=found.at)
+    answer.put(
+        responses={
+            name: {"value": found.values[row], "gradient": found.matrix[row], "ranked": found.ranked(row)}
+            for row, name in enumerate(found.responses)
+        }
+    )
+    if chosen.figure:
+        answer.draw(tornado_figure(found, min(chosen.most, 15)), chosen.figure)
+    return 0

@@ -1,0 +1,74 @@
+"""Anything that points and frames can be fixed to: a body, or the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..errors import ModelError
+from ..geometry.pose import GROUND_POSE, Pose
+from ..quantity import Vector
+from ..show import show
+
+if TYPE_CHECKING:
+    from ..geometry.frame import Frame
+    from ..geometry.point import Point
+
+GROUND = "ground"  # reserved name, body number 0
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A named carrier of points and frames. Models refer to it by its name."""
+
+    name: str
+
+    def pose(self) -> Pose:
+        """Return the initial pose."""
+        return GROUND_POSE
+
+    def point(self, x: float, y: float, z: float) -> Point:
+        """Return the point fixed at (x, y, z) [m] in body axes."""
+        from ..geometry.point import Point
+
+        return Point(self, (x, y, z))
+
+    def global_point(self, x: float, y: float, z: float) -> Point:
+        """Return the point of this body that is at the global (x, y, z) [m] in the initial pose."""
+        from ..geometry.point import Point
+
+        return Point(self, (x, y, z), "global")
+
+    def frame(self, point: Point | Vector, *, x: Vector | None = None, z: Vector | None = None) -> Frame:
+        """Return a frame fixed to this body with its origin at ``point``.
+
+        Parameters
+        ----------
+        point
+            Body coordinates [m], or a Point of this body. At a global point, ``x`` and ``z``
+            are global directions too.
+        x, z
+            Directions of the frame's axes f and h, any length, perpendicular. With ``z`` alone the
+            first axis is any perpendicular, with neither the axes are the body's.
+        """
+        from ..geometry.frame import Frame
+        from ..geometry.point import Point
+
+        return Frame(point if isinstance(point, Point) else Point(self, point), x=x, z=z)
+
+
+@dataclass(frozen=True, eq=False)
+class Ground(Solid):
+    """The global frame: it does not move, has no coordinates, and is body number 0."""
+
+    name: str = GROUND
+
+
+ground = Ground()
+
+
+def refuse_no_solid(value: object, field: str) -> None:
+    """Raise a ModelError if a value is neither a body nor the ground, such as a body's name."""
+    if not isinstance(value, Solid):
+        message = f"{field} must be on a body, but is {show(value)}; give the Body object (or sarrus.ground)"
+        raise ModelError(message, field=field)

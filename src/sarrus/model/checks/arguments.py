@@ -1,0 +1,193 @@
+"""Arguments of public functions, checked by their names: one name means one thing everywhere."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import wraps
+from math import isnan
+from typing import Any, ParamSpec, TypeAlias, TypeVar
+
+import numpy as np
+
+from ...algebra import Array
+from ..errors import ModelError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Check: TypeAlias = Callable[[str, Any], None]
+
+
+class PlaceError(ModelError, IndexError):
+    """A place in a list that there is not."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number between limits; infinite ones only where an end is open."""
+
+    least: float = -np.inf
+    positive: bool = False
+    infinite: bool = False
+
+    def __call__(self, name: str, value: Any) -> None:
+        """Raise a TypeError for another kind, and a ModelError for a number outside."""
+        found = real(name, value)
+        wanted = "a positive number" if self.positive else "a finite number"
+        outside = found < self.least or (self.positive and not found > 0)
+        if isnan(found) or outside or (np.isinf(found) and not self.infinite):
+            more = f" of at least {self.least:g}" if np.isfinite(self.least) else ""
+            raise ModelError(f"{name} must be {wanted}{more}, but is {found:g}.")
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A whole number of at least so many."""
+
+    least: int = 0
+
+    def __call__(self, name: str, value: Any) -> None:
+        """Raise a TypeError for another kind, and a ModelError for one that is too small."""
+        if isinstance(value, bool) or not isinstance(value, int | np.integer):
+            raise TypeError(f"{name} must be a whole number, got {_kind(value)}.")
+        if value < self.least:
+            raise ModelError(f"{name} must be {self.least} at least, but is {value}.")
+
+
+def real(name: str, value: Any) -> float:
+    """The value as a float; a TypeError that names the argument for anything but a real number."""
+    many = isinstance(value, np.ndarray) and value.ndim > 0
+    if (
+        many
+        or isinstance(value, bool | np.bool_ | complex | np.complexfloating)
+        or not hasattr(value, "__float__")
+    ):
+        raise TypeError(f"{name} must be a number, got {_kind(value)}.")
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, got {_kind(value)}.") from None
+    except OverflowError:
+        raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
+
+
+def as_numbers(value: Any, message: Callable[[], str]) -> Array:
+    """The value as an array of its own; a TypeError with the message for anything but numbers."""
+    try:
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(message()) from None
+
+
+def refuse_place(name: str, value: Any, count: int) -> None:
+    """A TypeError for anything but a whole number, a `PlaceError` for one that is no place in a list of so many."""
+    Whole(-count)(name, value)
+    if value >= count:
+        last = f"Choose 0 to {count - 1}" if count else "There is none"
+        raise PlaceError(f"{name} must be less than {count}, but is {value}. {last}.")
+
+
+def _numbers(name: str, value: Any) -> None:
+    found = as_numbers(value, lambda: f"{name} must be numbers, got {_kind(value)}.")
+    if not np.isfinite(found).all():
+        raise ModelError(f"{name} must be finite numbers, but one of them is not.")
+
+
+def _three(name: str, value: Any) -> None:
+    _numbers(name, value)
+    if np.shape(value) != (3,):
+        raise ModelError(f"{name} must be three numbers, got the shape {np.shape(value)}.")
+
+
+def _text(name: str, value: Any) -> None:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text, got {_kind(value)}.")
+
+
+def _flag(name: str, value: Any) -> None:
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {_kind(value)}.")
+
+
+def _path(name: str, value: Any) -> None:
+    if not isinstance(value, str | os.PathLike) or not str(value):
+        raise TypeError(f"{name} must be the path of a file or folder, got {_kind(value)}.")
+
+
+def _names(name: str, value: Any) -> None:
+    single = np.ndim(value) == 0 if isinstance(value, np.ndarray) else not isinstance(value, Iterable)
+    if isinstance(value, str) or single:
+        example = f'["{value}"]' if isinstance(value, str) else '["crank", "rod.mass"]'
+        raise TypeError(f"{name} must be a list of names, got {_kind(value)}. Give {name}={example}.")
+
+
+def _mapping(name: str, value: Any) -> None:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise TypeError(f"{name} must be a mapping of names to values, got {_kind(value)}.")
+
+
+def _progress(name: str, value: Any) -> None:
+    if not (isinstance(value, bool) or callable(value)):
+        raise TypeError(f"{name} must be True, False or a function, got {_kind(value)}.")
+
+
+def _all(check: Check, names: str) -> dict[str, Check]:
+    return dict.fromkeys(names.split(), check)
+
+
+CHECKS: dict[str, Check] = {
+    **_all(Number(), "t until"),
+    **_all(Number(positive=True), "tolerance first_step"),
+    **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit longest"),
+    **_all(Whole(1), "iterations max_steps workers starts samples rays repeats"),
+    **_all(Whole(0), "seed restarts"),
+    **_all(
+        _flag,
+        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed",
+    ),
+    **_all(_path, "path save folder loops"),
+    **_all(_names, "fixed lock variables"),
+    **_all(_mapping, "rates parameters q0"),
+    **_all(_numbers, "times t_eval breakpoints"),
+    **_all(_three, "turning"),
+    **_all(_progress, "progress"),
+    **_all(_text, "text name"),
+}
+
+
+def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[str, Any]], None]:
+    """Return what checks the arguments of a call; those that are left out, or as good as left out, pass."""
+    signature = inspect.signature(function)
+    known = {
+        name: (CHECKS[name], one.default) for name, one in signature.parameters.items() if name in CHECKS
+    }
+
+    def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
+        try:
+            given = signature.bind(*args, **kwargs).arguments
+        except TypeError:
+            return  # the call itself raises the error
+        for name in known.keys() & given.keys():
+            test, default = known[name]
+            if given[name] is not default:
+                test(name, given[name])
+
+    return check
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a public function whose arguments are checked before it runs."""
+    check = checker(function)
+
+    @wraps(function)
+    def checking(*args: P.args, **kwargs: P.kwargs) -> R:
+        check(args, kwargs)
+        return function(*args, **kwargs)
+
+    return checking
+
+
+def _kind(value: Any) -> str:
+    return f"the text {value!r:.40}" if isinstance(value, str) else f"{type(value).__name__} {value!r:.40}"

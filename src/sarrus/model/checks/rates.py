@@ -1,0 +1,82 @@
+"""Initial rates of joints in a model, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..coordinate import Known, is_angle
+from ..errors import ModelError
+from ..expression import Expression
+from ..expression.dimensions import fits, unit_of
+from ..expression.units import unit_text
+from ..quantity import number
+from ..show import quote, show, suggest
+from .findings import Findings
+
+if TYPE_CHECKING:
+    from ..expand import Expanded
+    from ..model import Model
+    from .origin import Origin
+
+SECTION = "rates"
+
+
+def check_rates(model: Model, known: Known, findings: Findings) -> None:
+    """Keep an error for every rate that is no number, or whose joint has no such coordinate."""
+    given: Any = model.rates
+    with findings.about():
+        _check_mapping(given)
+    labels = {joint: [one.name for one in found] for joint, found in known.items() if found}
+    for name, value in given.items() if isinstance(given, Mapping) else ():
+        with findings.about(SECTION, str(name)):
+            label_of(str(name), labels)
+            number(value, SECTION, "give a rate in rad/s or m/s")
+
+
+def _check_mapping(given: Any) -> None:
+    if not isinstance(given, Mapping):
+        message = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}; write one'
+        raise ModelError(message, field=SECTION)
+
+
+def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Origin | None) -> None:
+    """Refuse rates that are written in a unit that does not fit, or depend on parameters.
+
+    Raises
+    ------
+    ModelError
+    """
+    findings = Findings(origin)
+    angles = {(one.owner, one.primitive.label): is_angle(one.primitive) for one in expanded.coordinates}
+    labels: dict[str, list[str]] = {}
+    for owner, label in angles:
+        labels.setdefault(owner, []).append(label)
+    for name, tree in trees.items():
+        unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
+        with findings.about(SECTION, name):
+            if tree.names():
+                message = f"rates: {name} depends on {quote(tree.names()[0])}; give a number in {unit}"
+                raise ModelError(message, field=SECTION)
+            if not fits(found := unit_of(tree, {}), unit):
+                message = f"rates: {name} is in {unit_text(found or {})}; give it in {unit}"
+                raise ModelError(message, field=SECTION)
+    findings.raise_first()
+
+
+def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:
+    """The joint's coordinate that a rate is of: ``pin`` where there is only one, or ``sleeve.travel``.
+
+    Raises
+    ------
+    ModelError
+        If there is no such joint, or no such coordinate.
+    """
+    joint, _, label = name.partition(".")
+    if joint not in labels:
+        known = suggest(joint, labels) if labels else "no joint has one"
+        raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a travel; {known}")
+    if label in labels[joint] or (not label and len(labels[joint]) == 1):
+        return label or labels[joint][0]
+    offered = " or ".join(f"{joint}.{own}" for own in labels[joint])
+    raise ModelError(f"rates: the joint {quote(joint)} has no single rate {quote(name)}; give {offered}")

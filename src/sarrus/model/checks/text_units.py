@@ -1,0 +1,117 @@
+"""The unit of a formula in a text must fit the place where it is given: one check for files and for Python."""
+
+from __future__ import annotations
+
+import re
+from collections import ChainMap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..errors import ModelError
+from ..expression import Expression
+from ..expression.dimensions import Powers, fits, unit_of
+from ..expression.tree import Number
+from ..expression.units import powers_of, unit_text
+from ..laws.prescribed import parsed
+from ..measure import In, measures
+from ..quantity import is_list
+from ..show import quote
+
+TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
+
+
+def variable_of(over: str) -> str:
+    """Return the name of a formula's variable: t for time, x for anything else."""
+    return "t" if over == "s" else "x"
+
+
+def check_unit(
+    tree: Expression,
+    text: str,
+    unit: str,
+    units: Mapping[str, Powers],
+    variables: Mapping[str, Powers] | None = None,
+) -> None:
+    """Refuse a formula whose value is in another unit than its place expects.
+
+    Parameters
+    ----------
+    tree, text
+        The formula.
+    unit
+        That of its place; none accepts every unit.
+    units, variables
+        Those of its names.
+
+    Raises
+    ------
+    ModelError
+    """
+    found = unit_of(tree, ChainMap({**(variables or {})}, {**units}))
+    if not unit or fits(found, unit):
+        return
+    expected = "a plain number" if unit == "1" else unit
+    message = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
+    if variables and (tonne := TONNE.search(text)):
+        raise ModelError(
+            f"{message}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
+        )
+    raise ModelError(f"{message}; give it in {expected}, or leave the unit away")
+
+
+def check_function_unit(
+    tree: Expression, text: str, measure: In, units: Mapping[str, Powers] | None = None
+) -> None:
+    """Refuse a unit that does not fit, be the variable a number with its unit or, as in sin(2*pi*t), without.
+
+    Raises
+    ------
+    ModelError
+    """
+    name, known = variable_of(measure.over), units or {}
+    try:
+        check_unit(tree, text, measure.unit, known, {name: powers_of(measure.over)})
+    except ModelError as error:
+        try:
+            check_unit(tree, text, measure.unit, known, {name: {}})
+        except ModelError:
+            raise error from None
+
+
+def check_texts(part: Any) -> None:
+    """Refuse a joint, driver or force whose laws are texts in units that do not fit.
+
+    Raises
+    ------
+    ModelError
+        With the name of the field.
+    """
+    for field, measure in _laws(part).items():
+        for given in _formulas(getattr(part, field, None)):
+            variable = variable_of(measure.over)
+            tree = given if isinstance(given, Expression) else parsed(given, field, variable)
+            try:
+                check_function_unit(tree, str(given), measure)
+            except ModelError as error:
+                raise ModelError(f"{field} {error.message}", field=field) from None
+
+
+def _laws(part: Any) -> dict[str, In]:
+    """The fields of a part that may hold a formula in a variable, and what they measure."""
+    try:
+        declared = measures(part.__class__)
+    except (NameError, TypeError):  # the annotations of a user's class cannot be read
+        return {}
+    both: dict[str, In] = {**declared, **getattr(part, "law_measures", {})}
+    return {field: measure for field, measure in both.items() if measure.over != "1"}
+
+
+def _formulas(value: Any) -> Iterator[str | Expression]:
+    """The formulas of a law, or of three; a file has checked those with names, which are numbers by now."""
+    for one in value if is_list(value) else (value,):
+        if isinstance(one, str) or (isinstance(one, Expression) and not _has_named(one)):
+            yield one
+
+
+def _has_named(tree: Expression) -> bool:
+    return any(isinstance(node, Number) and node.of for node in tree.nodes())

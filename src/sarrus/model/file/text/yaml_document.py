@@ -1,0 +1,158 @@
+"""YAML text to a document, straight from the parser's events.
+
+The subset: one document of mappings, lists and scalars, with anchors, aliases and merge keys. Tags are refused, so no
+Python object can be written; an alias is copied when it is met, and the copies are counted, so there is no cycle and no
+bomb.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+
+import yaml
+from yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    Event,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+
+from ...checks.origin import Origin, Path
+from ...errors import ModelError
+from .anchors import Anchors
+from .document import Document, refusal, refuse_deep, refuse_repeated
+from .scalar import resolve
+
+MERGE = "<<"
+FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # written in C: ten times as fast
+MOST_TWICE = 100_000  # characters of a text that is read again, for a better message
+
+
+def read_yaml(text: str, file: str) -> Document:
+    """Return the document of a YAML text.
+
+    Raises
+    ------
+    ModelError
+        If the text is not YAML, or not in the subset.
+    """
+    short = len(text) <= MOST_TWICE
+    if short:
+        with suppress(yaml.YAMLError):
+            return _Reader(text, file, FAST).document()
+    return _explained(text, file, yaml.SafeLoader if short else FAST)
+
+
+def _explained(text: str, file: str, loader: Any) -> Document:
+    """Read a text, with errors in our own words."""
+    try:
+        return _Reader(text, file, loader).document()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else 1
+        message = f"is not valid YAML, {error.problem or error.context}; {_remedy(text, line)}"
+        raise refusal(message.replace("\n", " "), file, line) from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        message = "holds a control character that YAML does not allow; remove it"
+        raise refusal(message, file, line) from None
+
+
+class _Reader:
+    """Builds data from events and notes the line of each entry."""
+
+    def __init__(self, text: str, file: str, loader: Any) -> None:
+        self.file = file
+        self.lines: dict[Path, int] = {}
+        self.anchors = Anchors(file, self.lines)
+        self.events: Iterator[Event] = yaml.parse(text, Loader=loader)
+
+    def document(self) -> Document:
+        next(self.events)
+        if isinstance(next(self.events), StreamEndEvent):
+            raise ModelError("is empty; give at least a name and bodies", where=self.file)
+        data = self._value(next(self.events), ())
+        next(self.events)
+        self._refuse_second(next(self.events))
+        return Document(data, Origin(self.file, self.lines))
+
+    def _value(self, event: Event, path: Path) -> Any:
+        line = _line(event)
+        if isinstance(event, AliasEvent):
+            return self.anchors.copy(str(event.anchor), path, line)
+        self.lines.setdefault(path, line)
+        refuse_deep(len(path), self.file, line, path)
+        if type(event) is ScalarEvent and event.anchor is None and event.tag is None:
+            return self._plain(event, path)
+        self._refuse_tag(event, path)
+        with self.anchors.named(getattr(event, "anchor", None), path) as anchored:
+            anchored.data = self._plain(event, path)
+        return anchored.data
+
+    def _plain(self, event: Event, path: Path) -> Any:
+        if isinstance(event, MappingStartEvent):
+            return self._mapping(path)
+        if isinstance(event, SequenceStartEvent):
+            return self._sequence(path)
+        assert isinstance(event, ScalarEvent)
+        return resolve(event.value) if event.implicit[0] else event.value
+
+    def _sequence(self, path: Path) -> list[Any]:
+        values: list[Any] = []
+        while not isinstance(event := next(self.events), SequenceEndEvent):
+            values.append(self._value(event, (*path, len(values))))
+        return values
+
+    def _mapping(self, path: Path) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        merged: list[tuple[Any, Path]] = []
+        while not isinstance(event := next(self.events), MappingEndEvent):
+            key = self._key(event, path)
+            refuse_repeated(key, self.lines.get((*path, key)), self.file, _line(event), path)
+            self.lines[(*path, key)] = _line(event)
+            value = self._value(next(self.events), (*path, key))
+            if key == MERGE and isinstance(event, ScalarEvent) and event.implicit[0]:
+                merged.append((value, (*path, key)))
+            else:
+                values[key] = value
+        for value, place in merged:
+            self.anchors.merge(value, place, values)
+        return values
+
+    def _key(self, event: Event, path: Path) -> str:
+        if isinstance(event, AliasEvent):
+            raise refusal("has an alias (*) as key; write the key out", self.file, _line(event), path)
+        self._refuse_tag(event, path)
+        if not isinstance(event, ScalarEvent):
+            message = "has a key that is a list or a mapping; use a plain word as key"
+            raise refusal(message, self.file, _line(event), path)
+        return str(event.value)
+
+    def _refuse_tag(self, event: Event, path: Path) -> None:
+        if getattr(event, "tag", None):
+            message = "uses a tag (!), which a model file may not; remove it"
+            raise refusal(message, self.file, _line(event), path)
+
+    def _refuse_second(self, event: Event) -> None:
+        if isinstance(event, DocumentStartEvent):
+            message = "a second document starts with ---; keep one model in a file"
+            raise refusal(message, self.file, _line(event))
+
+
+def _remedy(text: str, line: int) -> str:
+    near = text.splitlines()[max(line - 2, 0) : line]
+    if any("${" in one for one in near):
+        return "inside brackets put ${…} in quotes or leave it away"
+    return "check indentation, brackets and quotes"
+
+
+def _line(event: Event) -> int:
+    mark = event.start_mark
+    return mark.line + 1 if mark else 1

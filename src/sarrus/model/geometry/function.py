@@ -1,0 +1,105 @@
+"""Functions of a mechanism's position that an analysis can be asked about: a point's coordinate, a length, a turn."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from ... import elements
+from ..bodies.solid import GROUND, Solid
+from ..errors import ModelError
+from ..primitive import Primitive
+from .point import Point
+from .pose import Poses
+
+AxisName = Literal["x", "y", "z"]
+UNIT = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+NEXT = {
+    "x": ("y", "z"),
+    "y": ("z", "x"),
+    "z": ("x", "y"),
+}  # the axes that a turn about an axis takes into each other
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Function(ABC):
+    """A number that depends on the position of a mechanism, under a name."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """What it is called in results."""
+
+    @abstractmethod
+    def primitive(self, poses: Poses) -> Primitive:
+        """Return the element that measures it."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointCoordinate(Function):
+    """A global coordinate [m] of a ``point``, along the ``axis`` x, y or z."""
+
+    point: Point
+    axis: AxisName
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name that was given, or the point's with the axis: ``tool.x`` of the origin, ``tool(0.1, 0, 0).x``."""
+        return self.name or f"{self.point.label}.{self.axis}"
+
+    def primitive(self, poses: Poses) -> Primitive:
+        """Return e·P as a travel from the ground's origin."""
+        check_axis(self.axis)
+        at = self.point.resolve(poses, "point")
+        return Primitive(elements.Travel, (GROUND, at.body), (UNIT[self.axis], ORIGIN, at.s, 0.0), self.axis)
+
+
+@dataclass(frozen=True, eq=False)
+class Turn(Function):
+    """The angle [rad] by which a ``body`` is turned about a global ``axis``: for planar mechanisms, its orientation.
+
+    It is the angle of the body's next axis (x for z) in the plane normal to the global axis.
+    """
+
+    body: Solid
+    axis: AxisName = "z"
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name that was given, or the body's with the axis."""
+        return self.name or f"{self.body.name}.turn_{self.axis}"
+
+    def primitive(self, poses: Poses) -> Primitive:
+        """Return the argument of a body axis in the plane of two global ones."""
+        check_axis(self.axis)
+        first, second = NEXT[self.axis]
+        values = (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0)
+        return Primitive(elements.Angle, (GROUND, self.body.name), values, f"turn_{self.axis}")
+
+
+@dataclass(frozen=True, eq=False)
+class Length(Function):
+    """The distance [m] of two points, as of the ends of a leg whose own bodies are not modelled."""
+
+    point_i: Point
+    point_j: Point
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name that was given, or the bodies'."""
+        return self.name or f"{self.point_i.body.name}-{self.point_j.body.name}"
+
+    def primitive(self, poses: Poses) -> Primitive:
+        """Return the square of the distance."""
+        i, j = self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j")
+        return Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, 0.0), "length")
+
+
+def check_axis(axis: str) -> None:
+    if axis not in get_args(AxisName):
+        raise ModelError(f"axis must be x, y or z, but is {axis!r}; choose one", field="axis")

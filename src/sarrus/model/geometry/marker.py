@@ -1,0 +1,100 @@
+"""The place where a joint, coupling or driver acts: bodies, a point on each, axes on the first. For reactions."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from ...elements import Travel, TravelAngle
+from ..blueprint import blueprint
+from ..bodies.solid import GROUND
+from ..model import Model
+from ..quantity import Array
+from .placement import Frames
+from .pose import GROUND_POSE, Poses
+
+
+class Marker(NamedTuple):
+    """Names of body i and j, the joint's point on each in body axes [m], and its axes f, g, h on body i as columns.
+
+    `joint` is the joint whose place this is. Of a coupling, which acts on the bodies of two joints, `pair` is
+    which two of its four bodies are those of this joint.
+    """
+
+    body_i: str
+    body_j: str
+    s_i: Array
+    s_j: Array
+    axes_i: Array
+    joint: str
+    pair: int | None = None
+
+    def counts(self, slot: int) -> bool:
+        """Whether an element's action on a body counts here, by the body's place among those of the element."""
+        return self.pair is None or slot // 2 == self.pair
+
+
+@runtime_checkable
+class Framed(Protocol):
+    """A part that has a frame on each of two bodies."""
+
+    def frames(self, poses: Poses) -> Frames: ...
+
+
+@runtime_checkable
+class OnJoint(Protocol):
+    """A driver of a joint's angle or travel, ``pin`` or ``hook.angle_i``."""
+
+    joint: str
+
+
+@runtime_checkable
+class Coupled(Protocol):
+    """A coupling, with the joint whose coordinate follows that of another."""
+
+    @property
+    def follower(self) -> str: ...
+
+
+def marker(model: Model, name: str) -> Marker:
+    """The marker of a joint or driver of a model that was found to be right.
+
+    From its frames; of a driver, from the joint that it drives; of a coupling, from the joint that follows; of others,
+    from the points of their first element that has two, with the axes of body i.
+    """
+    part = next(part for parts in model.sections().values() for part in parts if part.name == name)
+    if isinstance(part, Framed):
+        i, j = part.frames(_poses(model))
+        return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]), name)
+    if isinstance(part, Coupled):
+        follower = marker(model, part.follower.partition(".")[0])
+        return follower._replace(pair=_pair(model, name, part.follower))
+    if isinstance(part, OnJoint):
+        return marker(model, part.joint.split(".")[0])
+    return _from_elements(model, name)
+
+
+def _pair(model: Model, name: str, follower: str) -> int:
+    """Whether the pair of bodies of a coupling is that of the second joint: displacements come before angles."""
+    plan, (joint, _, word) = blueprint(model), follower.partition(".")
+    element = next(p.element for p in plan.placed if p.owner == name)
+    own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]
+    return 0 if element is TravelAngle and Travel in own else 1
+
+
+def _poses(model: Model) -> Poses:
+    return {GROUND: GROUND_POSE, **{body.name: body.pose() for body in model.bodies}}
+
+
+def _from_elements(model: Model, name: str) -> Marker:
+    plan = blueprint(model)
+    placed = [p for p in plan.placed if p.owner == name]
+    first = next((p for p in placed if "s_j" in p.element.fields), placed[0])
+    fields = [field for field, kind in first.element.fields.items() if kind != "Time"]
+    values: dict[str, Any] = dict(zip(fields, first.values, strict=False))
+    names = (GROUND, *plan.bodies)
+    body_i, body_j = (0, first.bodies[0]) if len(first.bodies) == 1 else first.bodies[:2]
+    values["s_j"] = values.get("s_j", values.get("s", np.zeros(3)))
+    s_i, s_j = (np.array(values.get(key, np.zeros(3)), dtype=float) for key in ("s_i", "s_j"))
+    return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3), name)

@@ -1,0 +1,116 @@
+"""The orientation of a body in its initial pose: four ways to give it, converted to Euler parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ModelError
+from ..laws.tape import values_of
+from ..quantity import Array, Vector, direction, has_rows, number, numbers, vector
+from ..show import show
+from . import rotation
+
+TOLERANCE = 1e-6  # [-] how far rounded input may be from a rotation
+_FOUR = "give four numbers [e0, e1, e2, e3] whose squares add up to 1"
+_NINE = "give three rows of three numbers, or four Euler parameters"
+
+
+@dataclass(frozen=True)
+class AxisAngle:
+    """A rotation by ``angle`` [rad] about ``axis``, right-handed; the axis need not have unit length."""
+
+    axis: Vector
+    angle: float
+
+
+@dataclass(frozen=True)
+class EulerAngles:
+    """Three rotations [rad], each about an axis of the body as it then is.
+
+    ``EulerAngles((a, b, c), "zxz")`` is A = A_z(a) A_x(b) A_z(c).
+    """
+
+    angles: Vector
+    sequence: str = "xyz"
+
+
+Orientation: TypeAlias = (
+    AxisAngle | EulerAngles | Sequence[float] | Sequence[Sequence[float]] | NDArray[np.float64]
+)
+
+
+def euler_parameters(orientation: Any) -> Array:
+    """Return p = [e0, e1, e2, e3] with |p| = 1 for any of the four ways to give an orientation.
+
+    Raises
+    ------
+    ModelError
+        If the numbers are not a rotation to within ``TOLERANCE``.
+    """
+    if isinstance(orientation, AxisAngle):
+        return _from_axis_angle(orientation)
+    if isinstance(orientation, EulerAngles):
+        return _from_euler_angles(orientation)
+    return _from_matrix(orientation) if has_rows(orientation) else _from_parameters(orientation)
+
+
+def _from_parameters(value: Any) -> Array:
+    p = np.array(numbers(value, 4, "orientation", _FOUR))
+    length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
+    if abs(length - 1) > TOLERANCE:
+        message = f"orientation must be unit Euler parameters, but their length is {length:.9g}; {_FOUR}"
+        raise ModelError(message, field="orientation")
+    return np.asarray(p / length)
+
+
+def _from_matrix(value: Any) -> Array:
+    A = np.array([numbers(row, 3, "orientation", _NINE) for row in value])
+    given = values_of(A)
+    if np.max(np.abs(given.T @ given - np.eye(3))) > TOLERANCE:
+        message = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
+        raise ModelError(f"{message}; {_NINE}", field="orientation")
+    if np.linalg.det(given) < 0:
+        message = "orientation must be a right-handed rotation matrix, but its determinant is -1"
+        raise ModelError(f"{message}; turn one column round", field="orientation")
+    return rotation.parameters(A)
+
+
+def _from_axis_angle(turn: AxisAngle) -> Array:
+    u = _about("orientation", direction, turn.axis, "axis")
+    half = _about("orientation", number, turn.angle, "angle") / 2
+    return np.array([np.cos(half), *(np.sin(half) * u)])
+
+
+def _from_euler_angles(turn: EulerAngles) -> Array:
+    angles = _about("orientation", vector, turn.angles, "angles")
+    rotations = [_turn(axis, angle) for axis, angle in zip(_sequence(turn.sequence), angles, strict=True)]
+    return reduce(rotation.product, rotations)
+
+
+def _sequence(given: Any) -> str:
+    letters = given if isinstance(given, str) else ""
+    repeats = any(a == b for a, b in pairwise(letters))
+    if len(letters) != 3 or set(letters) - set("xyz") or repeats:
+        message = f'orientation sequence must be three axes like "xyz" or "zxz", but is {show(given)}'
+        raise ModelError(f"{message}; no axis may follow itself", field="orientation")
+    return letters
+
+
+def _turn(axis: str, angle: float) -> Array:
+    half = np.sin(angle / 2)
+    return np.array([np.cos(angle / 2), *(half if axis == name else 0.0 for name in "xyz")])
+
+
+def _about(field: str, check: Any, value: Any, entry: str) -> Any:
+    """Run a check of one entry of ``field`` and report it under both names."""
+    try:
+        return check(value, f"{field} {entry}")
+    except ModelError as error:
+        raise ModelError(error.message, field=field) from None

@@ -1,0 +1,146 @@
+"""Couplings: the coordinates of two named joints are proportional, as with gears. 1 equation each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ... import elements
+from ...elements import Element
+from ..coordinate import ANGLE, TRAVEL, Coordinate, Known, chosen
+from ..errors import ModelError
+from ..geometry.pose import Poses
+from ..measure import Angle, Length, Ratio
+from ..primitive import Primitive
+from ..quantity import number
+from .joint import Joint
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling(Joint, abstract=True):
+    """A part among the joints that couples the coordinates of two others; it has no primitives without them.
+
+    Its reaction is a generalized force along both coordinates: a torque about the axis of a joint with an angle, a
+    force along the axis of one with a travel, on the second body of each joint and with opposite sign on the first.
+    It is ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
+    """
+
+    @property
+    def follower(self) -> str:
+        """The joint, or its coordinate, that follows the other."""
+        raise NotImplementedError
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield nothing."""
+        yield from ()
+
+
+def ratio_of(value: object, field: str = "ratio") -> float:
+    """Return a ratio that is not 0."""
+    ratio = number(value, field)
+    if not ratio:
+        raise ModelError(f"{field} must not be 0; give the second coordinate over the first", field=field)
+    return ratio
+
+
+def coupled(first: Coordinate, second: Coordinate, ratio: float, offset: float | None) -> Primitive:
+    """Second = ratio · first + offset; without an offset, as it is in the initial pose."""
+    shift = second.start - ratio * first.start if offset is None else number(offset, "offset")
+    kinds = first.measure.element is ANGLE, second.measure.element is ANGLE
+    if kinds == (True, True):
+        return _relation(elements.AngleAngle, first, second, (ratio, shift, first.start))
+    if kinds == (False, True):
+        return _relation(elements.TravelAngle, first, second, (1 / ratio, -shift / ratio))
+    if kinds == (True, False):
+        return _relation(elements.TravelAngle, second, first, (ratio, shift))
+    return _relation(elements.TravelTravel, first, second, (ratio, shift))
+
+
+def _relation(element: type[Element], a: Coordinate, b: Coordinate, values: tuple[float, ...]) -> Primitive:
+    bodies = (*a.measure.bodies, *b.measure.bodies)
+    return Primitive(element, bodies, (*a.measure.values[:3], *b.measure.values[:3], *values), "coupling")
+
+
+@dataclass(frozen=True, eq=False)
+class Coupler(Coupling):
+    """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, as numbers in m and rad.
+
+    Coordinates are given as ``slide.travel``, ``pin.angle``, or by the joint's name where it has only one. Left out,
+    the offset is that of the initial pose.
+
+    Its reaction, `run.reaction`, is the torque or force along the coordinate of ``joint_j`` on the second body of that
+    joint; along the coordinate of ``joint_i`` it is -``ratio`` times as much. Nothing else is transmitted to bearings.
+    """
+
+    joint_i: str
+    joint_j: str
+    ratio: Ratio
+    offset: Ratio | None = None
+
+    @property
+    def follower(self) -> str:
+        """The second joint."""
+        return self.joint_j
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield the second coordinate - ratio · the first - offset."""
+        i, j = chosen(self.joint_i, None, known, "joint_i"), chosen(self.joint_j, None, known, "joint_j")
+        yield coupled(i, j, ratio_of(self.ratio), self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Coupling):
+    """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], revolutions included.
+
+    The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
+    that of the initial pose. Spur gears of the same sense of axes have a negative ratio.
+
+    Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body
+    of ``joint_i`` feels -``ratio`` times as much, and the first bodies the opposite. Torques are transmitted, tooth
+    forces are not: the bearings of the wheels carry no radial or tangential force of the mesh.
+    """
+
+    joint_i: str
+    joint_j: str
+    ratio: Ratio
+    offset: Angle | None = None
+
+    @property
+    def follower(self) -> str:
+        """The second joint."""
+        return self.joint_j
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield θ_j - ratio θ_i - offset."""
+        i, j = chosen(self.joint_i, ANGLE, known, "joint_i"), chosen(self.joint_j, ANGLE, known, "joint_j")
+        yield coupled(i, j, ratio_of(self.ratio), self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class RackAndPinion(Coupling):
+    """Displacement of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], revolutions included.
+
+    The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
+    is the sense of travel. Left out, the offset is that of the initial pose.
+
+    Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the travel; the second body of
+    ``pinion`` feels the torque -``radius`` times this force. The tooth force is not transmitted to bearings: the
+    pinion's carries nothing of it, and a rack feels no moment from the line on which teeth would touch.
+    """
+
+    rack: str
+    pinion: str
+    radius: Length
+    offset: Length | None = None
+
+    @property
+    def follower(self) -> str:
+        """The rack."""
+        return self.rack
+
+    def relations(self, known: Known) -> Iterator[Primitive]:
+        """Yield travel - radius θ - offset."""
+        pinion = chosen(self.pinion, ANGLE, known, "pinion")
+        yield coupled(
+            pinion, chosen(self.rack, TRAVEL, known, "rack"), ratio_of(self.radius, "radius"), self.offset
+        )

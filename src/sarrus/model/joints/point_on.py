@@ -1,0 +1,51 @@
+"""Point on line, also called in-line, and point on plane: a point of one body stays there on the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..coordinate import Coordinate, travel
+from ..geometry.placement import AboutAxis
+from ..geometry.pose import Poses
+from ..primitive import Primitive
+from .joint import Joint, dot2
+
+
+@dataclass(frozen=True, eq=False)
+class PointOnLine(AboutAxis, Joint):
+    """A bead on a straight wire: the wire h is fixed in body i, the bead in body j.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` with h along the
+    line and ``frame_j`` at the point.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φ^d2(f_i, d), Φ^d2(g_i, d)."""
+        i, j = self.frames(poses)
+        yield dot2("f_i.d", i, j, i.f)
+        yield dot2("g_i.d", i, j, i.g)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the travel of the point along the line."""
+        yield travel(*self.frames(poses), poses)
+
+
+@dataclass(frozen=True, eq=False)
+class PointOnPlane(AboutAxis, Joint):
+    """A tip that slides on a plane: the plane with the normal h is fixed in body i, the tip in body j.
+
+    Placed by a global ``point`` [m] and the normal ``axis`` in the initial pose, or by ``frame_i`` with h
+    along the normal and ``frame_j`` at the point.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φ^d2(h_i, d)."""
+        i, j = self.frames(poses)
+        yield dot2("h_i.d", i, j, i.h)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the displacements of the point along f_i and g_i."""
+        i, j = self.frames(poses)
+        yield travel(i, j, poses, axis=i.f, name="travel_x")
+        yield travel(i, j, poses, axis=i.g, name="travel_y")

@@ -1,0 +1,1 @@
+"""Laws: functions of one variable, as formulas, tables and Python functions, and parameters that formulas compute."""

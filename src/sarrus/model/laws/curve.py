@@ -1,0 +1,244 @@
+"""A curve through a table of points: the nonlinear law of a spring, a damper or an actuator."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from ..._jit.program import program
+from ..errors import ModelError
+from ..expression import Expression, Name, Number
+from ..quantity import is_list, numbers
+from ..show import show
+from .tape import Traced
+
+Cubic: TypeAlias = tuple[float, float, float, float]
+NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
+_PAIRS = "give a table of at least two pairs [x, y] with rising x"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A piecewise cubic y(x), twice continuously differentiable inside its table.
+
+    Parameters
+    ----------
+    knots
+        x_0 < … < x_n.
+    cubics
+        For each segment k the four coefficients (c3, c2, c1, c0) of
+        y = c3 u³ + c2 u² + c1 u + c0 with u = x − x_k.
+    pairs
+        The table that it goes through, if it was made from one.
+
+    Notes
+    -----
+    The first and the last cubic also hold before x_0 and after x_n. `Curve.table` makes them
+    straight, so that a table is continued by its end tangents.
+    """
+
+    knots: tuple[float, ...]
+    cubics: tuple[Cubic, ...]
+    pairs: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        given: tuple[Any, Any] = self.knots, self.cubics
+        whole = all(map(is_list, given)) and len(self.knots) == len(self.cubics) + 1 > 1
+        if not whole or not all(is_list(cubic) and len(cubic) == 4 for cubic in self.cubics):
+            message = "a curve has one knot more than cubics of four coefficients"
+            raise ModelError(f"{message}. Make one of a table with Curve.table([[x, y], ...]).", part="curve")
+
+    @classmethod
+    def constant(cls, value: float) -> Curve:
+        """Return the curve y(x) = ``value``: one segment."""
+        return cls((0.0, 1.0), ((0.0, 0.0, 0.0, float(value)),))
+
+    @classmethod
+    def table(cls, pairs: Iterable[Sequence[float]], field: str = "table") -> Curve:
+        """Return the cubic spline through (x, y) pairs, continued by straight lines at both ends.
+
+        Not-a-knot, or natural with fewer than four pairs. The straight ends are segments of their
+        own, as wide as their neighbours.
+
+        Raises
+        ------
+        ModelError
+            If there are fewer than two pairs, x does not rise, or a number is not finite.
+        """
+        try:
+            xs, ys = _columns(pairs, field)
+            return replace(_continued(*_spline(xs, ys, field)), pairs=tuple(zip(xs, ys, strict=True)))
+        except ModelError as wrong:
+            raise ModelError(wrong.message, part="curve", field=wrong.field) from None
+
+    def numbers(self) -> tuple[float, ...]:
+        """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment)."""
+        return (float(len(self.cubics)), *self.knots, *(c for cubic in self.cubics for c in cubic))
+
+    def __call__(self, x: float) -> float:
+        """Return y(x)."""
+        k = min(max(bisect_right(self.knots, x) - 1, 0), len(self.cubics) - 1)
+        c3, c2, c1, c0 = self.cubics[k]
+        u = x - self.knots[k]
+        return ((c3 * u + c2) * u + c1) * u + c0
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """A written formula as a function of its variable; a class, so that models can be pickled."""
+
+    tree: Expression
+    variable: str
+
+    def __call__(self, x: Any) -> Any:
+        """Return the value for a number of any kind."""
+        return self.tree.value({self.variable: x})
+
+    def slopes(self) -> list[Tree]:
+        """Return the derivative with respect to each of the formula's numbers, in their order."""
+        marked: list[str] = []
+
+        def mark(n: int, number: Number) -> Any:
+            marked.append(f"#{n}")
+            return Name(marked[-1])
+
+        open_tree, values = self.tree.exchanged(mark), dict(zip(marked, self.numbers(), strict=True))
+        return [Tree(open_tree.derivative(name).replaced(values), self.variable) for name in marked]
+
+    def numbers(self) -> list[Number]:
+        """Return the formula's numbers in their order."""
+        found: list[Number] = []
+
+        def note(n: int, number: Number) -> Number:
+            found.append(number)
+            return number
+
+        self.tree.exchanged(note)
+        return found
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function y(x) given by a formula: a Python function made of arithmetic and of `sarrus.functions`.
+
+    It is called once with a recorded argument and stored as the list of operations that it does, so that it is
+    evaluated by compiled code, with exact first and second derivatives. It must not branch on x.
+    """
+
+    function: Callable[[Any], Any]
+
+    def __post_init__(self) -> None:
+        given: Any = self.function
+        if not callable(given):
+            message = f"Formula takes a function of one number, got {show(given)}"
+            raise TypeError(f"{message}. Give a function, as in Formula(lambda x: 3 * x), or a number alone.")
+
+    def numbers(self, field: str = "formula") -> tuple[float, ...]:
+        """Return the stored steps.
+
+        Raises
+        ------
+        ModelError
+            If the function branches on its argument, uses what cannot be recorded, or is too long; if it holds what is
+            no finite number, or does something else when it is called again, as one with random numbers does.
+        """
+        try:
+            found, again = program(self.function), program(self.function)
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            raise ModelError(
+                f"{field} cannot be used as a formula: {error}; or give a table", field=field
+            ) from None
+        if not np.all(np.isfinite(found)):
+            raise ModelError(f"{field} holds a number that is not finite; take it out", field=field)
+        if found != again:
+            message = f"{field} is another function each time it is called, as with random numbers"
+            raise ModelError(f"{message}; draw the numbers first, and give a table of them", field=field)
+        return found
+
+    def __call__(self, x: float) -> float:
+        """Return y(x)."""
+        return float(self.function(x))
+
+    def exchanged(self, change: Callable[[int, Number], Number]) -> Formula:
+        """Return the formula with other numbers, see `Expression.exchanged`; a Python function as it is."""
+        if not isinstance(self.function, Tree):
+            return self
+        return Formula(replace(self.function, tree=self.function.tree.exchanged(change)))
+
+    @property
+    def written(self) -> Tree | None:
+        """What was written; None for a Python function."""
+        return self.function if isinstance(self.function, Tree) else None
+
+
+def curve_of(value: Any, field: str) -> Curve | Formula:
+    """A curve of what a user gives for one: a number, a table of pairs, a Python function, or a curve.
+
+    Raises
+    ------
+    ModelError
+        If it is none of these.
+    """
+    if isinstance(value, Curve | Formula):
+        return value
+    if callable(value):
+        return Formula(value)
+    if isinstance(value, int | float):
+        return Curve.constant(value)
+    return Curve.table(value, field)
+
+
+def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
+    single = np.ndim(pairs) == 0 if isinstance(pairs, np.ndarray) else not isinstance(pairs, Iterable)
+    if isinstance(pairs, (str, Mapping)) or single:
+        raise ModelError(f"{field} must be a list of pairs, but is {show(pairs)}; {_PAIRS}", field=field)
+    rows = [numbers(pair, 2, field, _PAIRS) for pair in pairs]
+    xs, ys = [row[0] for row in rows], [row[1] for row in rows]
+    if len(rows) < 2:
+        raise ModelError(f"{field} must have at least two points, but has {len(rows)}; {_PAIRS}", field=field)
+    for before, after in pairwise(xs):
+        if after <= before:
+            message = f"{field} must have rising x, but {show(after)} follows {show(before)}"
+            raise ModelError(f"{message}; sort the pairs and remove repeated x", field=field)
+    return xs, ys
+
+
+def _spline(xs: list[float], ys: list[float], field: str) -> tuple[tuple[float, ...], tuple[Cubic, ...]]:
+    from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
+
+    ends = "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
+    if any(isinstance(y, Traced) for y in ys):  # the coefficients are linear in y
+        basis = np.asarray(CubicSpline(xs, np.eye(len(ys)), bc_type=ends).c)
+        return tuple(xs), tuple(_combined(basis[:, k], ys) for k in range(basis.shape[1]))
+    try:
+        with np.errstate(over="raise"):
+            columns = np.asarray(CubicSpline(xs, ys, bc_type=ends).c).T
+    except (FloatingPointError, ValueError):
+        raise ModelError(f"{field} has values of x too near to each other; {_PAIRS}", field=field) from None
+    return tuple(xs), tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in columns)
+
+
+def _combined(basis: np.ndarray[Any, Any], ys: Sequence[float]) -> Cubic:
+    """The coefficients of one piece, of those for each value 1."""
+    a, b, c, d = (sum(float(weight) * y for weight, y in zip(row, ys, strict=True)) for row in basis)
+    return a, b, c, d
+
+
+def _continued(knots: tuple[float, ...], cubics: tuple[Cubic, ...]) -> Curve:
+    first, last = knots[1] - knots[0], knots[-1] - knots[-2]
+    before = _straight(cubics[0], 0.0, -first)
+    after = _straight(cubics[-1], last, 0.0)
+    return Curve((knots[0] - first, *knots, knots[-1] + last), (before, *cubics, after))
+
+
+def _straight(cubic: Cubic, at: float, shift: float) -> Cubic:
+    """Return the tangent of a cubic at u = ``at``, as a function of u − ``at`` − ``shift``."""
+    c3, c2, c1, c0 = cubic
+    slope = (3 * c3 * at + 2 * c2) * at + c1
+    value = ((c3 * at + c2) * at + c1) * at + c0
+    return (0.0, 0.0, slope, value + slope * shift)

@@ -1,0 +1,69 @@
+"""Laws: a number, or a function of one variable, given as a formula, a table, a curve or a Python function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+from ..errors import ModelError
+from ..expression import Expression
+from ..quantity import is_list, number
+from ..show import show
+from .curve import Curve, Formula, curve_of
+from .prescribed import formula, parsed
+
+Law: TypeAlias = float | Curve | Formula | Expression | str | Callable[[Any], Any] | Sequence[Sequence[float]]
+
+
+class Scaled(NamedTuple):
+    """A factor, which is a design number, and the curve that it scales."""
+
+    factor: float
+    curve: Curve | Formula
+
+
+def varies(value: Any) -> bool:
+    """Return whether a law is more than a number."""
+    return isinstance(value, Curve | Formula | Expression | str) or callable(value) or is_list(value)
+
+
+def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
+    """Return a law as a factor and a curve: a number scales the curve 1, and a function is scaled by 1.
+
+    Parameters
+    ----------
+    value : what the user gives
+    field : its name
+    variable : what its formulas are in: t for the time, x for all else
+
+    Raises
+    ------
+    ModelError
+        If it is neither a finite number nor a formula, a table, a curve or a function that can be recorded.
+    """
+    if isinstance(value, str):
+        value = parsed(value, field, variable)
+    if isinstance(value, Expression):
+        factor, curve = formula(value, field, variable)
+        return Scaled(1.0, curve) if value.names() else Scaled(1.0, Curve.constant(factor))
+    if not varies(value):
+        return Scaled(number(value, field), Curve.constant(1.0))
+    curve = curve_of(value, field)
+    if isinstance(curve, Formula):
+        curve.numbers(field)
+    return Scaled(1.0, curve)
+
+
+def refuse_negative(factor: float, field: str) -> None:
+    """Raise a ModelError for a stiffness or damping that is a negative number.
+
+    Raises
+    ------
+    ModelError
+    """
+    if factor < 0:
+        raise ModelError(
+            f"{field} must not be negative, but is {show(factor)}; for an unstable spring or a driven damper give a "
+            f"law, such as lambda x: {show(factor)}",
+            field=field,
+        )

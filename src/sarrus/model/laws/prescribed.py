@@ -1,0 +1,76 @@
+"""A prescribed motion f(t): a number, a formula in t, a table or a Python function."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+from ..errors import ModelError
+from ..expression import Expression, parse_expression
+from ..expression.tree import Number
+from ..quantity import number
+from ..show import quote
+from .curve import Curve, Formula, Tree, curve_of
+
+Motion: TypeAlias = (
+    float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
+)
+VARIABLE = "t"
+
+
+class Law(NamedTuple):
+    """A factor and the function of time that it scales."""
+
+    scale: float
+    curve: Curve | Formula
+
+
+def motion_of(value: Motion, field: str) -> Law:
+    """Return the law of what a user gives for a motion.
+
+    Raises
+    ------
+    ModelError
+        If it is no number, formula in t, table or function, or cannot be differentiated.
+    """
+    given: Any = parsed(value, field) if isinstance(value, str) else value
+    if isinstance(given, Expression):
+        return formula(given, field)
+    if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
+        return _checked(curve_of(given, field), field)
+    return Law(
+        number(given, field, "give a number, a formula in t, a table or a function"), Curve.constant(1.0)
+    )
+
+
+def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
+    """Return the formula in a variable that a text gives."""
+    try:
+        tree = parse_expression(text, variables=(variable,))
+    except ModelError as error:
+        raise ModelError(f"{field} {error.message}", field=field) from None
+    units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
+    taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)
+    if taken is not None:
+        message = f"{field} {quote(text)}: {variable} counts as a unit, the tonne, in {quote(taken)}"
+        raise ModelError(f"{message}; write a space on each side of the sign before {variable}", field=field)
+    return tree
+
+
+def formula(tree: Expression, field: str, variable: str = VARIABLE) -> Law:
+    """Return the law of a formula in a variable."""
+    others = [name for name in tree.names() if name != variable]
+    if others:
+        raise ModelError(
+            f"{field} depends on {quote(others[0])}; only {variable} may stand in it", field=field
+        )
+    if not tree.names():
+        return Law(number(float(tree.value()), field), Curve.constant(1.0))
+    return _checked(Formula(Tree(tree, variable)), field)
+
+
+def _checked(curve: Curve | Formula, field: str) -> Law:
+    if isinstance(curve, Formula):
+        curve.numbers(field)  # refused here, where the driver's name is known
+    return Law(1.0, curve)

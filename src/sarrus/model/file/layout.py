@@ -24,7 +24,9 @@ from .stated import list_in, number_in
 
 def layout() -> type[Entry]:
     """Return the model of a file with all kinds of joints, drivers and forces that are registered now."""
-    return _layout(*(tuple(part.kinds.values()) for part in (Joint, Driver, Force)))
+    return _layout(
+        *(tuple(part.kinds[name] for name in sorted(part.kinds)) for part in (Joint, Driver, Force))
+    )
 
 
 @cache

@@ -81,7 +81,7 @@ def heavy_top(run: sr.Trajectory) -> Columns:
 
 def sundials(run: sr.Trajectory) -> Columns:
     angle = np.pi / 2 + run.joint("pivot").angle
-    return {"q": angle, "x": run["rod"].position[:, 0], "q_speed": run["crank"].angular_velocity[:, 2]}
+    return {"q": angle, "x": run["rod"].position[:, 0], "q_speed": run["crank"].angular_velocity_body[:, 2]}
 
 
 def spatial(run: sr.Trajectory) -> Columns:
@@ -99,7 +99,7 @@ def double_pendulum_3d(run: sr.Trajectory) -> Columns:
 
 
 def free_body(run: sr.Trajectory) -> Columns:
-    return _numbered("e", run["body"].euler) | _xyz("w", run["body"].angular_velocity)
+    return _numbered("e", run["body"].euler) | _xyz("w", run["body"].angular_velocity_body)
 
 
 def car_axis(run: sr.Trajectory) -> Columns:

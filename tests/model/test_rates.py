@@ -33,10 +33,10 @@ def written(folder: Path, text: str) -> Path:
 def test_rates_of_a_file_are_the_velocities_of_the_start(tmp_path: Path) -> None:
     system = sr.System(sr.load(written(tmp_path, FILE + RATES)))
     run = sr.simulate(system, until=0.5)
-    assert run["crank"].angular_velocity[0] == pytest.approx([0, 0, np.pi])
+    assert run["crank"].angular_velocity_body[0] == pytest.approx([0, 0, np.pi])
     assert run["crank"].velocity[0] == pytest.approx([0, np.pi / 2, 0])
     assert run["block"].velocity[-1] == pytest.approx([0.2, 0, 0])
-    assert run["block"].angular_velocity[0] == pytest.approx([2.0, 0, 0])
+    assert run["block"].angular_velocity_body[0] == pytest.approx([2.0, 0, 0])
 
 
 def test_rates_add_to_those_of_the_model_and_give_way_to_velocities(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_the_shell_takes_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str
     words = ["run", file, "--until", "0.5", "--rate", "pin=60 rpm", "sleeve.travel=-0.1", "-q", "--json"]
     assert main(words) == 0
     bodies = json.loads(capsys.readouterr().out)["bodies"]
-    assert bodies["crank"]["angular_velocity"][2] == pytest.approx(2 * np.pi, rel=1e-4)
+    assert bodies["crank"]["angular_velocity_body"][2] == pytest.approx(2 * np.pi, rel=1e-4)
     assert bodies["block"]["velocity"][0] == pytest.approx(-0.1)
     for wrong, told in (("pin", "JOINT=VALUE"), ("pin=1 m/s", "give it in rad/s"), ("pn=1", "did you mean")):
         assert main(["run", file, "--rate", wrong, "-q"]) == 2

@@ -97,7 +97,7 @@ def run() -> sr.Trajectory:
     return sr.simulate(system(), until=0.05, t_eval=np.linspace(0, 0.05, 11), **settings)
 
 
-def body(name: str) -> sr.results.trajectory.BodyMotion:
+def body(name: str) -> sr.results.BodyMotion:
     return run()[name]
 
 

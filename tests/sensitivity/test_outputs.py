@@ -72,7 +72,7 @@ WANTED = {  # values at the end, from what else the results tell
     "tip.x": lambda r: r["tip"].position[-1, 0],
     "tip.velocity.y": lambda r: r["tip"].velocity[-1, 1],
     "tip.acceleration.x": lambda r: r.a[-1][system().coordinates_of("tip").start],
-    "tip.angular_velocity.z": lambda r: r["tip"].angular_velocity[-1, 2],
+    "tip.angular_velocity.z": lambda r: r["tip"].angular_velocity_body[-1, 2],
     "pin.angle": lambda r: r.joint("pin").angle[-1],
     "pin.angle.rate": lambda r: r.joint("pin").rate[-1],
     "elbow.force.x": lambda r: r.reaction("elbow").force[-1, 0],

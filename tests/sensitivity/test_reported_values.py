@@ -57,7 +57,7 @@ class Output(NamedTuple):
 def turning(of: sr.Trajectory) -> np.ndarray:
     """The angular velocity of the arm in global axes; a run has it in those of the body."""
     p = of.q[:, system().coordinates_of("arm")][:, 3:]
-    pairs = zip(p, of["arm"].angular_velocity, strict=True)
+    pairs = zip(p, of["arm"].angular_velocity_body, strict=True)
     return np.array([Rotation.from_quat(e, scalar_first=True).apply(w) for e, w in pairs])
 
 

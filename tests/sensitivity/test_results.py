@@ -45,7 +45,7 @@ def test_states_over_time_by_name(run: sr.Trajectory) -> None:
     )
     with pytest.raises(KeyError, match=r"has no output 'slidr\.x'"):
         found["slidr.x", "spring.k"]
-    with pytest.raises(KeyError, match="a coordinate and a number are needed"):
+    with pytest.raises(KeyError, match="An output and a parameter are needed"):
         found["spring.k"]
 
 

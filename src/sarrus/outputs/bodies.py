@@ -28,8 +28,8 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
             yield Output(f"{body}.{word}", "1", calls("input", "q", first + 3 + n), place=first + 3 + n)
         yield from _of_point(body, body, ORIGIN, first)
         for n, axis in enumerate(AXES):
-            spin = calls("angular_velocity", body, at=n)
-            yield Output(f"{body}.angular_velocity.{axis}", "rad/s", spin, Level.VELOCITY)
+            for word in ("angular_velocity", "angular_velocity_body"):
+                yield Output(f"{body}.{word}.{axis}", "rad/s", calls(word, body, at=n), Level.VELOCITY)
             yield Output(f"{body}.turn_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..elements import Dot1, Dot2, Heading, Normalization
-from ..euler import A, B, E
+from ..euler import A, B, E, G
 from ..model import SarrusError
 from ..model.bodies.solid import GROUND
 from ..model.checks.deprecated import warn_deprecated
@@ -119,6 +119,10 @@ class Outputs(EnergyRecording):
     def angular_velocity(self, body: str) -> Array:
         """Angular velocity in global axes, 2 E(p) ṗ (3,). [rad/s]"""
         return np.asarray(2 * (E(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
+
+    def angular_velocity_body(self, body: str) -> Array:
+        """Angular velocity in body axes, 2 G(p) ṗ (3,). [rad/s]"""
+        return np.asarray(2 * (G(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
 
     def turn(self, body: str, axis: str) -> Any:
         """The angle of a body about a global axis, see `model.function.Turn`; revolutions count. [rad]"""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -147,6 +147,7 @@ class StateDerivatives(Result):
     q_b, v_b, a_b : (n, nq, p)
     lam_b : (n, m, p)
     coordinates : their names, in the order of q_b
+    along : gives the derivatives of any output by its name (n, p)
     """
 
     names: tuple[str, ...]
@@ -156,19 +157,32 @@ class StateDerivatives(Result):
     a_b: Array = field(repr=False)
     lam_b: Array = field(repr=False)
     coordinates: tuple[str, ...] = field(repr=False, default=())
+    along: Callable[[str], Array] | None = field(repr=False, default=None)
+
+    def output(self, name: str) -> Array:
+        """Derivatives of an output by all parameters over time (n, p), ``spring.tension``.
+
+        Raises
+        ------
+        UnknownOutput
+            If there is no such output, which is a KeyError, too.
+        """
+        if self.along is None or name in self.coordinates:
+            return np.asarray(self.q_b[:, place_of(name, self.coordinates, "the run")])
+        return self.along(name)
 
     def __getitem__(self, pair: tuple[str, str]) -> Array:
-        """Derivatives of a coordinate by a number over time (n,), ``d["slider.x", "spring.k"]``; by a vector (n, 3).
+        """Derivatives of an output by a parameter over time (n,), ``d["slider.x", "spring.k"]``; by a vector (n, 3).
 
         Raises
         ------
         KeyError
-            For an unknown coordinate, and a number that was not asked for.
+            For an unknown output, and a parameter that was not asked for.
         """
-        if isinstance(pair, str):
-            raise KeyError(f'a coordinate and a number are needed, d["slider.x", "{pair}"]')
-        row = place_of(pair[0], self.coordinates, "the run")
-        return np.asarray(self.q_b[:, row][:, _places(pair[1], self.names, "derivatives")])
+        if not _is_pair(pair):
+            raise KeyError(f'An output and a parameter are needed, as in d["slider.x", "{self.names[0]}"].')
+        places = _places(pair[1], self.names, "derivatives")
+        return np.asarray(self.output(pair[0])[:, places])
 
 
 @dataclass(frozen=True, eq=False)

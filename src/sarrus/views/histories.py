@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 
 def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> Any:
-    """Draw coordinates over time.
+    """Draw outputs over time.
 
     Parameters
     ----------
     run : Trajectory
-    names : coordinates of bodies, ``"slider.x"``, and of joints, ``"pin.angle"``; by default the x of the last body
+    names : of outputs, ``"slider.x"``, ``"pin.angle"``, ``"spring.tension"``; by default the x of the last body
     ax : Matplotlib axes to draw into; by default a new figure's
     rates : whether their rates are drawn
 
@@ -30,7 +30,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
     Raises
     ------
     KeyError
-        For an unknown coordinate.
+        For an unknown output.
     ImportError
         If Matplotlib is not installed.
     """
@@ -47,7 +47,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
-    """Draw the rate of a coordinate over the coordinate, with the start as a dot.
+    """Draw the rate of an output over the output, with the start as a dot.
 
     A periodic motion closes, a damped one winds inwards to its rest, and a stop or impact shows as a jump straight down
     or up.
@@ -55,7 +55,7 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
     Parameters
     ----------
     run : Trajectory
-    name : a coordinate of a body, ``"slider.x"``, or of a joint, ``"pin.angle"``
+    name : of an output of positions and velocities, ``"slider.x"``, ``"pin.angle"``, ``"spring.length"``
     ax : Matplotlib axes to draw into; by default a new figure's
 
     Returns
@@ -65,7 +65,7 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
     Raises
     ------
     KeyError
-        For an unknown coordinate.
+        For an unknown output.
     ImportError
         If Matplotlib is not installed.
     """
@@ -180,20 +180,20 @@ def plot_steps(run: Trajectory, ax: Any = None) -> Any:
 
 
 def plot_sensitivities(
-    found: StateDerivatives, run: Trajectory, coordinate: str, ax: Any = None, *, most: int = 8
+    found: StateDerivatives, run: Trajectory, output: str, ax: Any = None, *, most: int = 8
 ) -> Any:
-    """Draw the derivatives of a coordinate over time, with respect to the numbers of the largest influence.
+    """Draw the derivatives of an output over time, with respect to the parameters of the largest influence.
 
-    Those of a coordinate that oscillates grow with time wherever a number changes the frequency: what is seen then is a
+    Those of an output that oscillates grow with time wherever a parameter changes the frequency: what is seen then is a
     shift of phase, not of size.
 
     Parameters
     ----------
     found : StateDerivatives
     run : the run that was differentiated
-    coordinate : of a body, ``"slider.x"``
+    output : its name, ``"slider.x"``, ``"spring.tension"``
     ax : Matplotlib axes to draw into; by default a new figure's
-    most : of how many numbers
+    most : of how many parameters
 
     Returns
     -------
@@ -202,19 +202,17 @@ def plot_sensitivities(
     Raises
     ------
     KeyError
-        For an unknown coordinate.
+        For an unknown output.
     ImportError
         If Matplotlib is not installed.
     """
-    from ..results.motion.trajectory import place_of
-
-    curves = found.q_b[:, place_of(coordinate, run.coordinate_names, run.name)]
+    unit, curves = run.output(output).unit, found.output(output)
     sizes = abs(curves).max(axis=0)
     ax = _window_axes() if ax is None else ax
     for k in np.argsort(-sizes, kind="stable")[:most]:
         if sizes[k] > 0:
             ax.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
     ax.set_xlabel("t [s]")
-    ax.set_ylabel(f"d({coordinate}) / d(number)  [m or 1, per unit of the number]")
+    ax.set_ylabel(f"derivative of {output} [{unit} per unit of the parameter]")
     ax.legend(frameon=False)
     return _tidy(ax)

@@ -49,7 +49,7 @@ def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
     panels = {
         f"{sliding}: position [m]": slide.position,
         f"{sliding}: velocity [m/s]": slide.velocity,
-        f"{turning}: spin in body axes [rad/s]": run[turning].angular_velocity,
+        f"{turning}: spin in body axes [rad/s]": run[turning].angular_velocity_body,
     }
     for ax, (label, curves) in zip(axes.flat, panels.items(), strict=False):
         for curve, name, style in zip(curves.T, "xyz", STYLES, strict=True):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -12,10 +13,11 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model import announce, reports_warnings
+from ...outputs import find_output
 from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
-from .chain import by_joints
+from .chain import Nodes, by_joints
 from .chains import AnyChain, chain_of, curved_chain
 from .corners import corners
 from .evaluation import Evaluation, Explicit
@@ -23,6 +25,7 @@ from .hessian import Curvature
 from .parameters import Design, Parameters
 from .reported import Reported
 from .responses import Final, Output, Response
+from .sampling import Sampling
 from .undefined import refuse, undefined
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
@@ -153,7 +156,7 @@ def state_derivatives(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> StateDerivatives:
-    """Derivatives of all states of a run with respect to numbers of its model, at the ends of its steps.
+    """Derivatives of all states of a run, and of any output, with respect to parameters, at the ends of its steps.
 
     Parameters as for `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
 
@@ -172,13 +175,29 @@ def state_derivatives(
         refuse(run.system, steps, parameters)
         announce(corners(run.system, steps))
         report(1)
-        found = chain_of(run.system, steps).along(*parameters.along(np.eye(len(parameters.names))))
+        changes = parameters.along(np.eye(len(parameters.names)))
+        found = chain_of(run.system, steps).along(*changes)
         report(2)
+        along = partial(_output_along, run.system, steps, parameters, found)
         reported = Reported(run.system, steps)
         if reported.redundant:
-            found = reported.along(found, parameters.along(np.eye(len(parameters.names)))[0])
-    states = found.q, found.v, found.a, found.lam
-    return StateDerivatives(tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names)
+            found = reported.along(found, changes[0])
+    states, names = (found.q, found.v, found.a, found.lam), tuple(parameters.names)
+    return StateDerivatives(names, steps.t, *states, coordinates=run.coordinate_names, along=along)
+
+
+def _output_along(
+    system: System, steps: StepsTaken, parameters: Parameters, states: Nodes, name: str
+) -> Array:
+    """Derivatives of an output at the nodes of a run by all parameters (n, p), with those of the states."""
+    whole = np.eye(len(parameters.names))
+    b, _, _, c = parameters.along(whole)
+    response, nodes = Final(find_output(system, name).name), Sampling(steps)
+    named = dict(zip(parameters.names, whole, strict=True))
+    (found,) = Evaluation(system, steps, [response], parameters, samplings=[nodes]).signals_along(
+        states, b, c, named
+    )
+    return found
 
 
 @reports_warnings

@@ -84,7 +84,7 @@ def _report_end(motion: Trajectory, answer: Answer) -> None:
         answer.show(f"  {body:<24} x = {x:+.9f}  y = {y:+.9f}  z = {z:+.9f} m")
     if len(motion.t) > 1 and np.ptp(np.asarray(motion.q), axis=0).max() < STILL:
         answer.show("  nothing moved: it rests, or has no freedom; see sarrus check")
-    names = ("position", "euler", "velocity", "angular_velocity")
+    names = ("position", "euler", "velocity", "angular_velocity_global", "angular_velocity_body")
     end = {
         body: {name: getattr(motion[body], name)[-1] for name in names}
         for body in motion.bodies

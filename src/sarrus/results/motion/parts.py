@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...model.checks.deprecated import warn_deprecated
 from ...rendering import renderer
 
 
@@ -20,14 +21,24 @@ class BodyMotion:
     ----------
     position, velocity : of the frame's origin, in global axes (nt, 3) [m], [m/s]
     euler : Euler parameters, scalar first (nt, 4)
-    angular_velocity : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
+    angular_velocity_global : in global axes, 2 E(p) ṗ, as the output ``angular_velocity`` (nt, 3) [rad/s]
+    angular_velocity_body : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
     """
 
     name: str
     position: Array
     euler: Array
     velocity: Array
-    angular_velocity: Array
+    angular_velocity_global: Array
+    angular_velocity_body: Array
+
+    @property
+    def angular_velocity(self) -> Array:
+        """The deprecated name of `angular_velocity_body`."""
+        warn_deprecated(
+            "angular_velocity of a body's motion", "angular_velocity_body, or angular_velocity_global"
+        )
+        return self.angular_velocity_body
 
 
 @dataclass(frozen=True)

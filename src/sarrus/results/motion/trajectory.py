@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...euler import G
+from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs.motion import Series, series
-from ...outputs.output import unknown_output
+from ...outputs.output import UnknownOutput, unknown_output
 from ...rendering import renderer
 from ...system import JointCoordinates
 from ..result import Result
@@ -26,6 +26,9 @@ from .steps import Pieces, StepsTaken
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
+
+
+WITHOUT_SYSTEM = "This run was read without its system and has coordinates of bodies only: use sarrus.load_run(folder, system)."
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,18 +100,23 @@ class Trajectory(Result):
         kept = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
         return f"{told}; {reached} in {self.nsteps} steps{kept}; bodies {', '.join(self.bodies)}"
 
-    def __getitem__(self, body: str) -> BodyMotion:
-        """The motion of a body.
+    def __getitem__(self, name: str) -> Any:
+        """The motion of a body, a `BodyMotion`, or the values of an output (nt,), ``run["spring.tension"]``.
 
         Raises
         ------
         KeyError
-            If there is no such body.
+            If there is neither.
         """
-        at = coordinates_of(body, self.bodies, self.name)
+        if isinstance(name, str) and name not in self.bodies:
+            try:
+                return self.output(name).values
+            except UnknownOutput:
+                if "." in name or not self.bodies:
+                    raise
+        at = coordinates_of(name, self.bodies, self.name)
         (r, p), (rd, pd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v))
-        spin = np.array([2 * (G(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
-        return BodyMotion(body, r, p, rd, spin)
+        return BodyMotion(name, r, p, rd, *(_spin(matrix, p, pd) for matrix in (E, G)))
 
     @checked
     def joint(self, name: str) -> JointMotion:
@@ -191,7 +199,10 @@ class Trajectory(Result):
         """
         if self.system is not None:
             return series(self.system, self, name, rate=rate)
-        place = place_of(name, self.coordinate_names, self.name)
+        try:
+            place = place_of(name, self.coordinate_names, self.name)
+        except UnknownOutput as unknown:
+            raise UnknownOutput(f"{unknown} {WITHOUT_SYSTEM}") from None
         unit = ("m" if place % 7 < 3 else "1") + "/s" * rate
         label = f"rate of {name} [{unit}]" if rate else f"{name} [{unit}]"
         return Series(name, unit, label, self.t, np.asarray((self.v if rate else self.q)[:, place]))
@@ -263,6 +274,11 @@ class Trajectory(Result):
     def animate(self, file: Any = None, **options: Any) -> Any:
         """Play the motion in three dimensions, in the browser, a notebook or a file; see `sarrus.animate`."""
         return renderer().animate(self, file, **options)
+
+
+def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
+    """Angular velocity 2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3)."""
+    return np.array([2 * (matrix(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
 
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:

@@ -28,7 +28,9 @@ ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
 
 
-WITHOUT_SYSTEM = "This run was read without its system and has coordinates of bodies only: use sarrus.load_run(folder, system)."
+WITHOUT_SYSTEM = (
+    "This run has no system, and so coordinates of bodies only. Use sarrus.load_run(folder, system)."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,7 @@ class Trajectory(Result):
         KeyError
             If there is neither.
         """
-        if isinstance(name, str) and name not in self.bodies:
+        if name not in self.bodies:
             try:
                 return self.output(name).values
             except UnknownOutput:

@@ -12,7 +12,8 @@ import pytest
 
 import sarrus as sr
 from sarrus.cli.values import refuse_unwritable
-from sarrus.views import film, plots
+from sarrus.views import film
+from sarrus.views.figures import style as plots
 
 PAGE = (Path(__file__).parents[1] / "docs" / "faq.md").read_text(encoding="utf-8")
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"

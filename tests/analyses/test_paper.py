@@ -10,7 +10,7 @@ from tests.system.mechanisms import hmmwv, slider_crank
 from sarrus.analyses.paper import STEPS, Difference, Experiment, experiment
 from sarrus.elements import Element
 from sarrus.model import Force, Joint
-from sarrus.views.tables import paper_tables
+from sarrus.views.figures.paper_tables import paper_tables
 
 AT_BEST = 1e-9  # relative error of a central difference at its best step: round-off
 AIMS = {  # over central differences, on a quiet machine

@@ -14,13 +14,12 @@ from tests.views.test_shapes import volume
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.views import shapes
 from sarrus.views.looks import sketch
-from sarrus.views.meshes import MeshError, read_mesh
-from sarrus.views.meshes.thin import thinned
-from sarrus.views.shapes.rounds import turned
+from sarrus.views.meshes import MeshError, read_mesh, solids
+from sarrus.views.meshes.read import thinned
+from sarrus.views.meshes.solids import turned
 
-BOX = shapes.box((1.0, 2.0, 3.0)).moved(np.array([0.5, 0.0, 0.0]))
+BOX = solids.box((1.0, 2.0, 3.0)).moved(np.array([0.5, 0.0, 0.0]))
 PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
 
 

@@ -20,9 +20,8 @@ from tests.analyses.driven import turned
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.views import mechanism_figure
-from sarrus.views.camera import camera
 from sarrus.views.film import _ffmpeg, write_film
-from sarrus.views.raster import Canvas
+from sarrus.views.raster import Canvas, camera
 
 PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
 WHITE, RED, BLUE = np.ones(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0])

@@ -12,8 +12,7 @@ from sarrus.cli import main
 from sarrus.results.maps.polygons import inside
 from sarrus.results.maps.workspace_range import CriticalValue, WorkspaceRange
 from sarrus.results.maps.workspace_volume import Loop, Slice, WorkspaceVolume
-from sarrus.views.workspace_sheets import barrier_sheets
-from sarrus.views.workspace_surface import surface_parts
+from sarrus.views.workspace_volume import barrier_sheets, surface_parts
 
 from .mechanisms import arm_3r, platform_haug
 

@@ -1,21 +1,37 @@
-"""Pictures: figures with Matplotlib (the extra `plot`), imported when the first is drawn, and pages for the browser."""
+"""Figures with Matplotlib (`figures`, the extra `plot`), and drawings in three dimensions: pages, pictures, films, GLB.
 
-from .gradients import gradient_table, optimum_table, plot_convergence, plot_gradient, tornado_figure
-from .histories import plot, plot_energies, plot_phase, plot_sensitivities, plot_steps, plot_violation
-from .input_singularities import plot_input_singularities
-from .mechanism import mechanism_figure
-from .mode_shapes import animate_mode
-from .modes import modes_table, plot_modes
-from .plots import check_figure, motion_figure
-from .reactions import plot_reaction
-from .shows import animate, view
-from .studies import plot_study
-from .tables import paper_tables
-from .workspace import plot_workspace
-from .workspace_field import plot_workspace_field
-from .workspace_surface import view_workspace
-from .workspace_volume import plot_workspace_volume
-from .workspace_words import workspace_report
+A drawing is made in three steps: `meshes` are triangles, `looks` makes a model into moving meshes, and `browser`,
+`film` or `glb` write them. Views compute nothing that a result could hold. Matplotlib is imported when the first figure
+is drawn.
+"""
+
+from .figures.gradients import (
+    gradient_table,
+    optimum_table,
+    plot_convergence,
+    plot_gradient,
+    plot_study,
+    tornado_figure,
+)
+from .figures.histories import (
+    plot,
+    plot_energies,
+    plot_phase,
+    plot_reaction,
+    plot_sensitivities,
+    plot_steps,
+    plot_violation,
+)
+from .figures.input_singularities import plot_input_singularities
+from .figures.mechanism import mechanism_figure
+from .figures.modes import modes_table, plot_modes
+from .figures.paper_tables import paper_tables
+from .figures.style import check_figure, motion_figure
+from .figures.workspace import plot_workspace
+from .figures.workspace_field import plot_workspace_field
+from .figures.workspace_report import workspace_report
+from .shows import animate, animate_mode, view
+from .workspace_volume import plot_workspace_volume, view_workspace
 
 __all__ = [
     "animate",

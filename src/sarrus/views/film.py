@@ -17,11 +17,10 @@ from ..analyses.progress import monitor
 from ..euler import A
 from ..results.saving.exported_file import exporting
 from .browser import Shown
-from .browser.scene import GHOSTS, front, pace
-from .camera import Camera, camera
+from .browser.page import GHOSTS, front, pace
 from .looks import Part, Span
-from .raster import Canvas
-from .shapes.mesh import along
+from .meshes.mesh import along
+from .raster import Camera, Canvas, camera
 
 SIZE = (720, 450)  # [pixels] of a film
 LARGE = (1200, 750)  # [pixels] of a picture

@@ -14,7 +14,7 @@ from ..euler import A
 from ..results.saving.exported_file import exporting
 from .browser import Shown
 from .looks import Part, Span
-from .shapes import normals
+from .meshes.mesh import normals
 
 FLOAT, UINT = 5126, 5125  # component types of glTF
 VERTICES, INDICES = 34962, 34963  # targets of buffer views

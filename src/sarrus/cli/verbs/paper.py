@@ -23,7 +23,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...mechanisms import path
     from ...model import load
     from ...system import System
-    from ...views.tables import paper_tables
+    from ...views.figures.paper_tables import paper_tables
 
     found = {}
     with Bar("compiling and timing", len(MECHANISMS)) as bar:

@@ -96,7 +96,7 @@ def _report_end(motion: Trajectory, answer: Answer) -> None:
 def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
     """Raise a SarrusError for an output that is not there, before anything is simulated."""
     from ...outputs import find_output
-    from ...views.plots import figure_of
+    from ...views.figures.style import figure_of
 
     if chosen.plot:
         figure_of(1, 1)  # Matplotlib is there
@@ -106,7 +106,7 @@ def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
 
 def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
     from ...views import plot
-    from ...views.plots import figure_of
+    from ...views.figures.style import figure_of
 
     if chosen.csv:
         motion.to_csv(chosen.csv, *chosen.columns)

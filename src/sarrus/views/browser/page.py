@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import html
+import json
 import sys
 import tempfile
 import webbrowser
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from ...algebra import Array
 from ...results.saving.exported_file import exports
+from ..looks import Part, Sketch, Span
+from ..motion import Arrow, Frames
 
 HEIGHT = 520  # [px] in a notebook
 
@@ -44,3 +55,211 @@ def in_notebook() -> bool:
     """Whether this is a notebook, which shows the last value of a cell by itself."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
+
+
+THREE = "187"
+GHOSTS = ("#c2410c", "#1d7a46", "#6d28d9", "#a16207")  # of the second run and those after it
+SPEEDS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+BRISK = 6.0  # [s] that a run shall take which is too quick to be seen
+SHORT = 2.0  # [s] a run that is shorter is slowed down
+FLAT = 0.02  # of the largest extent: a mechanism that is thinner is first seen from the front
+
+
+class Shown(NamedTuple):
+    """A run as it is shown: its name, its sketch, frames, arrows, and traces as (body number, point in its axes)."""
+
+    name: str
+    sketch: Sketch
+    frames: Frames
+    arrows: Sequence[Arrow] = ()
+    traces: Sequence[tuple[int, Array]] = ()
+
+
+class Numbers:
+    """A block of numbers, and where in it each array is."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._size = 0
+        self._known: dict[bytes, list[int]] = {}
+
+    def add(self, values: Any, kind: Any = np.float32) -> list[int]:
+        """Append an array, or find it if it is there; return its first byte and how many numbers it has."""
+        data = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<")).tobytes()
+        if data not in self._known:
+            self._known[data] = [self._size, np.size(values)]
+            self._parts.append(data + b"\0" * (-len(data) % 4))
+            self._size += len(self._parts[-1])
+        return self._known[data]
+
+    def text(self) -> str:
+        """All of it, compressed, in letters."""
+        packed = gzip.compress(b"".join(self._parts), compresslevel=6, mtime=0)
+        return base64.b64encode(packed).decode("ascii")
+
+
+def write_page(
+    shown: Sequence[Shown],
+    *,
+    speed: float | None = None,
+    names: bool = False,
+    frames: bool = False,
+    arrows: bool = True,
+    play: bool = True,
+) -> Page:
+    """Return runs of one or several models, drawn over each other, as a page.
+
+    Parameters
+    ----------
+    shown : the first in its own colours, the others in one colour each
+    speed : at first, times that of life; by default 1, or slow enough to be seen
+    names, frames, arrows : whether names of bodies, their frames, and arrows are on at first
+    play : whether it plays when it is opened
+    """
+    numbers = Numbers()
+    first = shown[0]
+    sketches = list({id(run.sketch): run.sketch for run in shown}.values())
+    description = {
+        "title": first.sketch.name,
+        "subtitle": _subtitle(shown),
+        "up": _plain(first.sketch.up),
+        "size": max(sketch.size for sketch in sketches),
+        "low": min(sketch.low for sketch in sketches),
+        "floor": first.sketch.floor,
+        "front": front(first),
+        "sketches": [_sketch(sketch, numbers) for sketch in sketches],
+        "runs": [_run(run, n, sketches, numbers) for n, run in enumerate(shown)],
+        "names": names,
+        "frames": frames,
+        "arrows": arrows,
+        "play": play,
+        **pace(shown, speed),
+    }
+    return Page(first.sketch.name, _filled(first.sketch.name, description, numbers))
+
+
+def _filled(title: str, description: dict[str, Any], numbers: Numbers) -> str:
+    """The template with everything in its place; text that could end a script is written differently."""
+    words = json.dumps(description, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    places = {
+        "TITLE": html.escape(title),
+        "STYLE": _file("page.css"),
+        "SCENE": words,
+        "NUMBERS": numbers.text(),
+        "THREE": THREE,
+        "LIBRARY": _file("three.min.js"),
+        "VIEWER": _file("viewer.js"),
+    }
+    page = _file("page.html").split("@")
+    return "".join(places.get(piece, piece) if n % 2 else piece for n, piece in enumerate(page))
+
+
+def _file(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _subtitle(shown: Sequence[Shown]) -> str:
+    t = shown[0].frames.t
+    span = f"t = {t[0]:g} … {t[-1]:g} s, " if len(t) > 1 else ""
+    count = len(shown[0].sketch.bodies)
+    missing = len(shown[0].sketch.notes)
+    notes = f", {missing} {'mesh' if missing == 1 else 'meshes'} not found" if missing else ""
+    return f"{span}{count} {'body' if count == 1 else 'bodies'}{notes}"
+
+
+def _plain(values: Array) -> Any:
+    return np.asarray(values, dtype=float).round(9).tolist()
+
+
+def front(run: Shown) -> str:
+    """The axis along which the mechanism has no extent, to look along at first; "iso" if there is none."""
+    if run.sketch.given:
+        return "iso"
+    q = run.frames.q.reshape(len(run.frames.q), -1, 7)
+    places = [q[:, :, :3].reshape(-1, 3)]
+    places += [part.mesh.vertices for part in run.sketch.parts if part.body == 0 and part.kind == "joint"]
+    extent = np.ptp(np.concatenate(places), axis=0)
+    thin = [
+        n for n in range(3) if extent[n] <= FLAT * max(extent.max(), run.sketch.size) + 4 * run.sketch.unit
+    ]
+    level = abs(run.sketch.up)
+    return "xyz"[thin[0]] if len(thin) == 1 and (level[thin[0]] < 0.5 or not run.sketch.weighs) else "iso"
+
+
+def pace(shown: Sequence[Shown], speed: float | None) -> dict[str, Any]:
+    """Speeds to choose from, the one to begin with, and digits of the clock."""
+    span = max(float(run.frames.t[-1] - run.frames.t[0]) for run in shown) or 1.0
+    if speed is None:
+        speed = 1.0 if span >= SHORT else _round(span / BRISK)
+    digits = max(2, 3 - int(np.floor(np.log10(span))))
+    return {"speed": speed, "speeds": [speed * factor for factor in SPEEDS], "digits": digits}
+
+
+def _round(value: float) -> float:
+    """The nearest of 1, 2 and 5 with a power of ten that is not larger."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-12)))
+
+
+def _sketch(sketch: Sketch, numbers: Numbers) -> dict[str, Any]:
+    return {
+        "unit": sketch.unit,
+        "bodies": list(sketch.bodies),
+        "colors": list(sketch.colors),
+        "centers": _plain(sketch.centers),
+        "parts": [
+            {"body": part.body, "opacity": part.opacity, **_mesh(part, numbers)} for part in sketch.parts
+        ],
+        "spans": [_span(span, numbers) for span in sketch.spans],
+    }
+
+
+def _mesh(part: Part | Span, numbers: Numbers) -> dict[str, Any]:
+    wide = len(part.mesh.vertices) > 65535
+    return {
+        "name": part.name,
+        "kind": part.kind,
+        "description": part.description,
+        "color": part.color,
+        "wide": wide,
+        "v": numbers.add(part.mesh.vertices),
+        "f": numbers.add(part.mesh.faces, np.uint32 if wide else np.uint16),
+    }
+
+
+def _span(span: Span, numbers: Numbers) -> dict[str, Any]:
+    return {
+        "body": 0,
+        "opacity": 1.0,
+        "bodies": span.bodies,
+        "points": [_plain(point) for point in span.points],
+        "length": span.length,
+        "grip": span.grip,
+        **_mesh(span, numbers),
+    }
+
+
+def _run(run: Shown, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
+    return {
+        "name": run.name,
+        "sketch": next(k for k, sketch in enumerate(sketches) if sketch is run.sketch),
+        "color": GHOSTS[(n - 1) % len(GHOSTS)] if n else None,
+        "start": float(run.frames.t[0]),
+        "step": run.frames.step,
+        "count": len(run.frames.t),
+        "q": numbers.add(run.frames.q),
+        "traces": [{"body": body, "point": _plain(point)} for body, point in run.traces],
+        "arrows": [_arrow(arrow, numbers) for arrow in run.arrows],
+    }
+
+
+def _arrow(arrow: Arrow, numbers: Numbers) -> dict[str, Any]:
+    return {
+        "name": arrow.name,
+        "kind": arrow.kind,
+        "description": arrow.description,
+        "turning": arrow.turning,
+        "most": arrow.most,
+        "p": numbers.add(arrow.points),
+        "d": numbers.add(arrow.ways),
+    }

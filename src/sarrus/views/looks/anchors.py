@@ -65,7 +65,7 @@ def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Place
 
 def _axes(placed: list[Placed]) -> tuple[Array, Array]:
     """Axes along the first vector of body i that the elements hold, if there is one."""
-    from ..shapes.mesh import along
+    from ..meshes.mesh import along
 
     for one in placed:
         a_i = _fields(one).get("a_i")

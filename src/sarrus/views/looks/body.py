@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ..shapes import Mesh, ball, bar, box, hull, plate, rod
-from ..shapes.mesh import joined
+from ..meshes.mesh import Mesh, joined
+from ..meshes.solids import ball, bar, box, hull, plate, rod
 
 SAME = 1e-6  # of the size of the drawing: nearer points are one
 OFF = 2.5  # thicknesses: how far a centre of mass is from its link before it is drawn

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.joints.couplings import Coupler, Coupling, Gear, RackAndPinion
-from ..shapes import Mesh, box, disc, joined, ring, toothed
+from ..meshes.mesh import Mesh, joined
+from ..meshes.solids import box, disc, ring, toothed
 from .joint import DrawingScale
 from .part import DARK, MOTOR, STEEL, Part
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ..shapes import ball, coil, disc, rim, ring, rod, spiral, wheel
-from ..shapes.mesh import along, joined
+from ..meshes.mesh import along, joined
+from ..meshes.solids import ball, coil, disc, rim, ring, rod, spiral, wheel
 from .anchors import Anchor
 from .joint import DrawingScale, mount
 from .part import DAMPER, DARK, RUBBER, SPRING, STEEL, Part, Span

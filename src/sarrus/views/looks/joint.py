@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ..shapes import Mesh, ball, box, coil, cone, disc, ring, rod
-from ..shapes.mesh import joined
+from ..meshes.mesh import Mesh, joined
+from ..meshes.solids import ball, box, coil, cone, disc, ring, rod
 from .anchors import Anchor
 from .part import DARK, GROUND, STEEL, Part, Span
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from ...algebra import Array
-from ..shapes import Mesh
+from ..meshes.mesh import Mesh
 
 Kind = Literal["body", "joint", "force", "ground"]
 Grip = Literal["both", "start", "end"]

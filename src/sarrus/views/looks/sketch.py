@@ -17,12 +17,12 @@ from ...model.bodies.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.show import quote
 from ..meshes import Colored, MeshError
-from ..shapes import Mesh
+from ..meshes.mesh import Mesh
+from ..meshes.read import given_meshes
 from .anchors import Anchor, anchors, centers, points_of
 from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
-from .given import given_meshes
 from .joint import RAILS, DrawingScale, joint_parts
 from .part import PALETTE, STEEL, Part, Span
 

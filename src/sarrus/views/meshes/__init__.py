@@ -1,6 +1,9 @@
-"""Meshes from files: STL, OBJ, glTF and COLLADA, read with NumPy and the standard library."""
+"""Triangle meshes: the type, solids made from numbers, and files (STL, OBJ, glTF, COLLADA) read within strict limits.
 
-from .colored import Colored, MeshError
-from .read import read_mesh
+Nothing here knows models or bodies; a file needs NumPy and the standard library only.
+"""
 
-__all__ = ["Colored", "MeshError", "read_mesh"]
+from .colored import Colored as Colored
+from .colored import MeshError as MeshError
+from .read import given_meshes as given_meshes
+from .read import read_mesh as read_mesh

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -10,8 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...algebra import Array
-from .bounds import Nodes, content
-from .colored import Colored, hexadecimal, welded
+from ...model.geometry.motion import axis_angle, unit
+from ...model.geometry.rotation import matrix
+from .colored import Colored, Nodes, content, hexadecimal, welded
+from .mesh import affine
 
 POLYGONS = ("triangles", "polylist", "polygons")
 
@@ -45,18 +47,16 @@ class _Reader:
     def pieces(self) -> Iterator[Colored]:
         scale = np.diag([self.meter, self.meter, self.meter, 1.0])
         for scene in self.root.iter("visual_scene"):
-            yield from self._nodes(scene, scale)
+            yield from self._nodes(scene.findall("node"), scale)
 
-    def _nodes(self, parent: Any, place: Array, depth: int = 1) -> Iterator[Colored]:
-        for node in parent.findall("node"):
+    def _nodes(self, nodes: Iterable[Any], place: Array, depth: int = 1) -> Iterator[Colored]:
+        for node in nodes:
             self.nodes.place(depth)
             here = place @ _matrix(node)
             for used in node.findall("instance_geometry"):
                 yield from self._geometry(self._of(used.get("url")), here, self._materials(used))
-            for used in node.findall("instance_node"):
-                inner = self._of(used.get("url"))
-                yield from self._nodes(_Parent(inner), here, depth + 1)
-            yield from self._nodes(node, here, depth + 1)
+            used_nodes = (self._of(used.get("url")) for used in node.findall("instance_node"))
+            yield from self._nodes((*used_nodes, *node.findall("node")), here, depth + 1)
 
     def _of(self, reference: str) -> Any:
         return self.by_id[reference.removeprefix("#")]
@@ -79,26 +79,13 @@ class _Reader:
             points = self._points(self._of(source.get("source")))
             which = corners[:, :, int(inputs["VERTEX"].get("offset"))]
             normal = corners[:, :, int(inputs["NORMAL"].get("offset"))] if "NORMAL" in inputs else 0 * which
-            if np.linalg.det(place[:3, :3]) < 0:
-                which, normal = which[:, ::-1], normal[:, ::-1]
-            spots = points @ place[:3, :3].T + place[:3, 3]
             if len(which):
-                mesh = welded(spots[which], np.stack([which, normal], axis=-1))
+                mesh = welded(points[which], np.stack([which, normal], axis=-1)).placed(place)
                 yield Colored(mesh, materials.get(piece.get("material"), ""))
 
     def _points(self, source: Any) -> Array:
         numbers = np.array(source.find("float_array").text.split(), dtype=float)
         return numbers.reshape(-1, int(source.find("technique_common/accessor").get("stride", 3)))[:, :3]
-
-
-class _Parent:
-    """A node as the only child of something."""
-
-    def __init__(self, node: Any) -> None:
-        self.node = node
-
-    def findall(self, tag: str) -> list[Any]:
-        return [self.node]
 
 
 def _triangles(piece: Any, width: int) -> Array:
@@ -127,25 +114,9 @@ def _matrix(node: Any) -> Array:
     return here
 
 
-def _translated(r: Array) -> Array:
-    here = np.eye(4)
-    here[:3, 3] = r
-    return here
-
-
-def _turned(axis_angle: Array) -> Array:
-    """A rotation about an axis by an angle in degrees."""
-    x, y, z = axis_angle[:3] / np.linalg.norm(axis_angle[:3])
-    angle = np.radians(axis_angle[3])
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    here = np.eye(4)
-    here[:3, :3] += np.sin(angle) * skew + (1 - np.cos(angle)) * skew @ skew
-    return here
-
-
 _STEPS: dict[str, Any] = {
     "matrix": lambda m: m.reshape(4, 4),
-    "translate": _translated,
-    "rotate": _turned,
+    "translate": lambda r: affine(np.eye(3), r),
+    "rotate": lambda turn: affine(matrix(axis_angle(unit(turn[:3]), np.radians(turn[3])))),
     "scale": lambda s: np.diag([*s, 1.0]),
 }

@@ -12,9 +12,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from ...algebra import Array
-from ..shapes import Mesh
-from .bounds import Nodes, beside, content
-from .colored import Colored, hexadecimal
+from ...model.geometry.rotation import matrix
+from .colored import Colored, Nodes, beside, content, hexadecimal
+from .mesh import Mesh, affine
 
 KINDS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -57,8 +57,7 @@ class _Reader:
                 points = self._array(piece["attributes"]["POSITION"]).astype(float)
                 order = self._array(piece["indices"]) if "indices" in piece else np.arange(len(points))
                 faces = order.reshape(-1, 3).astype(np.int64)
-                faces = faces if np.linalg.det(place[:3, :3]) > 0 else faces[:, ::-1]
-                yield Colored(Mesh(points @ place[:3, :3].T + place[:3, 3], faces), self._color(piece))
+                yield Colored(Mesh(points, faces).placed(place), self._color(piece))
 
     def _array(self, number: int) -> Array:
         accessor = self.document["accessors"][number]
@@ -96,15 +95,7 @@ def _matrix(node: dict[str, Any]) -> Array:
     """A node's 4 × 4 matrix, given whole or as translation, rotation and scale."""
     if "matrix" in node:
         return np.array(node["matrix"], dtype=float).reshape(4, 4).T
-    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
+    turn = matrix(np.roll(np.array(node.get("rotation", (0.0, 0.0, 0.0, 1.0)), dtype=float), 1))
+    return affine(
+        turn * np.array(node.get("scale", (1.0, 1.0, 1.0))), node.get("translation", (0.0, 0.0, 0.0))
     )
-    here = np.eye(4)
-    here[:3, :3] = turn * np.array(node.get("scale", (1.0, 1.0, 1.0)))
-    here[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
-    return here

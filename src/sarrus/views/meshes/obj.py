@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .bounds import beside, content
-from .colored import Colored, hexadecimal, welded
+from .colored import Colored, beside, content, hexadecimal, welded
 
 Corner = tuple[int, int]  # numbers of the vertex and of its normal
 

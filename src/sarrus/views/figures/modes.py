@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..results import Modes
-from .plots import BLUE, GREY, ORANGE, _tidy, _window_axes
+from ...results import Modes
+from .style import BLUE, GREY, ORANGE, _tidy, _window_axes
 
 SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share

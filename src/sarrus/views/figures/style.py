@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..results import Trajectory
+from ...results import Trajectory
 
 BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
 MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'

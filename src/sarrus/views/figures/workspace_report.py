@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..results.maps.workspace import Component, CurveKind, Workspace
+from ...results.maps.workspace import Component, CurveKind, Workspace
 
 DESCRIPTIONS: dict[CurveKind, str] = {
     "outer": "Boundary",

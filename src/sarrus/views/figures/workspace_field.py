@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
-from ..model import SarrusError
-from ..results.maps.workspace_field import Quantity, WorkspaceField
-from .plots import GREY, _tidy, _window_axes
+from ...algebra import Array
+from ...model import SarrusError
+from ...results.maps.workspace_field import Quantity, WorkspaceField
+from .style import GREY, _tidy, _window_axes
 from .workspace import draw_curves, path_of
 
 MAPS: dict[str, Any] = {"solutions": "YlGnBu", "turn": "cividis"}

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
-from ..model import SarrusError
-from ..model.show import quote, suggest
-from ..results.maps.input_singularities import InputSingularities, Lost, SingularCurve
-from .plots import BLUE, GREY, _tidy, _window_axes
+from ...algebra import Array
+from ...model import SarrusError
+from ...model.show import quote, suggest
+from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
+from .style import BLUE, GREY, _tidy, _window_axes
 
 RED = "#c23b4e"
 STYLES: dict[Lost, dict[str, Any]] = {

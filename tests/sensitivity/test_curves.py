@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.sensitivity.frozen import differenced
+from tests.sensitivity.frozen import again, differenced
 from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.derivatives import differentiated
+from sarrus.analyses.sensitivity.parameters import Parameters
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.system.curve_derivatives import CurveDerivatives
 from sarrus.system.element_values import memory_places
@@ -153,6 +155,69 @@ def test_the_change_of_an_operator_at_many_times_is_that_at_each() -> None:
     assert entries.gradient(weights, of.width) == pytest.approx(total, rel=1e-10, abs=1e-10)
 
 
-def test_second_derivatives_are_refused() -> None:
-    with pytest.raises(ValueError, match="numbers of tables and functions"):
-        sr.hessian(swung(), RESPONSES[0], ["motor.motion.1"])
+EVERYTHING = [*NAMES, "spring.c", "tip.mass", "spring.length"]
+DIRECTION = 0.3 * np.random.default_rng(0).normal(size=len(EVERYTHING))
+
+
+def differenced_gradients(
+    run: sr.Trajectory, responses: list, names: list, direction: np.ndarray, method
+) -> np.ndarray:
+    """Richardson's extrapolation of differences of exact gradients along a direction (r, p)."""
+    at = Parameters(run.system, names).values
+
+    def gradient(e: float) -> np.ndarray:
+        system, steps = again(
+            run.system, run.steps, method, dict(zip(names, at + e * direction, strict=True))
+        )
+        return differentiated(system, steps, responses, Parameters(system, names, start=steps.start)).matrix
+
+    slopes = [(gradient(e) - gradient(-e)) / (2 * e) for e in (4e-3, 2e-3)]
+    return (4 * slopes[1] - slopes[0]) / 3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_hessians_by_tables_and_formulas_are_those_of_differenced_gradients(method: str) -> None:
+    run = swung(method)
+    wanted = differenced_gradients(run, RESPONSES, EVERYTHING, DIRECTION, METHODS[method])
+    for response, row in zip(RESPONSES, wanted, strict=True):
+        found = sr.hessian(run, response, EVERYTHING)
+        assert found.asymmetry < 1e-13
+        assert found.matrix @ DIRECTION == pytest.approx(row, rel=0, abs=1e-7 * abs(row).max())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_laws_that_are_not_linear_in_their_constants(method: str) -> None:
+    """In forces, and in outputs that are made of the same laws, as the energy stored in a spring."""
+    bob = sr.Body("bob", mass=1, inertia=(0.1, 0.2, 0.3), position=(0, 0, -1), velocity=(0.3, 0, 0))
+    laws = {"k": "20*x*exp(0.5*x) + 30*x^3/(1.5 + x^2)", "c": "0.3*x*(1 + 0.2*x^2)"}
+    spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), bob.point(0, 0, 0.1), length=0.7, **laws)
+    system = sr.System(sr.Model("hung", bodies=[bob], forces=[spring], gravity=(0, 0, -9.81)))
+    settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": METHODS[method]}
+    run = sr.simulate(system, until=0.4, **settings)
+    responses = [sr.Final("energy.potential"), sr.Integral("spring.tension"), sr.Final("bob.velocity.z")]
+    names = [name for name in written_numbers(system.model) if name.startswith(("spring.k", "spring.c"))]
+    direction = 0.3 * np.random.default_rng(1).normal(size=len(names))
+    wanted = differenced_gradients(run, responses, names, direction, METHODS[method])
+    for response, row in zip(responses, wanted, strict=True):
+        found = sr.hessian(run, response, names)
+        assert found.asymmetry < 1e-13
+        assert found.matrix @ direction == pytest.approx(row, rel=0, abs=1e-9 * abs(row).max())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_mass_under_forces_of_a_table_and_a_formula(method: str) -> None:
+    """The speed a (exp(c t) - 1)/(c m) after a force a exp(c t): closed forms."""
+    ball = sr.Body("ball", mass=2, inertia=(1, 1, 1), position=(1, 0, 0))
+    law = sr.PointForce("push", ball.point(0, 0, 0), force=(0, 1, 0), factor="1.5*exp(0.8*t)")
+    system = sr.System(sr.Model("pushed", bodies=[ball], forces=[law]))
+    run = sr.simulate(system, until=1.0, rtol=1e-9, atol=1e-11, store_steps=True, method=METHODS[method])
+    a, c, m = 1.5, 0.8, 2.0
+    found = sr.hessian(run, "ball.velocity.y", ["push.factor.1", "push.factor.2", "ball.mass"]).matrix
+    area, slope = (np.exp(c) - 1) / c, np.exp(c) / c - (np.exp(c) - 1) / c**2  # of exp(c t), and by c
+    bend = np.exp(c) / c - 2 * np.exp(c) / c**2 + 2 * (np.exp(c) - 1) / c**3
+    wanted = [
+        [0, slope / m, -area / m**2],
+        [slope / m, a * bend / m, -a * slope / m**2],
+        [-area / m**2, -a * slope / m**2, 2 * a * area / m**3],
+    ]
+    assert found == pytest.approx(np.array(wanted), rel=1e-8 if method == "Radau" else 1e-5, abs=1e-9)

@@ -47,11 +47,17 @@ def test_derivatives_by_the_times(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_change_of_weights(kind: str) -> None:
+def test_the_change_of_derivatives(kind: str) -> None:
+    """Of those by the output and by the times, where both change; both times at an event change alike."""
     response, g = KINDS[kind]
-    g_dot = np.cos(np.arange(len(g)))
-    wanted = (response.weights(g + 1e-4 * g_dot, T) - response.weights(g - 1e-4 * g_dot, T)) / 2e-4
-    assert response.weights_along(g, T, g_dot) == pytest.approx(wanted, abs=1e-6)
+    g_dot, t_dot = np.cos(np.arange(len(g))), 0.3 * np.sin(2 * T)
+    e = 1e-5
+    for name in ("weights", "by_times"):
+        ends = [getattr(response, name)(g + s * e * g_dot, T + s * e * t_dot) for s in (1, -1)]
+        if kind == "misfit":  # whose times are given
+            ends = [getattr(response, name)(g + s * e * g_dot, T) for s in (1, -1)]
+        found = getattr(response, f"{name}_along")(g, T, g_dot, t_dot)
+        assert found == pytest.approx((ends[0] - ends[1]) / (2 * e), abs=1e-6 * (1 + abs(found).max())), name
 
 
 def test_polynomials_through_nodes() -> None:

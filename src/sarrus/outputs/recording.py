@@ -214,29 +214,44 @@ class CurveOnTape:
         (at_other, slope, _), numbers, (by, _) = known.of_curve(*self._at, 0, other)
         ends = dict(zip(numbers, by, strict=True))
         by_one, by_other = [-x for x in area.by], [arm * ends.get(n, 0.0) for n in found.numbers]
-        none = [0.0] * len(found.numbers)
+
+        def second() -> list[list[Any]]:
+            return _or_zero(known.second_integral_of(*self._at, one, other), len(found.numbers))
+
         law = Operation(
             lambda *_: found.value,
             lambda *_: (-area.value, arm * at_other, *found.by),
             lambda *_: (
                 (at_one, -at_other, *by_one),
                 (-at_other, arm * slope + at_other, *by_other),
-                *((x, y, *none) for x, y in zip(by_one, by_other, strict=True)),
+                *((x, y, *row) for x, y, row in zip(by_one, by_other, second(), strict=True)),
             ),
         )
         places = (self._of.input("b", n).at for n in found.numbers)
         return b.tape.add(law, (begin.at, b.at, *places), found.value)
 
     def _derivative(self, order: int, x: Traced) -> Traced:
-        told = CurveDerivatives(self._of.system).of_curve(*self._at, order, np.atleast_1d(x.value))
-        (value, slope, bend), numbers, (by, slope_by) = told
+        known, at = CurveDerivatives(self._of.system), np.atleast_1d(x.value)
+        (value, slope, bend), numbers, (by, slope_by) = known.of_curve(*self._at, order, at)
+
+        def second() -> list[list[Any]]:
+            return _or_zero(known.second_of(*self._at, order, at), len(numbers))
+
         law = Operation(
             lambda *_: value,
             lambda *_: (slope, *by),
-            lambda *_: ((bend, *slope_by), *((one, *(0.0 for _ in by)) for one in slope_by)),
+            lambda *_: (
+                (bend, *slope_by),
+                *((one, *row) for one, row in zip(slope_by, second(), strict=True)),
+            ),
         )
         places = (self._of.input("b", n).at for n in numbers)
         return x.tape.add(law, (x.at, *places), value)
+
+
+def _or_zero(rows: list[list[Any]], count: int) -> list[list[Any]]:
+    """Second derivatives by parameters; zero where none are given, of what is linear in them."""
+    return rows or [[0.0] * count] * count
 
 
 def _held(function: Callable[[Any], Any]) -> Callable[[Any], Any]:

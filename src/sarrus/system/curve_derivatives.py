@@ -30,7 +30,11 @@ from ..model.laws.curve import Tree
 from .population import Population
 from .system import System
 
-ORDERS = {"curve": 0, "curve_slope": 1, "curve_bend": 2, "curve_twist": 3}
+ORDERS = {"curve": 0, "curve_slope": 1, "curve_bend": 2, "curve_twist": 3, "curve_jounce": 4}
+ROWS, TIMES = (
+    ("lam", "nu", "lam_dot"),
+    ("t", "t_dot"),
+)  # operands with one entry for each equation; and one alone
 EVERY: dict[str, Callable[..., Any]] = OPERATIONS | {
     **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
     **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan")},
@@ -196,7 +200,7 @@ class CurveDerivatives:
 
     def integral_of(self, p: Population, k: int, place: int, a: Array, b: Array, power: int) -> Integral:
         """The integral of the curve in number `place` of an element times (x - a)ᵖ, from a to b at many times (nt,)."""
-        curve = p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+        curve = p.values[k][next(m for m, n in curves_of(p.kind) if n == place)]
         x, weights = _quadrature(curve, a, b)
         weights = weights * (x - a) ** power
         columns, basis = self._basis(p, k, place, 0, x.ravel())
@@ -206,6 +210,21 @@ class CurveDerivatives:
         ]
         value = np.sum(weights * _value(curve, x.ravel(), 0).reshape(x.shape), axis=0)
         return Integral(value, numbers, by)
+
+    def second_of(self, p: Population, k: int, place: int, order: int, x: Array) -> list[list[Array]]:
+        """The second derivatives of f⁽ᵒ⁾(x) (nt,) by the parameters, in the order of `of_curve`; none for a table."""
+        curve = stored(p, k, place)
+        written = None if isinstance(curve, Curve) else curve.written
+        return (
+            [[_derivative(f, x, order) for f in row] for row in _by_two_numbers(written)] if written else []
+        )
+
+    def second_integral_of(self, p: Population, k: int, place: int, a: Array, b: Array) -> list[list[Array]]:
+        """The second derivatives of the integral of the curve times x - a by the parameters (nt,); none for a table."""
+        x, weights = _quadrature(stored(p, k, place), a, b)
+        weights = weights * (x - a)
+        rows = self.second_of(p, k, place, 0, x.ravel())
+        return [[np.sum(one.reshape(x.shape) * weights, axis=0) for one in row] for row in rows]
 
     def _parts(
         self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
@@ -227,10 +246,10 @@ class CurveDerivatives:
 
     def on_elements(
         self, p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
-        memory: Mapping[int, Any], operands: Mapping[str, Any],
+        memory: Mapping[int, Any], operands: Mapping[str, Any], more: dict[tuple[Any, ...], Any] | None = None,
     ) -> Array:  # fmt: skip
-        """Recorded expressions (wanted, elements, nt) of all elements of a population."""
-        inputs, shape = self._inputs(p, b, memory, operands), (p.count, *operands["t"].shape)
+        """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
+        inputs, shape = self._inputs(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
         found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
         return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(len(found), *shape)
 
@@ -246,12 +265,12 @@ class CurveDerivatives:
             whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
             whole[k] = memory[place]
             inputs["numbers", n] = whole
-        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in _curves_of(p.kind)}
+        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in curves_of(p.kind)}
         for name, array in operands.items():
-            if name == "t":
-                inputs["t",] = array
-            elif name == "lam":
-                inputs |= {("lam", n): array.T[p.rows + n] for n in range(p.kind.rows)}
+            if name in TIMES:
+                inputs[name,] = array
+            elif name in ROWS:
+                inputs |= {(name, n): array.T[p.rows + n] for n in range(p.kind.rows)}
             else:
                 bodies = enumerate(p.bodies.T)
                 inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
@@ -265,7 +284,7 @@ class CurveDerivatives:
 
     def _basis(self, p: Population, k: int, place: int, order: int, x: Array) -> tuple[Array, Array]:
         """Columns (parameters, nt) of a curve's parameters, and the derivatives of f⁽ᵒ⁾(x) by them (parameters, nt)."""
-        at = int(self._system.b[p.at + k * p.kind.size() + place])
+        at = self._first(p, k, place)
         curve = stored(p, k, place)
         if isinstance(curve, Curve):
             piece, powers = _powers(curve, x, order)
@@ -273,6 +292,55 @@ class CurveDerivatives:
         slopes = _by_numbers(curve.written) if curve.written else []
         columns = np.tile(at + np.arange(len(slopes))[:, None], (1, len(x)))
         return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
+
+    def _first(self, p: Population, k: int, place: int) -> int:
+        """Where the parameters of the curve in number `place` of an element begin."""
+        return int(self._system.b[p.at + k * p.kind.size() + place])
+
+    def change_of(self, p: Population, k: int, place: int, db: Array) -> Curve | CurveChange:
+        """The change of a curve with its parameters (len(b),): a function of the same argument."""
+        at, curve = self._first(p, k, place), stored(p, k, place)
+        if isinstance(curve, Curve):
+            at += 2 + len(curve.cubics)
+            cubics = db[at : at + 4 * len(curve.cubics)].reshape(-1, 4).tolist()
+            return Curve(curve.knots, tuple((a, b, c, d) for a, b, c, d in cubics))
+        slopes = _by_numbers(curve.written) if curve.written else []
+        return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
+
+    def by_parameters(
+        self, p: Population, k: int, place: int, order: int, x: Array, change: Curve | CurveChange | None
+    ) -> tuple[Array, Array]:
+        """Columns (parameters, nt), and the derivatives by them of f⁽ᵒ⁾(x), or of its `change` (parameters, nt)."""
+        if change is None:
+            return self._basis(p, k, place, order, x)
+        if isinstance(change, Curve):  # the coefficients of a table are factors
+            return np.zeros((0, len(x)), dtype=np.int64), np.zeros((0, len(x)))
+        return change.by_parameters(x, order)
+
+
+class CurveChange(NamedTuple):
+    """The change of a formula with its constants: the sum of the derivatives by them, with weights.
+
+    first : the column of the first constant
+    """
+
+    first: int
+    written: Any
+    slopes: tuple[Any, ...]
+    weights: Array
+
+    def value(self, x: Array, order: int) -> Array:
+        """A derivative of it (nt,)."""
+        pairs = zip(self.weights, self.slopes, strict=True)
+        return np.asarray(sum((w * _derivative(f, x, order) for w, f in pairs if w), np.zeros(x.shape)))
+
+    def by_parameters(self, x: Array, order: int) -> tuple[Array, Array]:
+        """Columns of the constants (constants, nt), and the derivatives of f⁽ᵒ⁾(x) by them (constants, nt)."""
+        columns = np.tile(self.first + np.arange(len(self.slopes))[:, None], (1, len(x)))
+        rows = _by_two_numbers(self.written) if self.written else []
+        return columns, np.array([self._replace(slopes=tuple(row)).value(x, order) for row in rows]).reshape(
+            columns.shape
+        )
 
 
 def _quadrature(curve: Any, a: Array, b: Array) -> tuple[Array, Array]:
@@ -341,6 +409,12 @@ def _by_numbers(written: Any) -> list[Any]:
     return list(written.slopes())
 
 
+@lru_cache(KNOWN)
+def _by_two_numbers(written: Any) -> list[list[Any]]:
+    """The second derivatives of a formula with respect to its constants, as functions."""
+    return list(written.bends())
+
+
 def formula_graph(law: Formula) -> tuple[Graph, Expression]:
     """A formula as recorded."""
     graph, found, _ = _recorded(_known(law.function), 0)
@@ -359,11 +433,13 @@ def _known(function: Callable[[Any], Any]) -> Tree | _User:
 
 def stored(p: Population, k: int, place: int) -> Any:
     """The curve that is stored in number `place` of an element."""
-    return p.values[k][next(m for m, n in _curves_of(p.kind) if n == place)]
+    return p.values[k][next(m for m, n in curves_of(p.kind) if n == place)]
 
 
 def _value(curve: Any, x: Array, order: int) -> Array:
     """A derivative of a curve."""
+    if isinstance(curve, CurveChange):
+        return curve.value(x, order)
     if not isinstance(curve, Curve):
         return _derivative(curve.function, x, order)
     piece, powers = _powers(curve, x, order)
@@ -429,7 +505,7 @@ def evaluated(
     return [values[expression.id] for expression in wanted]
 
 
-def _curves_of(kind: Any) -> list[tuple[int, int]]:
+def curves_of(kind: Any) -> list[tuple[int, int]]:
     """Of each curve of an element: its index among the values, and that of its parameter."""
     found, at, value = [], 0, 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):

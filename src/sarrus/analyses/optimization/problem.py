@@ -23,7 +23,7 @@ from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.chain import FIELDS, Nodes, by_joints
-from ..sensitivity.chains import AnyChain, chain_of, curved_chain
+from ..sensitivity.chains import AnyChain, chain_of
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
 from ..sensitivity.design_start import DesignStart
@@ -488,8 +488,7 @@ class Point:
         if place not in self._curvatures:
             steps, parameters = self._steps, self._parameters()
             evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
-            chain = curved_chain(self.system, steps, parameters)
-            self._curvatures[place] = Curvature(chain, evaluation, parameters)
+            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
         return self._curvatures[place]
 
     def signals(self) -> tuple[list[Array], list[Array]]:

@@ -28,6 +28,7 @@ from ..redundancy.redundant_constraints import Independence
 from . import consistent_loop as loop
 from .chain import Nodes
 from .consistent_sweep import ConsistentSweep
+from .curve_lagrangian import CurveLagrangian
 from .node_loop import Given
 from .pieces import PieceSampling
 from .reported import Changes, Place, Reported
@@ -47,12 +48,41 @@ class Operator(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """How states change: given ones and consistent ones; what was solved for; the change of the numbers."""
+    """How states change: given ones and consistent ones; what was solved for; changes of the numbers and the times."""
 
     given: Given
     found: Given
     solved: loop.Solved
     b: Array
+    t: Array
+
+
+class LagrangianChanges:
+    """The changes of the gradients of ℓ (`shares`) at all times along a motion.
+
+    Attributes
+    ----------
+    b, t : those by the parameters and by the times, summed over all that were evaluated
+    """
+
+    def __init__(
+        self, sweep: ConsistentSweep, curves: CurveLagrangian, motion: Motion, memory: Mapping[int, Array]
+    ) -> None:
+        self._sweep, self._curves, self._motion, self._memory = sweep, curves, motion, memory
+        self.b, self.t = np.zeros(len(motion.b)), np.zeros(len(motion.t))
+
+    def __call__(self, kind: str, **given: Array) -> loop.Changes:
+        """Those by the states and the multipliers; `given` as for `ConsistentSweep.changes`."""
+        found, by_b = self._sweep.changes(kind, self._motion.b, **given)
+        self.b += by_b
+        if not self._curves:
+            return found
+        times = {"t": self._sweep.record.t, "t_dot": self._motion.t}
+        added = self._curves.change(kind, self._sweep.b, self._motion.b, self._memory, **times, **given)
+        self.b += added.b
+        self.t += added.t
+        rows = {name: getattr(found, name) + getattr(added, name) for name in ("q", "v", "a", "lam")}
+        return found._replace(**rows | {"lam": rows["lam"] * (1.0 - self._sweep.record.left_out)})
 
 
 class Chosen(Independence):
@@ -185,13 +215,22 @@ class ConsistentSampling(Sampling):
         return self.moves and timed(self._system)
 
     @cached_property
+    def _memory(self) -> dict[int, Array]:
+        """What elements remember at the times, by place in b."""
+        return dict(zip(self._record.places.tolist(), self._record.memory.T, strict=True))
+
+    @cached_property
+    def _second(self) -> CurveLagrangian:
+        """Second derivatives by the parameters of curves, and by the times."""
+        return CurveLagrangian(self._system, True, self._moving)
+
+    @cached_property
     def _curves(self) -> list[Operator]:
         """What depends on numbers of curves, and on times that move."""
         of = TimeDerivatives(self._system) if self._moving else CurveDerivatives(self._system)
         if not of:
             return []
-        record, nq, m = self._sweep.record, self._system.nq, self._system.m
-        memory = dict(zip(record.places.tolist(), record.memory.T, strict=True))
+        record, nq, m, memory = self._sweep.record, self._system.nq, self._system.m, self._memory
 
         def part(equation: str, first: int, sign: float, name: str, q: Array, **given: Array) -> Operator:
             by = of(name, self._run.b, memory, q=q, t=record.t, **given)
@@ -224,7 +263,7 @@ class ConsistentSampling(Sampling):
             if slopes is not None:
                 change = Changes(found.q[row], b, t_dot[row : row + 1])
                 found.lam[row] = slopes.along(change, found.lam[row])
-        return Motion(given, found, solved, b[:, 0])
+        return Motion(given, found, solved, b[:, 0], t_dot)
 
     def _sources(self, b: Array, t_dot: Array) -> loop.Solved | None:
         """The changes of the equations with numbers of curves, and with the times."""
@@ -250,9 +289,8 @@ class ConsistentSampling(Sampling):
         t_bar, by_b = self._through_minimum(given)
         kept = self._sweep.solved()
         found, by_own = self._sweep.backward(given, kept, turned)
-        for kind in ("q", "v"):
-            for n in np.flatnonzero(getattr(found, kind).any(axis=(0, 2))).tolist():
-                self._of.spread(kind, n, getattr(found, kind)[:, n, 0], nodes, column)
+        for (kind, n), bar in self._by_places(found).items():
+            self._of.spread(kind, n, bar, nodes, column)
         size = len(self._run.b)
         for equation, first, height, sign, by in self._curves:
             weights = sign * getattr(kept, equation)[:, first : first + height]
@@ -269,6 +307,13 @@ class ConsistentSampling(Sampling):
             getattr(given, kind)[:, n, 0] += bar
         return given
 
+    def _by_places(self, given: Given) -> dict[Key, Array]:
+        """Gradients by q₀ and v₀ as those by their coordinates."""
+        pairs = [(kind, getattr(given, kind)) for kind in ("q", "v")]
+        return {
+            (kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()
+        }
+
     def _through_minimum(self, given: Given) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
         t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
@@ -280,32 +325,40 @@ class ConsistentSampling(Sampling):
                 given.lam[row] = slopes.transposed(given.lam[row], to)
         return t_bar, by_b
 
-    def turned(self, bars: Mapping[Key, Array], motion: Motion) -> tuple[loop.Turned, Array]:
-        """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),)."""
+    def turned(
+        self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
+    ) -> tuple[loop.Turned, Array]:
+        """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
+
+        `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
+        """
         sweep, record = self._sweep, self._sweep.record
         kept = sweep.solved()
-        sweep.backward(self._given(bars), kept)
+        given, _ = sweep.backward(self._given(bars), kept)
+        if self.moves:
+            self._of.spread_along(self._by_places(given), dots, nodes)
         nq = self._system.nq
         (y, z), (w, zeta), (w2, zeta2) = (
             (x[:, :nq, 0], x[:, nq:, 0]) for x in (kept.node, kept.velocity, kept.position)
         )
-        dots = {f"{name}_dot": getattr(motion.found, name)[:, :, 0] for name in READ}
-        b, q_dot, v_dot = motion.b, dots["q_dot"], dots["v_dot"]
+        dots_of = {f"{name}_dot": getattr(motion.found, name)[:, :, 0] for name in READ}
+        q_dot, v_dot = dots_of["q_dot"], dots_of["v_dot"]
         q0_dot, v0_dot = motion.given.q[:, :, 0], motion.given.v[:, :, 0]
         rho_dot, sigma_dot = motion.solved.velocity[:, nq:, 0], motion.solved.position[:, nq:, 0]
-        node, by_node = sweep.changes(
-            "motion", b, q=record.q, v=record.v, a=record.a, lam=record.lam, xi=y, nu=z, **dots
-        )
+        changes = LagrangianChanges(sweep, self._second, motion, self._memory)
+        node = changes("motion", q=record.q, v=record.v, a=record.a, lam=record.lam, xi=y, nu=z, **dots_of)
         rate = {"q": record.q0, "q_dot": q0_dot}
-        moved, by_moved = sweep.changes(
-            "impulse", b, **rate, xi=w, lam=record.rho, lam_dot=rho_dot, a=record.dv, a_dot=v_dot - v0_dot
+        moved = changes(
+            "impulse", **rate, xi=w, lam=record.rho, lam_dot=rho_dot, a=record.dv, a_dot=v_dot - v0_dot
         )
-        drift, by_drift = sweep.changes("rate", b, q=record.q, q_dot=q_dot, nu=-zeta, v=record.v, v_dot=v_dot)
-        put, by_put = sweep.changes(
-            "impulse", b, **rate, xi=w2, lam=record.sigma, lam_dot=sigma_dot, a=record.dq,
+        drift = changes("rate", q=record.q, q_dot=q_dot, nu=-zeta, v=record.v, v_dot=v_dot)
+        put = changes(
+            "impulse", **rate, xi=w2, lam=record.sigma, lam_dot=sigma_dot, a=record.dq,
             a_dot=(q_dot - q0_dot) * record.between[:, None],
         )  # fmt: skip
-        place, by_place = sweep.changes("place", b, q=record.q, q_dot=q_dot, nu=zeta2)
+        place = changes("place", q=record.q, q_dot=q_dot, nu=zeta2)
+        if self._moving:
+            self._of.spread_time(-changes.t, nodes, 0)
         found = loop.Turned(
             node=np.concatenate([node.a, node.lam], axis=1),
             node_q=node.q,
@@ -316,5 +369,4 @@ class ConsistentSampling(Sampling):
             q0=moved.q + put.q - put.a,
             v0=-moved.a,
         )
-        whole = by_node + by_moved + by_drift + by_put + by_place
-        return loop.Turned._make(np.ascontiguousarray(x)[:, :, None] for x in found), whole
+        return loop.Turned._make(np.ascontiguousarray(x)[:, :, None] for x in found), changes.b

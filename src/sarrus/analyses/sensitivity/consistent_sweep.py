@@ -44,7 +44,7 @@ class ConsistentSweep:
     """
 
     def __init__(self, system: System, b: Array, record: loop.Record) -> None:
-        self.system, self.record, self._b = system, record, b.copy()
+        self.system, self.record, self.b = system, record, b.copy()
         nq, m = system.nq, system.m
         names = [name for name in node_loop.Node._fields if name not in ("M", "Phi_q")]
         self._node_numbers = Numbers(system, ("M", LEFT_OUT, "Phi_q"))
@@ -97,7 +97,7 @@ class ConsistentSweep:
         self, given: node_loop.Given, kept: loop.Solved | None = None, turned: loop.Turned | None = None
     ) -> tuple[node_loop.Given, Array]:
         """Gradients by q₀ and v₀ of those by consistent states, and by the numbers (len(b), 1); see `loop.Turned`."""
-        bars, found = self._bars(np.zeros((len(self._b), 1))), self.states()
+        bars, found = self._bars(np.zeros((len(self.b), 1))), self.states()
         self._go(loop.backward, True, bars, given, found, kept or NO_SOURCES, turned or UNTURNED)
         return found, bars.b
 
@@ -117,7 +117,7 @@ class ConsistentSweep:
             if tried or self._tables.node is None:
                 self._choose_pivots(n)
             self._tables.trust.change = TRUSTED[max(tried - 1, 0)]
-            head = self._entries, self._b, self.record, n, *([stage] if staged else [])
+            head = self._entries, self.b, self.record, n, *([stage] if staged else [])
             found, before = link(sweep)(*head, self._tables, *arrays), (n, stage)
             n, stage = (int(found[0]), int(found[1])) if staged else (int(found), stage)
             tried = tried + 1 if (n, stage) == before else 1
@@ -126,13 +126,13 @@ class ConsistentSweep:
         """Pivot orders for both matrices at the first state from n on that has equations."""
         record = self.record
         n += int(np.argmax(record.defined[n:] > 0.0))
-        loop.remember_state(record, n, self._tables, self._b)
+        loop.remember_state(record, n, self._tables, self.b)
         before, now = ({"t": float(record.t[n]), "q": q[n]} for q in (record.q0, record.q))
         for numbers, at in ((self._numbers, before), (self._node_numbers, now)):
             for name in ("M", "Phi_q"):
-                numbers.evaluate((name,), self._b, at)
+                numbers.evaluate((name,), self.b, at)
         self._numbers.views["Phi_q0"][:] = self._numbers.views["Phi_q"]
-        self._numbers.evaluate(("Phi_q",), self._b, now)
+        self._numbers.evaluate(("Phi_q",), self.b, now)
         if record.defined[n] > 0.0:
             node, projection = self._node.in_panels(), self._projection.in_panels()
             self._tables = self._tables._replace(node=node, projection=projection)
@@ -153,7 +153,7 @@ class ConsistentSweep:
         sizes = {"t": 1, "lam": m, "nu": m, "lam_dot": m, "by_lam": m, "by_b": len(system.b)}
         work = loop.Room._make(room(sizes.get(name, nq)) for name in loop.Room._fields)
         many = 1 if len(record.places) else LANES
-        b, dots = self._b.copy(), np.array(b_dot, dtype=float)
+        b, dots = self.b.copy(), np.array(b_dot, dtype=float)
         link(loop.of_states)(lagrangian(system, kind), b, dots, record, many, x, work, found)
         return found._replace(lam=found.lam * (1.0 - record.left_out)), work.by_b.reshape(-1, LANES).sum(
             axis=1

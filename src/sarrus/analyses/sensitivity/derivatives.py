@@ -18,7 +18,7 @@ from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, Ste
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from .chain import Nodes, by_joints
-from .chains import AnyChain, chain_of, curved_chain
+from .chains import AnyChain, chain_of
 from .corners import corners
 from .evaluation import Evaluation, Explicit
 from .hessian import Curvature
@@ -292,7 +292,7 @@ def _curvature(
     wanted = as_responses(response)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    return Curvature(curved_chain(run.system, steps, parameters), evaluation, parameters), parameters
+    return Curvature(chain_of(run.system, steps, parameters.restitutions), evaluation, parameters), parameters
 
 
 def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:

@@ -273,14 +273,21 @@ class Evaluation:
         )
         at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
         g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
-        weights, turned = response.weights(g, sampling.t), response.weights_along(g, sampling.t, g_dot)
-        bars, change = outputs.tape.gradient_along({at: weights}, {at: turned}, along)
-        none = Nodes.zeros(self._steps, 1)
+        t, t_dot = (
+            sampling.t,
+            sampling.gathered_time(dots, 0) if sampling.moves else np.zeros(len(sampling.t)),
+        )
+        turned = response.weights_along(g, t, g_dot, t_dot)
+        bars, change = outputs.tape.gradient_along({at: response.weights(g, t)}, {at: turned}, along)
+        nodes, by_states = Nodes.zeros(self._steps, 1), self._by_states(n, bars)
+        if sampling.moves:
+            by_t = np.broadcast_to(change[outputs.t.at], g.shape)
+            sampling.spread_time(by_t + response.by_times_along(g, t, g_dot, t_dot), nodes, 0)
         if not isinstance(sampling, ConsistentSampling):
-            return self._collected(n, change, none, 0)
-        motion = sampling.along(dots, b[:, :1], 0)
-        sources, by_b = sampling.turned(self._by_states(n, bars), motion)
-        nodes, explicit = self._collected(n, change, none, 0, sources)
+            sampling.spread_along(by_states, dots, nodes)
+            return self._collected(n, change, nodes, 0)
+        sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)
+        nodes, explicit = self._collected(n, change, nodes, 0, sources)
         return nodes, replace(explicit, b=explicit.b - by_b[:, None])
 
     def _by_states(self, n: int, bars: list[Any]) -> dict[Key, Array]:

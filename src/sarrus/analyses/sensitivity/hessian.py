@@ -12,11 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...system.time_derivatives import timed
 from .chain import FIELDS, Chain, Nodes, by_joints
-from .curved_steps import CurvedSteps, remembered
+from .chains import AnyChain
+from .curve_lagrangian import CurveLagrangian
+from .curved_steps import CurvedSteps, Turned, remembered
 from .evaluation import Evaluation
 from .lagrangian import Change, change_at
 from .parameters import Parameters
+from .piece_chain import KINDS
+from .turn_curvature import TurnCurvature
 
 
 class Moved(NamedTuple):
@@ -26,15 +31,35 @@ class Moved(NamedTuple):
     c: Array
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
-    solved: Any
+    steps: list[Any]
+    turns: list[Array]
 
 
 class Adjoined(NamedTuple):
-    """The adjoint of a run: what was solved for in every operation of the steps, in the assembly; the gradient."""
+    """The adjoint of a run: what was solved for in the steps, in the events and in the assembly; the gradient.
 
-    solved: Any
+    whole : by the parameters of the elements, the guess, and the joints' parameters with the restitutions
+    """
+
+    steps: list[Any]
+    turns: list[Array]
     assembly: Any
     whole: Array
+
+
+class Changes(NamedTuple):
+    """The changes of the equations of all steps, of the events and of the assembly."""
+
+    steps: list[Turned]
+    turns: list[Any]
+    rate: Change
+    place: Change
+    axes: Change
+
+
+def _refuse_events(chain: AnyChain) -> None:
+    if not isinstance(chain, Chain):
+        raise ValueError("second derivatives need a run without events; leave the events out")
 
 
 class Curvature:
@@ -47,12 +72,27 @@ class Curvature:
     """
 
     def __init__(
-        self, chain: Chain, evaluation: Evaluation, parameters: Parameters, response: int = 0
+        self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters, response: int = 0
     ) -> None:
-        self._chain, self._evaluation, self._parameters = chain, evaluation, parameters
+        self._evaluation, self._parameters = evaluation, parameters
         self._response, self._system, self._steps = response, chain.system, chain.steps
         evaluation.refuse_redundant(response)
-        self._way = CurvedSteps(chain)
+        moving = not isinstance(chain, Chain) and timed(chain.system)
+        _refuse_events(chain)
+        self._chains = [chain] if isinstance(chain, Chain) else chain.chains
+        self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
+        derivatives = () if isinstance(chain, Chain) else chain.turns
+        self._curves = [
+            CurveLagrangian(chain.system, parameters.in_curves, moving and n > 0)
+            for n in range(len(self._chains))
+        ]
+        self._stretches = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
+        curves = CurveLagrangian(chain.system, parameters.in_curves, moving)
+        self._turns: list[Any] = [TurnCurvature(one, curves) for one in derivatives]
+
+    @property
+    def _assembly(self) -> Any:
+        return self._chains[0].assembly
 
     @cached_property
     def _first(self) -> Adjoined:
@@ -60,80 +100,107 @@ class Curvature:
         every, explicit = self._evaluation.gradients()
         r = self._response
         nodes = Nodes(*(getattr(every, name)[..., r : r + 1] for name in FIELDS))
-        explicit_b, explicit_c = explicit.b[:, r], explicit.c[:, r]
-        adjoint, b = self._backward(nodes, None, None)
-        assembly = adjoint.assembly
-        whole = np.concatenate([b + explicit_b, assembly.q, assembly.v, by_joints(explicit_c, assembly.c)])
-        return adjoint._replace(whole=whole)
+        return self._backward(nodes, explicit.b[:, r], explicit.c[:, r], None)
 
-    def _backward(
-        self, nodes: Nodes, turned: Any | None, changes: dict[str, Change] | None
-    ) -> tuple[Adjoined, Array]:
-        """Back through steps and assembly; with the changes of their equations, where an adjoint changes."""
-        contiguous = Nodes(*(np.ascontiguousarray(getattr(nodes, name)) for name in FIELDS))
-        q_bar, v_bar, b_bar, solved = self._way.back(contiguous, turned)
-        change = None
+    def _backward(self, nodes: Nodes, b: Array, c: Array, changes: Changes | None) -> Adjoined:
+        """Back through stretches, events and the assembly; with the changes of their equations.
+
+        Of gradients by the nodes, and those by the parameters that do not go through the nodes.
+        """
+        nodes = Nodes(*(np.array(getattr(nodes, name), order="C") for name in FIELDS))
+        nq, size, b, c = self._system.nq, len(self._system.b), b.copy(), c.copy()
+        q, v, shift = np.zeros(nq), np.zeros(nq), 0.0
+        steps, turns = list[Any](), list[Array]()
+        if len(self._turns) == len(self._chains):
+            shift = float(nodes.shift[-1, 0])
+        for p in range(len(self._chains) - 1, -1, -1):
+            own = nodes.part(self._parts[p])
+            if p < len(self._turns):
+                turned = self._turns[p].back(q, v, shift, changes.turns[p] if changes else None)
+                for place, kind in np.ndindex(2, len(KINDS)):
+                    getattr(own, KINDS[kind])[place - 2, :, 0] += turned.ends[place, kind]
+                b, c, shift = b + turned.b, c + turned.c, shift + turned.shift
+                turns.insert(0, turned.solved)
+            back = self._stretches[p].back(own, changes.steps[p] if changes else None)
+            q, v = back.q[:, 0], back.v[:, 0]
+            b, shift = b + back.b[:size, 0], shift + nodes.shift[p, 0] + back.b[size:].sum()
+            steps.insert(0, back.solved)
+        assembly = self._assembly.adjoint(q, v, self._of_assembly(changes) if changes else None)
+        by_c = assembly.c - changes.axes.b if changes else assembly.c
         if changes:
-            rate, place = changes["rate"], changes["place"]
-            axes, own = changes["axes"], self._chain.assembly.rates.selection
-            change = (
-                rate.q + place.q + axes.q, place.lam, rate.v + axes.v, np.concatenate([rate.lam, own @ axes.lam])
-            )  # fmt: skip
-            b_bar = b_bar - (rate.b + place.b)[:, None]
-        assembly = self._chain.assembly.adjoint(q_bar[:, 0], v_bar[:, 0], change)
-        if changes:
-            assembly = assembly._replace(c=assembly.c - changes["axes"].b)
-        return Adjoined(solved, assembly, np.zeros(0)), b_bar[:, 0] + assembly.b
+            b = b - changes.rate.b - changes.place.b
+        whole = np.concatenate([b + assembly.b, assembly.q, assembly.v, by_joints(c, by_c)])
+        return Adjoined(steps, turns, assembly, whole)
+
+    def _of_assembly(self, changes: Changes) -> tuple[Array, Array, Array, Array]:
+        """What the changes take from the right sides of the assembly, of q, λ, v and μ."""
+        (rate, place, axes), own = changes[2:], self._assembly.rates.selection
+        q, mu = rate.q + place.q + axes.q, np.concatenate([rate.lam, own @ axes.lam])
+        return q, place.lam, rate.v + axes.v, mu
 
     def _along(self, direction: Array) -> Moved:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
-        assembly, nodes = self._chain.assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
-        solved = self._way.along(b, assembly[0], assembly[2], nodes)
-        return Moved(b, c, nodes, assembly, solved)
+        assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
+        q, v, steps, turns = assembly[0], assembly[2], list[Any](), list[Array]()
+        for p, chain in enumerate(self._chains):
+            moving = chain.curves.width > len(b)
+            own = Nodes.zeros(chain.steps, 1)
+            moved = np.concatenate([b, nodes.shift[p : p + 1]]) if moving else b
+            steps.append(self._stretches[p].along(moved, q, v, own))
+            for name in (*KINDS, "lam"):
+                getattr(nodes, name)[self._parts[p]] = getattr(own, name)
+            if p < len(self._turns):
+                ends = np.array([[getattr(own, kind)[e, :, 0] for kind in KINDS] for e in (-2, -1)])
+                found = self._turns[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
+                q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
+                turns.append(found.solved)
+        return Moved(b, c, nodes, assembly, steps, turns)
 
     def times(self, direction: Array) -> Array:
         """The Hessian times a direction of the parameters (p,)."""
         moved, first = self._along(np.asarray(direction, dtype=float)), self._first
         own = {name: np.array([x]) for name, x in zip(self._parameters.names, direction, strict=True)}
         nodes, explicit = self._evaluation.gradient_along(self._response, moved.nodes, moved.b, moved.c, own)
-        changes, by_b = self._way.turned(moved.b[:, 0], moved.nodes, moved.solved, first.solved)
-        second, b = self._backward(nodes, changes, self._changes(moved, first))
-        assembly = second.assembly
-        by_c = by_joints(explicit.c[:, 0], assembly.c)
-        turned = np.concatenate([b - by_b + explicit.b[:, 0], assembly.q, assembly.v, by_c])
-        found = self._parameters.gradient_along(first.whole, turned, direction)
+        second = self._backward(nodes, explicit.b[:, 0], explicit.c[:, 0], self._changes(moved, first))
+        found = self._parameters.gradient_along(first.whole, second.whole, direction)
         own_part = [explicit.named[0].get(name, 0.0) for name in self._parameters.names]
         return np.asarray(found + np.array(own_part))
 
-    def _changes(self, moved: Moved, first: Adjoined) -> dict[str, Change]:
-        """The changes of the equations of the assembly."""
-        system, steps, found, adjoint = self._system, self._steps, self._steps.start, first.assembly
+    def _changes(self, moved: Moved, first: Adjoined) -> Changes:
+        """The changes of all equations."""
+        system, steps, found, adjoint = (
+            self._system,
+            self._chains[0].steps,
+            self._chains[0].steps.start,
+            first.assembly,
+        )
+        stretches = []
+        for p, stretch in enumerate(self._stretches):
+            own = moved.nodes.part(self._parts[p])
+            shift = moved.nodes.shift[p] if self._chains[p].curves.width > len(moved.b) else np.zeros(0)
+            b_dot = np.append(moved.b[:, 0], shift)
+            stretches.append(stretch.turned(b_dot, own, moved.steps[p], first.steps[p]))
+        turns = [
+            one.change(solved, adjoined)
+            for one, solved, adjoined in zip(self._turns, moved.turns, first.turns, strict=True)
+        ]
         b, b_dot, t = remembered(steps, 0), moved.b[:, 0], float(steps.t[0])
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
         rate = change_at(
-            system, "rate", t, b, b_dot, found.mu, -adjoint.y2[: system.m], mu_dot[: system.m],
+            system, "rate", t, b, b_dot, found.mu, -adjoint.y2[: system.m], mu_dot[: system.m], self._curves[0],
             q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip
         place = change_at(
-            system,
-            "place",
-            t,
-            b,
-            b_dot,
-            found.lam,
-            adjoint.y1,
-            lam_dot,
-            q=found.q,
-            q_dot=q_dot,
+            system, "place", t, b, b_dot, found.lam, adjoint.y1, lam_dot, self._curves[0], q=found.q, q_dot=q_dot,
             xi=adjoint.x1,
-        )
-        return {"rate": rate, "place": place, "axes": self._axes_change(moved, first)}
+        )  # fmt: skip
+        return Changes(stretches, turns, rate, place, self._axes_change(moved, first))
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:
         """The changes of the rows of given rates of joints."""
         joints: Any = self._system.joint_coordinates  # they have the structure of a system's constraints
-        own, found, adjoint = self._chain.assembly.rates.selection, self._steps.start, first.assembly
+        own, found, adjoint = self._assembly.rates.selection, self._chains[0].steps.start, first.assembly
         if not own.any():
             none = np.zeros(self._system.nq)
             return Change(none, none, none, np.zeros(joints.m), np.zeros(len(joints.b)))

@@ -22,6 +22,7 @@ from ...system import System
 from ...system.lane_drivers import block, entry
 from ...system.lane_room import room
 from ...system.once import once_alike
+from .curve_lagrangian import CurveLagrangian
 from .shares import STATES, Share, concerned
 
 DOTS = tuple(f"{name}_dot" for name in STATES)
@@ -30,13 +31,14 @@ RESULTS = (*STATES, "lam", "b")
 
 
 class Change(NamedTuple):
-    """The change of the gradient of ℓ by coordinates, rates, accelerations (nq,), by λ (m,), by the numbers."""
+    """The change of the gradient of ℓ by coordinates, rates, accelerations (nq,), λ (m,), the parameters, the time."""
 
     q: Array
     v: Array
     a: Array
     lam: Array
     b: Array
+    t: float = 0.0
 
 
 @once_alike
@@ -74,13 +76,22 @@ def change_at(
     lam: Array,
     nu: Array,
     lam_dot: Array,
+    curves: CurveLagrangian | None = None,
+    t_dot: float = 0.0,
     **x: Array,
 ) -> Change:
-    """Evaluate at one state; operands that are not given are zero."""
+    """Evaluate at one state; operands that are not given are zero. `curves` are those that change, or the time."""
     given = {"lam": lam, "nu": nu, "lam_dot": lam_dot, **x}
     none = np.zeros(system.nq)
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
     sizes = {"lam": system.m, "b": len(system.b)}
     found = [room(sizes.get(name, system.nq)) for name in RESULTS]
     call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
-    return Change._make(out[::LANES].copy() for out in found)
+    q, v, a, by_lam, by_b = (out[::LANES].copy() for out in found)
+    change = Change(q, v, a, by_lam, by_b)
+    if not curves:
+        return change
+    at_one = {name: np.asarray(operand)[None] for name, operand in {"nu": nu, **given}.items()}
+    added = curves.change(kind, b, b_dot, {}, t=np.array([t]), t_dot=np.array([t_dot]), **at_one)
+    q, v, a, by_lam = (getattr(change, name) + getattr(added, name)[0] for name in (*STATES, "lam"))
+    return Change(q, v, a, by_lam, by_b + added.b, float(added.t[0]))

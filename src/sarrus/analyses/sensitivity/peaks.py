@@ -21,20 +21,42 @@ NEAR = (
 )
 
 
+class Parabola:
+    """The value at the vertex of a parabola through three samples, recorded as a function of outputs and times."""
+
+    def __init__(self, g: Array, t: Array) -> None:
+        self._tape = Tape()
+        (g0, g1, g2), (t0, t1, t2) = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
+        a, c = t0 - t1, t2 - t1
+        first, middle, last = g0 / (a * (a - c)), g1 / (a * c), g2 / (c * (c - a))
+        bend = 2 * (first + middle + last)
+        slope = -(first * c + middle * (a + c) + last * a)  # at the middle sample
+        self.is_straight = not bend.value
+        if not self.is_straight:
+            self._value: Traced = g1 - slope * slope / (2 * bend)
+
+    def derivatives(self) -> Array:
+        """Those by the outputs, and by the times (2, 3)."""
+        return np.array(self._tape.gradient({self._value.at: 1.0})[:6]).reshape(2, 3)
+
+    def change(self, dots: Array) -> Array:
+        """Their change with changes of the outputs and of the times (2, 3)."""
+        along = self._tape.along(dict(enumerate(dots.ravel().tolist())))
+        return np.array(self._tape.gradient_along({self._value.at: 1.0}, {}, along)[1][:6]).reshape(2, 3)
+
+
 class Vertex(NamedTuple):
     """Of a parabola through three samples, or one sample, or the corner between two samples at one time.
 
     near : which samples
-    basis, slopes : their Lagrange polynomials and slopes at the vertex
-    bend : the parabola's second derivative; 0 for others
-    before : from each of them to the vertex [s]
+    basis, by_times : the derivatives of its value by them, and by their times
+    parabola : None for others
     """
 
     near: slice
     basis: Array
-    slopes: Array
-    bend: float
-    before: Array
+    by_times: Array
+    parabola: Parabola | None = None
 
     def placed(self, values: Array, count: int) -> Array:
         """Zeros but for these samples (count,)."""
@@ -42,29 +64,21 @@ class Vertex(NamedTuple):
         whole[self.near] = values
         return whole
 
-    @property
-    def by_times(self) -> Array:
-        """The derivatives of its value by the times of these samples."""
-        return np.asarray(self.basis * self.bend * self.before)
-
-    def moved(self, g_dot: Array) -> Array:
-        """The change of the basis with that of the output (nt,)."""
-        along = -(self.slopes @ g_dot[self.near]) / self.bend if self.bend else 0.0
-        return np.asarray(along * self.slopes)
+    def moved(self, g_dot: Array, t_dot: Array) -> Array:
+        """The changes of its derivatives with those of the output and of the times (nt,)."""
+        if self.parabola is None:
+            return np.zeros((2, len(self.basis)))
+        return self.parabola.change(np.array([g_dot[self.near], t_dot[self.near]]))
 
 
 def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
     """The extreme about sample n; sample n alone at an end, or beside an event, where a time stands twice."""
     if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
         near = slice(n - 1, n + 2)
-        a, c = (float(x) for x in t[[n - 1, n + 1]] - t[n])
-        bend_of = 2 / np.array([a * (a - c), a * c, c * (c - a)])  # of the three polynomials
-        slope_of = -0.5 * bend_of * np.array([c, a + c, a])  # at sample n
-        bend, slope = float(bend_of @ g[near]), float(slope_of @ g[near])
-        if bend:
-            u = -slope / bend
-            basis = np.array([0.0, 1.0, 0.0]) + slope_of * u + bend_of * u**2 / 2
-            return Vertex(near, basis, slope_of + bend_of * u, bend, u - np.array([a, 0.0, c]))
+        parabola = Parabola(g[near], t[near])
+        if not parabola.is_straight:
+            basis, by_times = parabola.derivatives()
+            return Vertex(near, basis, by_times, parabola)
     joint = next((k for k in (n, n - 1) if panels is not None and k in panels.joints), None)
     if panels is not None and joint is not None:
         return _corner(g, t, n, joint, panels)
@@ -72,7 +86,7 @@ def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Verte
 
 
 def _sample(n: int) -> Vertex:
-    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1), 0.0, np.zeros(1))
+    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
 
 
 def _corner(g: Array, t: Array, n: int, joint: int, panels: Panels) -> Vertex:
@@ -86,7 +100,7 @@ def _corner(g: Array, t: Array, n: int, joint: int, panels: Panels) -> Vertex:
     if not left * right < 0:
         return _sample(n)
     share = right / (right - left)
-    return Vertex(slice(joint, joint + 2), np.array([share, 1 - share]), np.zeros(2), 0.0, np.zeros(2))
+    return Vertex(slice(joint, joint + 2), np.array([share, 1 - share]), np.zeros(2))
 
 
 class Peaks:
@@ -114,14 +128,18 @@ class Peaks:
         pairs = zip(self._slopes, self._vertices, strict=False)
         return np.asarray(sum(slope * v.placed(v.by_times, self._count) for slope, v in pairs))
 
-    def weights_along(self, g_dot: Array) -> Array:
-        """The change of its derivatives with that of the output (nt,)."""
-        moved = [float(v.basis @ g_dot[v.near]) for v in self._vertices]
+    def along(self, g_dot: Array, t_dot: Array) -> tuple[Array, Array]:
+        """The changes of its derivatives by the output, and by the times, with those of both (nt,)."""
+        moved = [float(v.basis @ g_dot[v.near] + v.by_times @ t_dot[v.near]) for v in self._vertices]
         dots = self._tape.along(dict(zip(self._at, [*moved, float(g_dot[self._low])], strict=True)))
         _, change = self._tape.gradient_along({self._mean.at: 1.0}, {}, dots)
-        bases = zip(self._slopes, self._vertices, strict=False)
-        turned = sum(slope * v.placed(v.moved(g_dot), self._count) for slope, v in bases)
-        return np.asarray(self._spread([float(change[n]) for n in self._at]) + turned)
+        slope_dots = [float(change[n]) for n in self._at]
+        by_output, by_times = self._spread(slope_dots), np.zeros(self._count)
+        for slope, slope_dot, v in zip(self._slopes, slope_dots, self._vertices, strict=False):
+            basis_dot, times_dot = v.moved(g_dot, t_dot)
+            by_output[v.near] += slope * basis_dot
+            by_times[v.near] += slope_dot * v.by_times + slope * times_dot
+        return by_output, by_times
 
     @property
     def _slopes(self) -> list[float]:

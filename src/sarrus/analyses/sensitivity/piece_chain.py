@@ -31,6 +31,10 @@ class PieceChain:
     system, steps : the run
     chains : of its stretches
     restitutions : names of those of impacts by which derivatives are taken
+
+    Attributes
+    ----------
+    parts : the nodes of each stretch
     """
 
     def __init__(
@@ -40,9 +44,9 @@ class PieceChain:
         chains: Sequence[Chain],
         restitutions: Sequence[str],
     ) -> None:
-        self.system, self.steps, self._chains, self._restitutions = system, steps, chains, restitutions
+        self.system, self.steps, self.chains, self._restitutions = system, steps, chains, restitutions
         ends = steps.first + [len(piece) for piece in steps.pieces]
-        self._parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
+        self.parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
 
     @property
     def _joints(self) -> int:
@@ -50,12 +54,12 @@ class PieceChain:
         return len(self.system.joint_coordinates.b) + len(self._restitutions)
 
     @cached_property
-    def _turns(self) -> list[Array]:
-        """The matrices of all events."""
-        pairs = zip(self._chains, self.steps.turns, strict=False)
+    def turns(self) -> list[TurnDerivatives]:
+        """The derivatives of all events."""
+        pairs = zip(self.chains, self.steps.turns, strict=False)
         angles = angles_of(self.system, self.steps)
         return [
-            TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles).matrix
+            TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles)
             for chain, turn in pairs
         ]
 
@@ -64,9 +68,9 @@ class PieceChain:
         found = Nodes.unwritten(self.steps, db.shape[1])
 
         def over(p: int, q: Array, v: Array, b: Array) -> Array:
-            own = self._chains[p].along_from(q, v, b)
+            own = self.chains[p].along_from(q, v, b)
             for name in (*KINDS, "lam"):
-                getattr(found, name)[self._parts[p]] = getattr(own, name)
+                getattr(found, name)[self.parts[p]] = getattr(own, name)
             return np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
 
         found.shift[:] = self._over_all(over, db, dq, dv, dc)
@@ -77,7 +81,7 @@ class PieceChain:
         found = np.zeros((given.q.shape[2], db.shape[1]))
 
         def over(p: int, q: Array, v: Array, b: Array) -> Array:
-            change, ends = self._chains[p].weighed_from(given.part(self._parts[p]), q, v, b)
+            change, ends = self.chains[p].weighed_from(given.part(self.parts[p]), q, v, b)
             found[:] += change
             return ends
 
@@ -86,14 +90,14 @@ class PieceChain:
 
     def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
         """Over one stretch after another; the changes of the times at which they begin, and of the end."""
-        nq, shift = self.system.nq, np.zeros((len(self._chains) + 1, db.shape[1]))
+        nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
-        q, v = self._chains[0].assembly.along(db, dq=dq, dv=dv, dc=held)
-        for p, chain in enumerate(self._chains):
+        q, v = self.chains[0].assembly.along(db, dq=dq, dv=dv, dc=held)
+        for p, chain in enumerate(self.chains):
             moving = chain.curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
-            if p < len(self._turns):
-                moved = self._turns[p] @ np.concatenate([ends, db, held, shift[p : p + 1]])
+            if p < len(self.turns):
+                moved = self.turns[p].matrix @ np.concatenate([ends, db, held, shift[p : p + 1]])
                 q, v = moved[:nq], moved[nq:-1]
                 shift[p + 1] = shift[p] + moved[-1]
         return shift
@@ -102,8 +106,8 @@ class PieceChain:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
         stretches = Stretches(self.system, given.q.shape[2])
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
-        back.over(self.steps, given, self._turns.__getitem__)
-        by_b, by_q, by_v, by_c = through(self._chains[0].assembly, back.q, back.v)
+        back.over(self.steps, given, lambda p: self.turns[p].matrix)
+        by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
         return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
 
 

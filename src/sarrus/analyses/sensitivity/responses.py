@@ -74,12 +74,16 @@ class Response:
         """Its derivatives by the output at each time."""
         raise NotImplementedError
 
-    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
-        """Their change with that of the output."""
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        """Their change with those of the output and of the times."""
         return np.zeros_like(g)
 
     def by_times(self, g: Array, t: Array) -> Array:
         """Its derivatives by the times themselves, where events move them."""
+        return np.zeros_like(g)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        """Their change with those of the output and of the times."""
         return np.zeros_like(g)
 
     def rule(self, t: Array) -> Array:
@@ -191,8 +195,14 @@ class Integral(Response):
     def weights(self, g: Array, t: Array) -> Array:
         return self.rule(t)
 
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        return self.rule(t_dot)  # which is linear
+
     def by_times(self, g: Array, t: Array) -> Array:
         return self.rule_by_times(g)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        return self.rule_by_times(g_dot)
 
 
 class _Extreme(Response):
@@ -222,9 +232,13 @@ class _Extreme(Response):
         vertex = self._vertex(g, t)
         return vertex.placed(vertex.by_times, len(g))
 
-    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         vertex = self._vertex(g, t)
-        return vertex.placed(vertex.moved(g_dot), len(g))
+        return vertex.placed(vertex.moved(g_dot, t_dot)[0], len(g))
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
         return vertex_of(g, t, self.outermost(g), self.panels)
@@ -271,15 +285,35 @@ class Peak(Response):
         if self.sharpness is None:
             return self._peaks(g, t).by_times()
         share = np.exp(self.sharpness * (g - g.max()))
-        whole, length = self.rule(t) @ share, np.zeros_like(t)
-        length[0], length[-1] = -1 / (t[-1] - t[0]), 1 / (t[-1] - t[0])
-        return np.asarray((self.rule_by_times(share) / whole - length) / self.sharpness)
+        by_length = _by_length(t) / (t[-1] - t[0])
+        return np.asarray((self.rule_by_times(share) / (self.rule(t) @ share) - by_length) / self.sharpness)
 
-    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         if self.sharpness is None:
-            return self._peaks(g, t).weights_along(g_dot)
-        w = self.weights(g, t)
-        return np.asarray(self.sharpness * w * (g_dot - w @ g_dot))
+            return self._peaks(g, t).along(g_dot, t_dot)[0]
+        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
+        change = self.rule(t_dot) * share + self.rule(t) * share_dot
+        return np.asarray(change / whole - self.weights(g, t) * whole_dot / whole)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).along(g_dot, t_dot)[1]
+        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
+        change = self.rule_by_times(share_dot) - self.rule_by_times(share) * whole_dot / whole
+        length, length_dot = t[-1] - t[0], t_dot[-1] - t_dot[0]
+        return np.asarray((change / whole + _by_length(t) * length_dot / length**2) / self.sharpness)
+
+    def _shares(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> tuple[Array, Array, float, float]:
+        """exp(sharpness g) over its maximum, and its integral; each with its change."""
+        assert self.sharpness is not None
+        share: Array = np.exp(self.sharpness * (g - g.max()))
+        share_dot: Array = self.sharpness * g_dot * share
+        return (
+            share,
+            share_dot,
+            float(self.rule(t) @ share),
+            float(self.rule(t_dot) @ share + self.rule(t) @ share_dot),
+        )
 
     def _peaks(self, g: Array, t: Array) -> Peaks:
         return Peaks(g, t, self.panels)
@@ -333,7 +367,7 @@ class Misfit(Response):
     def weights(self, g: Array, t: Array) -> Array:
         return np.asarray(self.residuals(g) / self.sigma)
 
-    def weights_along(self, g: Array, t: Array, g_dot: Array) -> Array:
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         return np.asarray(g_dot / self.sigma**2)
 
 
@@ -344,6 +378,13 @@ def told_apart(titles: Iterable[str]) -> tuple[str, ...]:
         choices = (f"{title} {n}" if n > 1 else title for n in count(1))
         found[next(choice for choice in choices if choice not in found)] = None
     return tuple(found)
+
+
+def _by_length(t: Array) -> Array:
+    """The derivatives of the length of a run by the times (nt,)."""
+    found = np.zeros_like(t)
+    found[0], found[-1] = -1.0, 1.0
+    return found
 
 
 def trapezoidal(t: Array) -> Array:

@@ -174,6 +174,9 @@ class Sampling:
             self.spread(kind, n, bar, nodes, column)
         return np.zeros((1, 1))
 
+    def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
+        """Add the changes of gradients, given at the times, by nodes that change as times move in their steps."""
+
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the times themselves, where they move."""
         raise NotImplementedError

@@ -101,14 +101,26 @@ class Tree:
 
     def slopes(self) -> list[Tree]:
         """Return the derivative with respect to each of the formula's numbers, in their order."""
+        tree, values = self._open()
+        return [Tree(tree.derivative(name).replaced(values), self.variable) for name in values]
+
+    def bends(self) -> list[list[Tree]]:
+        """Return the second derivatives with respect to the formula's numbers, a row for each."""
+        tree, values = self._open()
+        slopes = [tree.derivative(name) for name in values]
+        return [
+            [Tree(one.derivative(name).replaced(values), self.variable) for name in values] for one in slopes
+        ]
+
+    def _open(self) -> tuple[Expression, dict[str, Number]]:
+        """Return the formula with names in place of its numbers, and their values."""
         marked: list[str] = []
 
         def mark(n: int, number: Number) -> Any:
             marked.append(f"#{n}")
             return Name(marked[-1])
 
-        open_tree, values = self.tree.exchanged(mark), dict(zip(marked, self.numbers(), strict=True))
-        return [Tree(open_tree.derivative(name).replaced(values), self.variable) for name in marked]
+        return self.tree.exchanged(mark), dict(zip(marked, self.numbers(), strict=True))
 
     def numbers(self) -> list[Number]:
         """Return the formula's numbers in their order."""

@@ -137,6 +137,75 @@ def test_wrong_variants_are_refused() -> None:
         link(made)
 
 
+@compiled
+def same(x: Any) -> Any:
+    """An argument, without counting references."""
+    return x
+
+
+@compiled
+def halves(x: Any) -> Any:
+    """Parts of an array; Numba itself refuses one that is not in a tuple."""
+    return x[: len(x) // 2], x[len(x) // 2 :]
+
+
+@compiled(entry=True)
+def doubled(x: Any) -> Any:
+    """A new array."""
+    return 2.0 * x
+
+
+@compiled
+def sum_of_first_half(x: Any) -> Any:
+    """A number from a part, which stays among functions without counts."""
+    return halves(x)[0].sum()
+
+
+@compiled
+def sum_of_doubled(x: Any) -> Any:
+    """Would never release what `doubled` returns."""
+    return doubled(x)[0]
+
+
+@compiled(entry=True)
+def calls_same(x: Any) -> Any:
+    """Would release memory that it does not own."""
+    return same(x)[0]
+
+
+@compiled(entry=True)
+def calls_halves(x: Any) -> Any:
+    """The same, in a tuple."""
+    return halves(x)[1][0]
+
+
+@compiled(entry=True)
+def calls_leak(x: Any) -> Any:
+    """The other way round."""
+    return sum_of_doubled(x)
+
+
+@compiled(entry=True)
+def calls_numbers(x: Any) -> Any:
+    """What is allowed."""
+    return sum_of_first_half(x) + doubled(x)[0]
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        (calls_same, "same: calls_same counts references, and would release the array"),
+        (calls_halves, "halves: calls_halves counts references, and would release the array"),
+        (calls_leak, "doubled: sum_of_doubled counts no references, and would never release the array"),
+    ],
+)
+def test_arrays_are_not_returned_across_reference_counts(function: Callable[..., Any], message: str) -> None:
+    """Memory was freed that was in use, and nothing showed it."""
+    with pytest.raises(TypeError, match=rf"{message} that .* returns\. Let .* write into an argument"):
+        link(function)(np.ones(4))
+    assert link(calls_numbers)(np.ones(4)) == calls_numbers(np.ones(4)) == 4.0
+
+
 def test_a_function_that_uses_variables_of_another_is_refused() -> None:
     factor = 2.0
 

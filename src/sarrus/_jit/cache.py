@@ -37,6 +37,7 @@ NO_KERNELS = (  # the first two store kernels; what the others make is named by 
     "_jit/cache.py",
     "_jit/folders.py",
     "_jit/link.py",
+    "_jit/reference_counts.py",
     "_jit/scalars.py",
 )
 STALE_AFTER = 14 * 86400.0

@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from .cache import KernelCache
+from .reference_counts import LinkedCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
 Function = Callable[..., Any]
@@ -44,7 +45,8 @@ def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[
     Parameters
     ----------
     entry : whether Python calls it, too, or it makes arrays. The others are compiled in half the time: they count no
-        references, and have no second entry for Python, to which long lists of arrays are costly.
+        references, and have no second entry for Python, to which long lists of arrays are costly. An entry cannot call
+        them if they return (parts of) arrays, nor can they call an entry that returns one.
     """
 
     def mark(marked: F) -> F:
@@ -66,8 +68,9 @@ def link(function: F, **variants: Function) -> F:
     Raises
     ------
     TypeError
-        If a global is neither marked nor a constant, a record, or a library of mathematics; or if no function has a
-        variant's name.
+        If a global is neither marked nor a constant, a record, or a library of mathematics; if no function has a
+        variant's name; or, when it is first called and types are known, if functions that count references exchange
+        arrays with functions that do not.
     """
     key = function, tuple(sorted(variants.items())) if variants else ()
     found = _links.get(key)
@@ -232,6 +235,6 @@ def _compiled(function: Function, name: str, scope: dict[str, Any], options: dic
     copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
     copy.__qualname__ = name
     compiler: Any = njit
-    result = compiler(**options)(copy)
+    result = compiler(**options, pipeline_class=LinkedCompiler)(copy)
     result._cache = KernelCache(copy)
     return result

@@ -1,0 +1,67 @@
+"""Refuse calls between compiled functions that disagree on who counts the references to an array.
+
+A function that is compiled with reference counts releases the arrays that its callees return; one without counts never
+claims them. If the first calls the second, memory is freed that is still in use; the other way round, it is never freed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import types
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.typed_passes import AnnotateTypes
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _CheckReturnedArrays(AnalysisPass):
+    """Compares the options of a function with those of the functions that return arrays to it."""
+
+    _name = "sarrus_check_returned_arrays"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)  # type: ignore[no-untyped-call]
+
+    def run_pass(self, state: Any) -> bool:
+        counted = bool(state.flags.nrt)
+        for call, signature in state.calltypes.items():
+            if getattr(call, "op", None) == "call":
+                callee = state.typemap[call.func.name]
+                if _counts(callee) not in (None, counted) and _holds_arrays(state, signature.return_type):
+                    raise TypeError(_message(state.func_id.func_name, callee.dispatcher.__name__, counted))
+        return False
+
+
+def _counts(callee: Any) -> bool | None:
+    """Whether a compiled function counts references; None for functions of Numba and intrinsics."""
+    if not isinstance(callee, types.Dispatcher):
+        return None
+    return bool(callee.dispatcher.targetoptions.get("_nrt", True))
+
+
+def _holds_arrays(state: Any, kind: Any) -> bool:
+    return bool(state.targetctx.data_model_manager[kind].contains_nrt_meminfo())
+
+
+def _message(caller: str, callee: str, counted: bool) -> str:
+    caller, callee = caller.rpartition("_")[0] or caller, callee.rpartition("_")[0] or callee
+    if counted:
+        return (
+            f"{callee}: {caller} counts references, and would release the array that {callee} returns. "
+            f"Let {callee} write into an argument, or mark it with `compiled(entry=True)`."
+        )
+    return (
+        f"{callee}: {caller} counts no references, and would never release the array that {callee} returns. "
+        f"Let {callee} write into an argument, or mark {caller} with `compiled(entry=True)`."
+    )
+
+
+class LinkedCompiler(CompilerBase):
+    """Numba's compiler with this check."""
+
+    def define_pipelines(self) -> list[Any]:
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+        passes.add_pass_after(_CheckReturnedArrays, AnnotateTypes)
+        passes.finalize()
+        return [passes]

@@ -224,5 +224,5 @@ def name_entry(kind, operator, place):
     suffixes = {1: ("",), 2: ("_i", "_j")}.get(kind.bodies, [f"_{n + 1}" for n in range(kind.bodies)])
     parts = [block + suffix for suffix in suffixes for block in "rrrpppp"]
     labels[Axis.COORDINATES] = parts
-    labels[Axis.NUMBERS] = names(kind)
+    labels[Axis.PARAMETERS] = names(kind)
     return ", ".join(labels[axis][k] for axis, k in zip(operator.axes, place, strict=True))

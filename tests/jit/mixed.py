@@ -97,7 +97,7 @@ def random_state(system, seed=1):
 
 def by_hand(system, operator, state):
     """An operator of a system, summed element by element from the kernels in plain NumPy, as a dense array."""
-    lengths = {Axis.ROWS: system.m, Axis.COORDINATES: system.nq, Axis.NUMBERS: system.nb}
+    lengths = {Axis.ROWS: system.m, Axis.COORDINATES: system.nq, Axis.PARAMETERS: system.nb}
     result = np.zeros([lengths[axis] for axis in operator.axes])
     for population in system.populations:
         kind, size = population.kind, population.kind.size()
@@ -109,7 +109,7 @@ def by_hand(system, operator, state):
             local |= {"lam": state["lam"][rows] if kind.rows else None, "t": state["t"]}
             element = element_from(kind, system.b[numbers], system.b, state["t"])
             value = dense(element, operator, local).astype(float)
-            place = {Axis.ROWS: np.r_[rows], Axis.NUMBERS: np.r_[numbers]}
+            place = {Axis.ROWS: np.r_[rows], Axis.PARAMETERS: np.r_[numbers]}
             place[Axis.COORDINATES] = np.concatenate([b + np.arange(7) for b in bodies])
             where = [place[axis] for axis in operator.axes]
             own = [index >= 0 for index in where]

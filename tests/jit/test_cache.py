@@ -143,12 +143,12 @@ def test_a_kernel_of_a_long_name_has_a_short_file_name() -> None:
     assert one.py_func.__name__ != other.py_func.__name__
 
 
-def test_kept_values_are_made_once() -> None:
-    from sarrus._jit.cache import folder, kept
+def test_stored_values_are_computed_once() -> None:
+    from sarrus._jit.cache import folder, stored_value
 
     made: list[int] = []
     name = f"of_a_test_{os.getpid()}"
-    found = [kept(name, lambda: made.append(1) or [[1, 2]]) for _ in range(2)]  # type: ignore[func-returns-value]
+    found = [stored_value(name, lambda: made.append(1) or [[1, 2]]) for _ in range(2)]  # type: ignore[func-returns-value]
     (folder() / f"{name}.value").unlink()
     assert found == [[[1, 2]], [[1, 2]]]
     assert made == [1]

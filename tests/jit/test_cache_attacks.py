@@ -22,7 +22,7 @@ import numpy as np
 from sarrus._jit import cache
 from sarrus._jit.driver import compile_source
 kernel = compile_source("kernel", ["def f(x):", "    return 2.0 * x"], {})
-print(kernel(21.0), cache.kept("value", lambda: 7), kernel.stats.cache_hits.total(), cache.folder(), sep="|")
+print(kernel(21.0), cache.stored_value("value", lambda: 7), kernel.stats.cache_hits.total(), cache.folder(), sep="|")
 """
 LOOPS = """
 from typing import NamedTuple

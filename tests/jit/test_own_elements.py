@@ -132,7 +132,7 @@ def test_a_wrong_derivative_is_found_and_named(own_classes):
 
 
 def test_missing_kernels_are_named():
-    with pytest.raises(ElementError, match="element Half lacks Q_q, Q_b: write one method for each"):
+    with pytest.raises(ElementError, match="element Half: Q_q, Q_b is missing\. Write one method for each"):
 
         class Half(ForceElement, bodies=1):
             def Q(self, x, v, t):
@@ -174,7 +174,7 @@ def test_a_kernel_that_branches_is_refused(test):
 
 
 def test_a_field_of_memory_needs_a_method_that_remembers():
-    with pytest.raises(ElementError, match=r"Forgetful has a field of memory, but no method remember"):
+    with pytest.raises(ElementError, match=r"Forgetful: A Memory field requires a method remember"):
 
         class Forgetful(ForceElement, bodies=1, derivatives="automatic"):
             turns: Memory

@@ -1,4 +1,4 @@
-"""Where compiled kernels are stored, and what makes them out of date.
+"""Cache of compiled kernels on disk, and its dependence on sources, versions and processor.
 
 Numba looks at one file's time stamp; an edit in any other file would leave callers with old formulas. The folder is
 therefore named by everything that a kernel depends on: the sources of the layers in which kernels are written, recorded
@@ -91,10 +91,11 @@ def _chosen(name: str) -> list[Path]:
     text = os.environ.get("SARRUS_CACHE_DIR")
     place = Path(text).resolve() if text else None
     if place and not made_private(place / name):
-        told = (
-            f"SARRUS_CACHE_DIR: {place} cannot be written, or can be written by other users, and is not used"
+        message = (
+            f"SARRUS_CACHE_DIR: {place} cannot be written, or can be written by other users, and is not used. "
+            "Give a folder that only you can write."
         )
-        warnings.warn(f"{told}. Give a folder that only you can write.", RuntimeWarning, stacklevel=2)
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
     return [place] if place else []
 
 
@@ -127,7 +128,7 @@ def _opened(file: Path) -> bytes:
     return found[DIGEST:]
 
 
-def kept(name: str, make: Callable[[], Any]) -> Any:
+def stored_value(name: str, make: Callable[[], Any]) -> Any:
     """A plain value that depends on the sources alone, found in the folder under a name, or made and stored there."""
     file = folder() / f"{name}.value"
     with suppress(OSError, ValueError):
@@ -141,7 +142,7 @@ def kept(name: str, make: Callable[[], Any]) -> Any:
 
 
 class _Locator:
-    """Tells Numba's cache where functions are stored and how fresh they are (`numba.core.caching` protocol)."""
+    """Location and version of stored functions, for Numba's cache (`numba.core.caching` protocol)."""
 
     @classmethod
     def from_function(cls, function: Any, file: str) -> _Locator:
@@ -189,8 +190,8 @@ class _Files(IndexDataCacheFile):
 class KernelCache(FunctionCache):
     """Numba's function cache, in our folder and files.
 
-    Other versions of the package may have the same kernels, but other records of arrays: those that have the same names
-    but other fields are told apart, and a kernel whose records are no longer there is compiled again.
+    Other versions of the package may have the same kernels, but other records of arrays: records with the same names
+    but different fields have different keys, and a kernel whose records are no longer there is compiled again.
     """
 
     _impl_class = _Implementation

@@ -26,7 +26,7 @@ CALLED_BY_CURVES = (
 
 @intrinsic
 def _stack(typingctx: Any, count: Any) -> Any:
-    """Room for a formula's values and derivatives, on the stack."""
+    """Memory for a formula's values and derivatives, on the stack."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return cgutils.alloca_once(builder, ir.DoubleType(), size=4 * STEPS)
@@ -34,8 +34,8 @@ def _stack(typingctx: Any, count: Any) -> Any:
     return types.CPointer(types.float64)(count), codegen
 
 
-@overload(curves._room, strict=False)
-def _compiled_room() -> Any:
+@overload(curves._work, strict=False)
+def _compiled_work() -> Any:
     return lambda: _stack(0)  # type: ignore[call-arg]
 
 

@@ -27,8 +27,8 @@ WEIGHTS = (0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.1813
            0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813)  # fmt: skip
 
 
-def _room() -> Any:
-    """Room for a formula's values in plain Python."""
+def _work() -> Any:
+    """Memory for a formula's values in plain Python."""
     return [0.0] * (4 * STEPS)
 
 
@@ -118,7 +118,7 @@ def _binary_step(code: Any, u: Any, u1: Any, u2: Any, u3: Any, w: Any, w1: Any, 
 
 def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A formula's value (order 0) or derivative (1, 2, 3) at x."""
-    count, work = -int(real(numbers[at])), _room()
+    count, work = -int(real(numbers[at])), _work()
     for k in range(count):
         step = at + 1 + 3 * k
         code, first = int(real(numbers[step])), numbers[step + 1]

@@ -28,11 +28,11 @@ def differences(signature: Signature, driver: Any, vary: str, scheme: str) -> An
         f"    factor = {0.5 if central else 1.0} / h",
         *([] if central else [f"    {evaluate_behind}"]),
         f"    for k in range(len({vary})):",
-        f"        kept = {vary}[k]",
-        f"        {vary}[k] = kept + h",
+        f"        value = {vary}[k]",
+        f"        {vary}[k] = value + h",
         f"        driver(index, numbers, {operands}, {', '.join(ahead)})",
-        *([f"        {vary}[k] = kept - h", f"        {evaluate_behind}"] if central else []),
-        f"        {vary}[k] = kept",
+        *([f"        {vary}[k] = value - h", f"        {evaluate_behind}"] if central else []),
+        f"        {vary}[k] = value",
     ]
     for front, back, column in zip(ahead, behind, columns, strict=True):
         lines.append(f"        for r in range(len({front})):")

@@ -16,7 +16,7 @@ def jacobian(
 ) -> np.ndarray[Any, Any]:
     """Derivatives of expressions to inputs, recorded in the same graph: an object array (wanted, by).
 
-    A column of zeros stands for None.
+    None represents a column of zeros.
     """
     order = needed(graph, wanted)
     result = np.zeros((len(wanted), len(by)), dtype=object)

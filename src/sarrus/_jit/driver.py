@@ -22,7 +22,7 @@ COMPILING = threading.RLock()  # Numba's settings are global, and a driver is ma
 
 @dataclass(frozen=True)
 class Signature:
-    """What a driver takes: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `clears` tells which outputs
+    """Arguments of a driver: ``driver(index, numbers, *scalars, *arrays, *outputs)``; `clears` marks the outputs that
     are set to zero first.
 
     `hot` drivers are compiled with LLVM's vectorizer of straight-line code: slower to compile, faster to run. In
@@ -56,7 +56,7 @@ def driver(signature: Signature, recorders: Sequence[Callable[[], Recording]], c
     ----------
     signature : Signature
     recorders : one function per element type, each returning the type's `Recording`
-    clear : whether outputs are set to zero first, as the signature says
+    clear : whether the outputs that the signature marks are set to zero first
     """
     operands = ", ".join((*signature.scalars, *signature.arrays, *signature.outputs))
     counts = (len(signature.arrays), len(signature.scalars), len(signature.outputs), signature.lanes)
@@ -88,7 +88,7 @@ def _vectorizer(on: bool) -> Iterator[None]:
 
 
 def compile_source(name: str, lines: Sequence[str], namespace: dict[str, Any]) -> Any:
-    """Compile the one function written in `lines`, or find it in the cache under `name` and what it says."""
+    """Compile the one function written in `lines`, or find it in the cache under `name` and its source."""
     digest = hashlib.sha256(repr((name, *lines)).encode()).hexdigest()[:16]
     name = f"{name[:LONGEST]}_{digest}"
     scope: dict[str, Any] = {}

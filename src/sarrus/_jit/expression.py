@@ -15,7 +15,7 @@ import numpy as np
 
 
 class Node(NamedTuple):
-    """One scalar operation: its name, the nodes that it takes, and for constants and inputs what it stands for."""
+    """One scalar operation: its name, the nodes that it takes, and for constants and inputs their value or address."""
 
     op: str
     args: tuple[int, ...]

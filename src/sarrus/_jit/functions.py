@@ -1,6 +1,6 @@
 """The scalar functions that kernels may call, for recorded, real, complex and extended-precision numbers alike.
 
-Each stands here for numbers, and in `compiled_functions` in the few words that are compiled. The complex forms carry
+The definitions for numbers are here, those that are compiled in `compiled_functions`. The complex forms carry
 the derivative of a complex step to first order; they are what independent checks differentiate through.
 """
 

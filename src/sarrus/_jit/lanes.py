@@ -19,7 +19,7 @@ FUSED = ("contract",)
 
 
 def emitted(function: Callable[..., Any]) -> Any:
-    """A function that is emitted as `function` says; its arguments are those without the context of types."""
+    """A compiled function whose code `function` emits; its arguments are those without the typing context."""
     return intrinsic(function)
 
 
@@ -40,7 +40,7 @@ class _Model(models.PrimitiveModel):
 
 
 def _at(context: Any, builder: Any, signature: Any, args: Any, n: int, k: Any) -> Any:
-    """Where entry k of argument n stands."""
+    """Pointer to entry k of argument n."""
     data = context.make_array(signature.args[n])(context, builder, args[n]).data
     return builder.gep(VECTOR.pointer(builder, data), [k])
 

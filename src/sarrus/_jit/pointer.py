@@ -6,17 +6,23 @@ system, with all its kernels in it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic, overload
+from numpy.typing import NDArray
 
 from .driver import Signature
 
 
-class Entry(NamedTuple):
+Table = NDArray[np.int64]
+Values = NDArray[np.float64]
+
+
+class KernelTable(NamedTuple):
     """Drivers that are called one after another, and their index tables.
 
     Attributes
@@ -26,20 +32,21 @@ class Entry(NamedTuple):
     tables : all tables, one after another
     """
 
-    addresses: Any
-    starts: Any
-    tables: Any
+    addresses: Table
+    starts: Table
+    tables: Table
 
 
+Entry = KernelTable
 INNER: Any = {"error_model": "numpy", "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-NONE = Entry(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
+NONE = KernelTable(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
 
 
-def entry(drivers: list[Any], tables: list[Any], signature: Signature) -> Entry:
-    """The entry of drivers of one signature. The drivers must be kept alive as long as it is used."""
+def kernel_table(drivers: Sequence[Any], tables: Sequence[Table], signature: Signature) -> KernelTable:
+    """The table of drivers of one signature. The caller must hold references to the drivers while it is used."""
     found = [_address(driver, signature.types()) for driver in drivers]
     starts = np.cumsum([0, *(len(table) for table in tables)])
-    return Entry(
+    return KernelTable(
         np.array(found, dtype=np.int64), starts.astype(np.int64), np.concatenate([NONE.tables, *tables])
     )
 
@@ -49,7 +56,7 @@ def _address(driver: Any, kinds: tuple[Any, ...]) -> int:
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
 
 
-def call_kernels(table: Entry, numbers: Any, *operands: Any) -> None:
+def call_kernels(table: KernelTable, numbers: Values, *operands: float | Values) -> None:
     """Call all drivers of a table, one after another: ``driver(index, numbers, *operands)``.
 
     Operands are numbers, which become floats, and contiguous arrays of floats of one dimension.

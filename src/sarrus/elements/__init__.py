@@ -1,4 +1,4 @@
-"""What the paper derives: constraint primitives, inertias and forces, one file each, formulas only."""
+"""Elements: constraint primitives, inertias and forces of the paper, one file each, formulas only."""
 
 from .bushing import Bushing
 from .constant_angle import ConstantAngle

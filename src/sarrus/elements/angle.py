@@ -32,7 +32,7 @@ class Turn(NamedTuple):
 class AngleGeometry:
     """Geometry of θ for elements with these fields.
 
-    `reference` is the angle, in turns counted, near which θ is looked for; it is memory, not a design number.
+    `reference` is the angle, with its revolutions, that θ is nearest to; it is a state variable, not a parameter.
     """
 
     f_i: Vec3
@@ -46,7 +46,7 @@ class AngleGeometry:
         return Dot1(self.f_i, self.f_j), Dot1(self.g_i, self.f_j)
 
     def angle_of(self, x: Pair) -> Scalar:
-        """θ [rad], turns counted: the value nearest to the reference."""
+        """θ [rad] with the revolutions that bring it nearest to the reference."""
         C, S = self._dots()
         theta = atan2(S.Phi(x)[0], C.Phi(x)[0])
         return theta + 2 * pi * nearest((self.reference - theta) / (2 * pi))

@@ -82,12 +82,12 @@ class Argument(NamedTuple):
         return [self._over_z(x).times(Complex(*(0 if b is None else b[0] for b in pair))) for pair in blocks]
 
     def Phi(self, x: Pair) -> Array:
-        """θ, without turns."""
+        """θ in (-π, π]."""
         z = self._z(x)
         return single(atan2(z.im, z.re))[0]
 
     def near(self, x: Pair, angle: Scalar) -> Scalar:
-        """θ with the whole turns that bring it nearest to another angle. No derivative acts on the turns."""
+        """θ with the revolutions that bring it nearest to another angle; they are constant in derivatives."""
         theta = self.Phi(x)[0]
         return theta + 2 * pi * nearest((angle - theta) / (2 * pi))
 

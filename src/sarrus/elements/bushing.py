@@ -6,7 +6,7 @@ frame j,
     Ξ = (f_i·d, g_i·d, h_i·d, (h_i·g_j - g_i·h_j)/2, (f_i·h_j - h_i·f_j)/2, (g_i·f_j - f_i·g_j)/2).
 
 These are three DOT-2 and six DOT-1 functions, whose derivatives it inherits. The work of the force F = K Ξ + C Ξ̇ -
-F₀ is that of Ξ: Q = -Ξ_qᵀ F, so that net force and moment on the pair vanish, and energy is kept for C = 0 and K =
+F₀ is that of Ξ: Q = -Ξ_qᵀ F, so that net force and moment on the pair vanish, and energy is conserved for C = 0 and K =
 Kᵀ. The angles are exactly n sin φ for a rotation by φ about n: a model for small angles, whose torque is largest at
 45°.
 """

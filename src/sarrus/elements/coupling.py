@@ -19,7 +19,7 @@ from .element import Memory, Primitive, Scalar, Vec3
 class AngleAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
     """Gears, Φ = θ_kl - ratio θ_ij - offset [rad].
 
-    The turns of θ_ij are counted near the reference, which is memory; those of θ_kl follow from them.
+    The revolutions of θ_ij are those nearest to the reference, a state variable; those of θ_kl follow from them.
     """
 
     f_i: Vec3  # [-] of the first angle, as in `Angle`
@@ -48,7 +48,7 @@ class AngleAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automati
 
 
 class TravelAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
-    """Rack and pinion, Φ = a_iᵀ d_ij - ratio θ_kl - offset [m]. The turns of θ_kl are counted by the travel."""
+    """Rack and pinion, Φ = a_iᵀ d_ij - ratio θ_kl - offset [m]. The displacement determines the revolutions of θ_kl."""
 
     a_i: Vec3  # [-] of the travel, as in `Travel`
     s_i: Vec3  # [m]

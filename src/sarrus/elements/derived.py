@@ -21,7 +21,7 @@ from .operators import DERIVATIVES, OPERATORS, Axis
 HELD = (
     "Curve",
     "Memory",
-)  # kinds of fields whose numbers are no design numbers: nothing is differentiated by them
+)  # kinds of fields that are no parameters: nothing is differentiated with respect to them
 
 
 @dataclass(frozen=True)

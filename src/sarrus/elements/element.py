@@ -82,14 +82,14 @@ class Element:
         cls.rows = rows
         if issubclass(cls, Primitive) and rows < 1:
             raise ElementError(
-                f"element {cls.__name__}: say how many equations it has, class X(Primitive, rows=1)"
+                f"element {cls.__name__}: The number of equations is missing. Declare class X(Primitive, rows=1)."
             )
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         cls.fields = {f.name: _kind(cls, f) for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
         if "Memory" in cls.fields.values() and not callable(getattr(cls, "remember", None)):
             raise ElementError(
-                f"element {cls.__name__} has a field of memory, but no method remember(x): write one that returns its "
-                "new values, or annotate the field as Scalar"
+                f"element {cls.__name__}: A Memory field requires a method remember(x). Write one that returns its "
+                "new values, or annotate the field as Scalar."
             )
         cls.timed, cls.outputs = "Time" in cls.fields.values(), declared(cls)
         for operator in cls.family:
@@ -98,14 +98,14 @@ class Element:
         missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
         if missing:
             raise ElementError(
-                f"element {cls.__name__} lacks {', '.join(missing)}: write one method for each, or declare the class "
-                'with derivatives="automatic" to have exact ones made by differentiating what it does compute'
+                f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare the class "
+                'with derivatives="automatic" to derive them by automatic differentiation.'
             )
         Element.registry[cls.__name__] = cls
 
     @classmethod
     def size(cls) -> int:
-        """How many numbers the element has."""
+        """Number of values that the fields hold."""
         return sum(WIDTHS[kind] for kind in cls.fields.values())
 
     @classmethod
@@ -115,12 +115,12 @@ class Element:
 
     @classmethod
     def widths(cls) -> tuple[int, ...]:
-        """Widths of the blocks of design numbers: one per field."""
+        """Widths of the blocks of parameters: one per field."""
         return tuple(WIDTHS[kind] for kind in cls.fields.values())
 
 
 def _derivable(cls: type[Element], operator: Operator) -> bool:
-    """Whether the author left an operator out that can be made from others."""
+    """Whether an operator has no kernel, but can be derived from others."""
     return operator.name in DERIVATIVES and not callable(getattr(cls, operator.name, None))
 
 

@@ -3,8 +3,8 @@
     F = N [μ + (μ_s - μ) exp(-(u/u_s)²)] tanh(u/u_0) + c u
 
 N is the normal load, μ the coefficient of sliding and μ_s that of sticking friction, u_s the speed over which one
-falls to the other (Stribeck), u_0 the speed of regularization, c a viscous coefficient. |u| ≪ u_0 stands for
-sticking.
+falls to the other (Stribeck), u_0 the speed of regularization, c a viscous coefficient. |u| ≪ u_0
+represents sticking.
 """
 
 from __future__ import annotations

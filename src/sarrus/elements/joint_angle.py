@@ -1,4 +1,4 @@
-"""Angle: how far body j is turned against body i about an axis; given, or driven. The paper has no such constraints."""
+"""Angle of body j relative to body i about an axis, constant or prescribed. The paper has no such constraints."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .element import Curve, Grid, Memory, Pair, Primitive, Scalar, Time, Vec3
 class Angle(Combination, Primitive, rows=1, rare=True):
     """Φ = θ - angle [rad], θ being the angle of f_j in the plane of f_i and g_i. Undefined where f_j is normal to it.
 
-    `reference` is the angle, in turns counted, near which θ is looked for; it is memory, not a design number.
+    `reference` is the angle, with its revolutions, that θ is nearest to; it is a state variable, not a parameter.
     """
 
     f_i: Vec3  # [-] fixed in body i
-    g_i: Vec3  # [-] a quarter turn on
+    g_i: Vec3  # [-] f_i rotated by a right angle
     f_j: Vec3  # [-] fixed in body j
     angle: Scalar  # [rad]
     reference: Memory  # [rad]
@@ -50,10 +50,10 @@ class Angle(Combination, Primitive, rows=1, rare=True):
 
 
 class AngleDriver(Combination, Primitive, rows=1, rare=True):
-    """Φ = θ - scale f(t) [rad]. Turns are those of the motion: θ is taken nearest to it, so nothing is remembered."""
+    """Φ = θ - scale f(t) [rad]. θ is taken nearest to the motion, so no revolutions are stored."""
 
     f_i: Vec3  # [-] fixed in body i
-    g_i: Vec3  # [-] a quarter turn on
+    g_i: Vec3  # [-] f_i rotated by a right angle
     f_j: Vec3  # [-] fixed in body j
     scale: Scalar  # of the motion
     motion: Curve  # f(t) [rad]

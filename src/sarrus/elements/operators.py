@@ -1,4 +1,4 @@
-"""The operators of the equations of motion: what each takes and what shape its result has.
+"""The operators of the equations of motion: their operands, and the shape of their results.
 
     M a + Phi_qᵀ lam = Q + S,    Phi = 0,    Phi_q a = gamma
 
@@ -12,19 +12,19 @@ from enum import Enum
 
 
 class Axis(Enum):
-    """What a row or column of an operator stands for."""
+    """Quantity that the rows or columns of an operator belong to."""
 
     ROWS = "constraint equations"
     COORDINATES = "coordinates"
-    NUMBERS = "design numbers"
+    PARAMETERS = "parameters"
 
 
 @dataclass(frozen=True)
 class Operator:
     """One operator: its name, equation, operands, the axes of its result (one for vectors, two for matrices).
 
-    `origin` tells where its kernel comes from: coded by every element's author, following from others in one formula
-    for all elements, or derived from others by differentiating what they record.
+    `origin` is the origin of its kernel: coded by the author of each element, following from other operators by one
+    formula for all elements, or derived by differentiating the recorded kernels of others.
     """
 
     name: str
@@ -37,14 +37,14 @@ class Operator:
     @property
     def sums(self) -> bool:
         """Whether entries of different elements add (they do, where the rows are coordinates)."""
-        return self.axes[0] is Axis.COORDINATES and Axis.NUMBERS not in self.axes
+        return self.axes[0] is Axis.COORDINATES and Axis.PARAMETERS not in self.axes
 
     @property
     def is_vector(self) -> bool:
         return len(self.axes) == 1
 
 
-R, X, N = Axis.ROWS, Axis.COORDINATES, Axis.NUMBERS
+R, X, N = Axis.ROWS, Axis.COORDINATES, Axis.PARAMETERS
 
 
 def _operators(family: str, *table: tuple[str, str, str, tuple[Axis, ...], str]) -> list[Operator]:

@@ -42,6 +42,6 @@ def gyroscopic_p(inertia: Array, pd: Array) -> Array:
 
 
 def gyroscopic_v(inertia: Array, p: Array, pd: Array) -> Array:
-    """(8 ĠᵀJĠ p)_ṗ. Eq. (58), eight times, with its sign mended (see the errata)."""
+    """(8 ĠᵀJĠ p)_ṗ. Eq. (58), eight times, with its sign corrected (see the errata)."""
     J = tensor(inertia)
     return 8 * (bar(J @ (G(pd) @ p)) - G(pd).T @ (J @ G(p)))

@@ -25,14 +25,14 @@ class Law(NamedTuple):
 
 
 class TurningSpring(AngleGeometry):
-    """What all RSDA share: everything but the law."""
+    """Base of all RSDA: everything except the law."""
 
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
 
     @output("rad", "angle")
     def present_angle(self, x: Pair) -> Scalar:
-        """θ, turns counted."""
+        """θ, with its revolutions."""
         return self.angle_of(x)
 
     @output("rad/s")
@@ -92,9 +92,9 @@ class TurningSpring(AngleGeometry):
 
 
 class RSDA(TurningSpring, Force):
-    """Torque n = k (θ - angle) + c θ̇ + torque on body i about h_i, opposed on body j about h_j; turns are counted.
+    """Torque n = k (θ - angle) + c θ̇ + torque on body i about h_i, opposed on body j about h_j; θ includes revolutions.
 
-    `reference` is the angle, in turns counted, near which θ is looked for; it is memory, not a design number.
+    `reference` is the angle, with its revolutions, that θ is nearest to; it is a state variable, not a parameter.
     """
 
     f_i: Vec3  # [-] fixed in body i; f_i, g_i, h_i right-handed
@@ -130,7 +130,7 @@ class NonlinearRSDA(TurningSpring, Force, rare=True):
     c: Scalar  # [N m s/rad] scale of the damping curve
     angle: Scalar  # [rad] free angle
     torque: Scalar  # [N m] scale of the actuator curve
-    stiffness: Curve  # κ(θ), θ in turns counted
+    stiffness: Curve  # κ(θ), θ with its revolutions
     damping: Curve  # χ(θ̇)
     actuator: Curve  # φ(t)
     reference: Memory  # [rad]

@@ -1,4 +1,4 @@
-"""Screw: travel along an axis is proportional to the angle about it; an equation beside those of a cylinder."""
+"""Screw: displacement along an axis is proportional to the angle about it; an equation beside those of a cylinder."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .element import Pair, Primitive, Scalar, Vec3
 class Screw(Combination, Primitive, rows=1, derivatives="automatic", rare=True):
     """Φ = h_iᵀ d - lead (θ - angle) - travel [m]; right-handed where the lead is positive.
 
-    The turns are counted by the travel: θ is taken nearest to the angle that belongs to it. All turns lie on one
-    thread, so that nothing has to be remembered. The paper has no formula for it; derivatives to the numbers are
-    made by differentiating what is recorded.
+    The displacement determines the revolutions: θ is taken nearest to the angle that corresponds to it, so no
+    revolutions are stored. The paper has no formula for it; derivatives with respect to the parameters are generated
+    from the recorded formula.
     """
 
     f_i: Vec3  # [-] fixed in body i; f_i, g_i, h_i right-handed

@@ -16,7 +16,7 @@ from .segment import Segment
 
 
 class Limit:
-    """The fields that all stops share, and their force."""
+    """Base of all stops: their common fields, and their force."""
 
     limit: Scalar
     sign: Scalar
@@ -70,7 +70,7 @@ class TravelStop(Limit, Force, derivatives="automatic", rare=True):
 
 
 class AngleStop(AngleGeometry, Limit, Force, derivatives="automatic", rare=True):
-    """A limit of the angle θ of a revolute or cylindrical joint, in turns counted, as `RSDA` measures it."""
+    """A limit of the angle θ of a revolute or cylindrical joint, including revolutions, as `RSDA` measures it."""
 
     f_i: Vec3  # [-] fixed in body i; f_i, g_i, h_i right-handed
     g_i: Vec3  # [-]

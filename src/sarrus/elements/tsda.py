@@ -37,7 +37,7 @@ class Length(NamedTuple):
 
 
 class SpringDamper(Segment):
-    """What all TSDA share: everything but the law."""
+    """Base of all TSDA: everything except the law."""
 
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError

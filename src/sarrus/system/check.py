@@ -213,7 +213,7 @@ def _places(operator: Operator, p: Population, k: int) -> tuple[Array, Array]:
     def along(axis: Axis) -> Array:
         if axis is Axis.ROWS:
             return np.arange(p.rows[k], p.rows[k] + p.kind.rows)
-        if axis is Axis.NUMBERS:
+        if axis is Axis.PARAMETERS:
             return p.at + k * p.kind.size() + np.arange(p.kind.size())
         return np.concatenate(
             [np.arange(f, f + WIDTH) if f >= 0 else np.full(WIDTH, -1) for f in firsts(p, k)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._jit.driver import COMPILING, Signature, driver
 from .._jit.emit import HEADER
-from .._jit.pointer import NONE, Entry, entry
+from .._jit.pointer import NONE, KernelTable, kernel_table
 from ..algebra import Array
 from ..elements import BUILT_IN
 from ..elements.recorder import Variant, record_scalars
@@ -41,11 +41,11 @@ class ElementValues:
             for p, width, start in zip(self._members, widths, starts, strict=False)
         ]
 
-    def entry(self) -> Entry:
+    def entry(self) -> KernelTable:
         """For compiled loops, see `Group.entry`; the operands are t, q and the output array."""
         if not self._members:
             return NONE
-        return entry(self._drivers, self._tables, _signature(self._method))
+        return kernel_table(self._drivers, self._tables, _signature(self._method))
 
     def __call__(self, q: Array, b: Array, t: float) -> Array:
         """All values at a state."""

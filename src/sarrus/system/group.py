@@ -10,7 +10,7 @@ import numpy as np
 
 from .._jit.driver import COMPILING, Signature, compile_source, driver
 from .._jit.emit import HEADER
-from .._jit.pointer import Entry, entry
+from .._jit.pointer import KernelTable, kernel_table
 from .._jit.vector import LANES
 from ..algebra import Array
 from ..elements import BUILT_IN, GROUPS, OPERATORS
@@ -83,18 +83,18 @@ class Group:
         function = compile_source(name, lines, {f"driver_{n}": run for n, run in enumerate(drivers)})
         return function, (self.index, *(index for _, index in self._others))
 
-    def entry(self) -> Entry:
+    def entry(self) -> KernelTable:
         """All drivers by address, for compiled loops that call them with `_jit.pointer.call_kernels`."""
         drivers = [self.compiled, *(run for run, _ in self._others)]
-        return entry(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
+        return kernel_table(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
 
     @cached_property
-    def entry_in_lanes(self) -> Entry:
+    def entry_in_lanes(self) -> KernelTable:
         """Drivers for several states at once, for compiled loops; what is summed is added to what is there."""
         members = [n for n, p in enumerate(self._members) if p.count]
         drivers = [own_driver(self.names, self._members[n].variant, LANES) for n in members]
         tables = [self._pack(self._members, [n]) for n in members]
-        return entry(drivers, tables, signature(self.names, lanes=LANES))
+        return kernel_table(drivers, tables, signature(self.names, lanes=LANES))
 
     def allocate(self) -> list[Array]:
         """Fresh outputs, one array per operator."""
@@ -137,12 +137,12 @@ def built_in_driver(names: tuple[str, ...]) -> Any:
 def own_driver(names: tuple[str, ...], variant: Variant, lanes: int = 1) -> Any:
     """The driver of a group over one variant alone.
 
-    That of a built-in element is kept under its name, that of a user's under the hash of what it computes.
+    Drivers of built-in elements are stored under their names, those of users' elements under a hash of their code.
     """
     if variant.kind in BUILT_IN:
         with COMPILING:
-            told = signature(names, variant.name, lanes)
-            return driver(told, [partial(record, variant, names)], clear=False)
+            own = signature(names, variant.name, lanes)
+            return driver(own, [partial(record, variant, names)], clear=False)
     recording = record(variant, names)
     return driver(signature(names, recording.fingerprint(), lanes), [lambda: recording], clear=False)
 

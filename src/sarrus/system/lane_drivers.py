@@ -36,7 +36,7 @@ def entry(
     outputs: Sequence[str],
     title: str,
     firsts: Sequence[int] | None = None,
-) -> pointer.Entry:
+) -> pointer.KernelTable:
     """Drivers in lanes, one for each population, to be called by their addresses; `outputs` names what each is along.
 
     Compiled under the hash of what they compute. `firsts`: where the numbers of each population begin in an output
@@ -49,11 +49,11 @@ def entry(
 
 def entry_with(
     tables: Sequence[Array], recordings: Sequence[Recording], outputs: Sequence[str], title: str
-) -> pointer.Entry:
+) -> pointer.KernelTable:
     """The same with tables of one's own."""
     found = [_driver(recording, outputs, title) for recording in recordings]
     return (
-        pointer.entry(found, [*tables], _signature(recordings[0], outputs, title)) if found else pointer.NONE
+        pointer.kernel_table(found, [*tables], _signature(recordings[0], outputs, title)) if found else pointer.NONE
     )
 
 

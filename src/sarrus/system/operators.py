@@ -226,4 +226,4 @@ def _number_names(system: Any) -> list[str]:
     return names
 
 
-_NAMES = {Axis.COORDINATES: _coordinate_names, Axis.ROWS: _row_names, Axis.NUMBERS: _number_names}
+_NAMES = {Axis.COORDINATES: _coordinate_names, Axis.ROWS: _row_names, Axis.PARAMETERS: _number_names}

@@ -10,7 +10,7 @@ from functools import cache, cached_property
 import numpy as np
 from scipy.sparse import csr_array
 
-from .._jit.cache import kept
+from .._jit.cache import stored_value
 from ..algebra import Array
 from ..elements import BUILT_IN
 from ..elements.operators import Axis, Operator
@@ -91,7 +91,7 @@ class Layout:
         p = self.populations[n]
         if axis is Axis.ROWS:
             return p.constraints
-        if axis is Axis.NUMBERS:
+        if axis is Axis.PARAMETERS:
             return self._first_number[n] + piece + len(p.kind.fields) * np.arange(p.count)
         return 2 * (p.bodies[:, piece // 2] // WIDTH) + piece % 2
 
@@ -148,7 +148,7 @@ def _structure(variant: Variant, operator: Operator) -> tuple[tuple[int, int], .
     """The recorded blocks of an operator; those of built-in elements are cached on disk, beside their kernels."""
     if variant.kind not in BUILT_IN:
         return structure(variant, operator)
-    found = kept(f"{variant.name}.{operator.name}", lambda: structure(variant, operator))
+    found = stored_value(f"{variant.name}.{operator.name}", lambda: structure(variant, operator))
     return tuple((row, column) for row, column in found)
 
 

@@ -189,7 +189,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     @property
     def number_names(self) -> list[str]:
         """A name for every parameter in `b`, e.g. ``spring[tsda].k``."""
-        return self.axis_names(Axis.NUMBERS)
+        return self.axis_names(Axis.PARAMETERS)
 
     @property
     def row_names(self) -> list[str]:

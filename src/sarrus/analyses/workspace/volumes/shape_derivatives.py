@@ -294,9 +294,9 @@ class _Numbers:
 
     def __init__(self, problem: Problem, names: Sequence[str]) -> None:
         self.problem, system = problem, problem.system
-        self.sizes = (system.nb, len(problem.functions.axis_names(Axis.NUMBERS)), 2 * len(problem.limited))
+        self.sizes = (system.nb, len(problem.functions.axis_names(Axis.PARAMETERS)), 2 * len(problem.limited))
         limits = [f"{problem.table[k].name} {end}" for k in problem.limited for end in ("lowest", "highest")]
-        own = problem.functions.axis_names(Axis.NUMBERS)
+        own = problem.functions.axis_names(Axis.PARAMETERS)
         self.own = [*own, *limits]
         self._places = {name: self.sizes[0] + n for n, name in enumerate(self.own)}
         self._places |= {short: self._places[name] for short, name in _without_places(self.own).items()}

@@ -54,7 +54,7 @@ def platform_with_legs() -> Any:
             sr.Revolute(f"corner_{n}", rod, plate, point=(*end, 0), axis=(0, 0, 1)),
         ]
         bodies += [barrel, rod]
-        drawn = float(np.linalg.norm(end - foot))  # where the travel is zero
+        drawn = float(np.linalg.norm(end - foot))  # where the displacement is zero
         lengths[f"leg_{n}"] = (pair[0] - drawn, pair[1] - drawn)
     system = sr.System(sr.Model("3-RPR with legs", bodies=bodies, joints=joints))
     return system, plate.point(0, 0, 0)["x", "y"], lengths

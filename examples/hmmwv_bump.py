@@ -3,7 +3,7 @@
 python examples/hmmwv_bump.py [FOLDER]
 
 Writes hmmwv-settle.png, hmmwv-bump.png and hmmwv-steer.png into the folder: bounce, pitch and roll of the chassis,
-loads of the tyres and travel of the wheels. The wheels do not spin and the tyres have vertical forces only, so
+loads of the tyres and displacement of the wheels. The wheels do not spin and the tyres have vertical forces only, so
 nothing would hold the vehicle in a curve: steering is shown at rest.
 """
 
@@ -66,7 +66,7 @@ def over_the_bump() -> sr.Trajectory:
 
 def steered() -> sr.Trajectory:
     """The rack moves 5 cm to the left and to the right, while the vehicle stands."""
-    driver = sr.TravelDriver("steering", "rack", motion=lambda t: 0.05 * sin(pi * t))
+    driver = sr.DisplacementDriver("steering", "rack", motion=lambda t: 0.05 * sin(pi * t))
     model = vehicle(drivers=[driver])
     return sr.simulate(sr.System(model), until=2.0, rtol=1e-6, atol=1e-7)
 
@@ -103,12 +103,12 @@ def angles(run: sr.Trajectory, body: str) -> dict[str, np.ndarray]:
 
 
 def picture(run: sr.Trajectory, title: str, path: Path, dpi: int) -> None:
-    """Bounce and attitude of the chassis, travel of the wheels, loads of the tyres."""
+    """Bounce and attitude of the chassis, displacement of the wheels, loads of the tyres."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 7), layout="constrained")
     figure.suptitle(title)
-    bounce, attitude, travel, load = figure.subplots(2, 2, sharex=True).flat
+    bounce, attitude, displacement, load = figure.subplots(2, 2, sharex=True).flat
     bounce.plot(run.t, 1e3 * (run["chassis"].position[:, 2] - 0.76427807917))
     bounce.set(ylabel="chassis above rest [mm]")
     for (label, values), look in zip(angles(run, "chassis").items(), LOOKS, strict=False):
@@ -116,30 +116,30 @@ def picture(run: sr.Trajectory, title: str, path: Path, dpi: int) -> None:
     attitude.set(ylabel="chassis [deg]")
     for (name, force), look in zip(loads(run).items(), LOOKS, strict=False):
         heights = wheel(run, name)[0]
-        travel.plot(run.t, 1e3 * heights, look, label=name.replace("_", " "))
+        displacement.plot(run.t, 1e3 * heights, look, label=name.replace("_", " "))
         load.plot(run.t, force / 1e3, look, label=name.replace("_", " "))
-    travel.set(ylabel="wheel centre above road level [mm]", xlabel="time [s]")
+    displacement.set(ylabel="wheel centre above road level [mm]", xlabel="time [s]")
     load.set(ylabel="load of the tyre [kN]", xlabel="time [s]")
-    for axes in (attitude, travel, load):
+    for axes in (attitude, displacement, load):
         axes.legend(fontsize="small")
-    for axes in (bounce, attitude, travel, load):
+    for axes in (bounce, attitude, displacement, load):
         axes.grid(alpha=0.3)
     figure.savefig(path, dpi=dpi)
 
 
 def steering_picture(run: sr.Trajectory, path: Path, dpi: int) -> None:
-    """Angles of the front wheels over the travel of the rack."""
+    """Angles of the front wheels over the displacement of the rack."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     over_rack, rear = figure.subplots(1, 2)
-    rack = 1e3 * run.joint("rack").travel
+    rack = 1e3 * run.joint("rack").displacement
     chassis = angles(run, "chassis")["yaw"]
     for side, look in zip(("left", "right"), LOOKS, strict=False):
         turned = angles(run, f"knuckle_front_{side}")["yaw"] - chassis
         over_rack.plot(rack, turned, look, label=side)
         rear.plot(run.t, loads(run)[f"front_{side}"] / 1e3, look, label=f"front {side}")
-    over_rack.set(xlabel="travel of the rack [mm]", ylabel="steering angle [deg]", title="front wheels")
+    over_rack.set(xlabel="displacement of the rack [mm]", ylabel="steering angle [deg]", title="front wheels")
     rear.set(
         xlabel="time [s]", ylabel="load of the tyre [kN]", title="the chassis is lifted and rolls a little"
     )

@@ -31,8 +31,8 @@ def turned_to(way: np.ndarray) -> tuple[float, ...]:
     return tuple(p / np.linalg.norm(p))
 
 
-def leg(n: int, platform: sr.Body) -> tuple[list, list, sr.TravelDriver]:
-    """Cylinder and rod between foot n and hand n, and the driver of the travel between them."""
+def leg(n: int, platform: sr.Body) -> tuple[list, list, sr.DisplacementDriver]:
+    """Cylinder and rod between foot n and hand n, and the driver of the displacement between them."""
     foot, hand = on_circle(BASE, FEET[n]), on_circle(TOP, HANDS[n], 1.2)
     length = float(np.linalg.norm(hand - foot))
     way = (hand - foot) / length
@@ -51,7 +51,7 @@ def leg(n: int, platform: sr.Body) -> tuple[list, list, sr.TravelDriver]:
     return (
         [cylinder, rod],
         joints,
-        sr.TravelDriver(f"motor_{n}", f"slide_{n}", f"sqrt({flat} + {HEAVE}**2) - {length}"),
+        sr.DisplacementDriver(f"motor_{n}", f"slide_{n}", f"sqrt({flat} + {HEAVE}**2) - {length}"),
     )
 
 

@@ -32,7 +32,7 @@ RETIRED = {
     "loft": "surface from slices",
     "mended|mend|repaired": "fixed",
     "rooms?": "buffer, workspace array",
-    "travels": "displacements",
+    "travels?": "displacement",
     "turns": "revolutions, winding number; rotates",
     "kept|keep steps": "stored, cached; store_steps",
     "ways of assembly": "assembly modes",

@@ -83,6 +83,9 @@ if TYPE_CHECKING:
     from .model import Coupler as Coupler
     from .model import Curve as Curve
     from .model import Cylindrical as Cylindrical
+    from .model import DisplacementDriver as DisplacementDriver
+    from .model import DisplacementFriction as DisplacementFriction
+    from .model import DisplacementStop as DisplacementStop
     from .model import Distance as Distance
     from .model import DistanceDriver as DistanceDriver
     from .model import Drag as Drag
@@ -118,9 +121,6 @@ if TYPE_CHECKING:
     from .model import StrictError as StrictError
     from .model import Torque as Torque
     from .model import Translational as Translational
-    from .model import TravelDriver as TravelDriver
-    from .model import TravelFriction as TravelFriction
-    from .model import TravelStop as TravelStop
     from .model import Turn as Turn
     from .model import Tyre as Tyre
     from .model import Universal as Universal
@@ -175,11 +175,12 @@ __version__ = "0.1.0"
 _HOMES = {
     "model": (
         "AngleDriver AngleFriction AngleStop AxisAngle Body Bushing ConstantAngle CoordinateDriver Coupler "
-        "Curve Cylindrical Distance DistanceDriver Drag Driver EulerAngles Fixed Formula Frame Gear Length "
+        "Curve Cylindrical DisplacementDriver DisplacementFriction DisplacementStop Distance DistanceDriver "
+        "Drag Driver EulerAngles Fixed Formula Frame Gear Length "
         "LengthStop Model ModelError ParallelAxes Planar Point PointCoordinate PointDriver PointForce "
         "PointOnLine PointOnPlane RSDA RackAndPinion Revolute RevoluteRevolute RevoluteSpherical RoadTyre "
         "SarrusError SarrusWarning Screw Shape SphereContact Spherical StrictError TSDA Torque Translational "
-        "TravelDriver TravelFriction TravelStop Turn Tyre Universal ViscousDrag describe ground load parse_expression"
+        "Turn Tyre Universal ViscousDrag describe ground load parse_expression"
     ),
     "system": "System",
     "analyses": (
@@ -204,7 +205,6 @@ _HOMES = {
         "StudyTable Uncertainty Values Vibration open_study study uncertainty"
     ),
 }
-_RENAMED = {"Happened": "EventRecord"}  # deprecated names of classes, for one release
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
@@ -214,16 +214,13 @@ rendering.register(lambda: import_module(".views", __name__))
 
 
 def __getattr__(name: str) -> Any:
-    if name in _RENAMED:
-        from .model.checks.deprecated import warn_deprecated
-
-        warn_deprecated(f"sarrus.{name}", f"sarrus.{_RENAMED[name]}")
-        return getattr(import_module(__name__), _RENAMED[name])
-    if name not in _HOME_OF:
+    if name in _HOME_OF:
+        globals()[name] = value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)
+        return value
+    present = import_module(".model.checks.deprecated", __name__).present_class(name)
+    if present == name:
         raise AttributeError(f"module 'sarrus' has no attribute {name!r}")
-    value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)
-    globals()[name] = value
-    return value
+    return getattr(import_module(__name__), present)
 
 
 def __dir__() -> list[str]:

@@ -13,7 +13,7 @@ from sarrus import mechanisms
 X0 = 4.172214269048909  # the slider's start
 
 
-def driven_slider_crank(driver: sr.AngleDriver | sr.TravelDriver) -> sr.System:
+def driven_slider_crank(driver: sr.AngleDriver | sr.DisplacementDriver) -> sr.System:
     model = sr.load(mechanisms.path("slider_crank"))
     return sr.System(replace(model, drivers=[driver]))
 
@@ -27,7 +27,7 @@ def turned(rate: float, growth: float) -> sr.System:
 @cache
 def pushed(rate: float) -> sr.System:
     """The slider is at X0 + rate t."""
-    return driven_slider_crank(sr.TravelDriver("push", "guide", f"{rate}*t"))
+    return driven_slider_crank(sr.DisplacementDriver("push", "guide", f"{rate}*t"))
 
 
 class SliderOfCrank:

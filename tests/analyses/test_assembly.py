@@ -176,7 +176,7 @@ JOINTS = {
 
 
 @pytest.mark.parametrize("kind", JOINTS)
-def test_every_angle_and_travel_can_be_given_its_rate(kind: str) -> None:
+def test_every_angle_and_displacement_can_be_given_its_rate(kind: str) -> None:
     system = sr.System(sr.Model(kind, [BODY], [JOINTS[kind]]))
     names = system.joint("j").names
     for name in names:

@@ -122,7 +122,7 @@ def test_gears_of_no_whole_ratio_count_their_turns() -> None:
     assert np.allclose(run.joint("pin_b").angle, -2.3 * turned, atol=1e-10)
 
 
-def test_a_driven_screw_travels_over_many_turns() -> None:
+def test_a_driven_screw_moves_over_many_turns() -> None:
     body = sr.Body("screw", 1.0, (1, 1, 2.0), position=(0.3, 0, 0))
     thread = sr.Screw("thread", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1), pitch=0.05)
     system = sr.System(
@@ -131,7 +131,7 @@ def test_a_driven_screw_travels_over_many_turns() -> None:
     run = sr.simulate(system, until=2.0, t_eval=np.linspace(0, 2, 41), rtol=1e-8, atol=1e-10, method=sr.ODE())
     assert run.success
     assert np.allclose(run.joint("thread").angle, 20 * run.t, atol=1e-10)
-    assert np.allclose(run.joint("thread").travel, 0.05 / (2 * np.pi) * 20 * run.t, atol=1e-11)
+    assert np.allclose(run.joint("thread").displacement, 0.05 / (2 * np.pi) * 20 * run.t, atol=1e-11)
 
 
 def test_a_point_follows_a_path_and_a_length_its_formula() -> None:

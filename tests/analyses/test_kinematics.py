@@ -40,7 +40,7 @@ def test_lock_up_is_located() -> None:
     assert not run.success
     assert run.status == "lock-up"
     assert f"locks at t = {end:.9g} s" in run.message
-    assert "push (travel)" in run.message
+    assert "push (displacement)" in run.message
     assert "guide" not in run.message  # it bears no share of the jam
     assert run.t[-1] == 1.5
     assert len(run.q) == len(run.lam) == 16

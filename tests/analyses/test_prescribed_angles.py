@@ -92,7 +92,7 @@ def test_screws_and_racks_pass_turns_on() -> None:
     pin = sr.Revolute("pin", sr.ground, pinion, point=(0, 1, 0), axis=(0, 0, 1))
     mesh = sr.RackAndPinion("mesh", "slide", "pin", 0.2)
     spring = sr.RSDA("spring", sr.ground, pinion, k=K, point=(0, 1, 0), axis=(0, 0, 1))
-    drive = sr.TravelDriver("drive", "slide", "1.5*t")
+    drive = sr.DisplacementDriver("drive", "slide", "1.5*t")
     system = sr.System(sr.Model("rack", [rack, pinion], [slide, pin, mesh], [spring], drivers=[drive]))
     for t in TIMES:
         run = sr.simulate(system, sr.assemble(system, t=t), until=t + 0.2)

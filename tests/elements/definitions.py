@@ -43,8 +43,8 @@ def constant_angle(e, q):
     return dot1(e, q) - e.cosine
 
 
-def travel(e, q):
-    return dot2(e, q) - e.travel
+def displacement(e, q):
+    return dot2(e, q) - e.displacement
 
 
 def _motion(e):
@@ -52,7 +52,7 @@ def _motion(e):
     return _curve(e.motion.numbers[12 * (e.motion.at // 12) :][:12], e.t)
 
 
-def travel_driver(e, q):
+def displacement_driver(e, q):
     return dot2(e, q) - e.scale * _motion(e)
 
 
@@ -91,9 +91,9 @@ def heading(e, q):
 
 
 def screw(e, q):
-    travel = (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
-    theta = _turned(_angle(e.f_i, e.g_i, e.f_j, q), e.angle + (travel - e.travel) / e.lead)
-    return vec(travel - e.travel - e.lead * (theta - e.angle))
+    displacement = (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
+    theta = _turned(_angle(e.f_i, e.g_i, e.f_j, q), e.angle + (displacement - e.displacement) / e.lead)
+    return vec(displacement - e.displacement - e.lead * (theta - e.angle))
 
 
 def _displacement(a, s_i, s_j, q):  # as in `dot2`
@@ -106,12 +106,12 @@ def angle_angle(e, q):
     return vec(second - e.ratio * first - e.offset)
 
 
-def travel_angle(e, q):
-    travel = _displacement(e.a_i, e.s_i, e.s_j, q[:14]) - e.offset
-    return vec(travel - e.ratio * _turned(_angle(e.f_k, e.g_k, e.f_l, q[14:]), travel / e.ratio))
+def displacement_angle(e, q):
+    displacement = _displacement(e.a_i, e.s_i, e.s_j, q[:14]) - e.offset
+    return vec(displacement - e.ratio * _turned(_angle(e.f_k, e.g_k, e.f_l, q[14:]), displacement / e.ratio))
 
 
-def travel_travel(e, q):
+def displacement_displacement(e, q):
     first, second = _displacement(e.a_i, e.s_i, e.s_j, q[:14]), _displacement(e.a_k, e.s_k, e.s_l, q[14:])
     return vec(second - e.ratio * first - e.offset)
 
@@ -130,10 +130,10 @@ CONSTRAINTS = {
     el.Normalization: normalization,
     el.Screw: screw,
     el.Spherical: spherical,
-    el.Travel: travel,
-    el.TravelAngle: travel_angle,
-    el.TravelDriver: travel_driver,
-    el.TravelTravel: travel_travel,
+    el.Displacement: displacement,
+    el.DisplacementAngle: displacement_angle,
+    el.DisplacementDriver: displacement_driver,
+    el.DisplacementDisplacement: displacement_displacement,
 }
 
 
@@ -345,22 +345,22 @@ def _stop(coordinate):
     return stop
 
 
-def _stop_travel(e, q):
+def _stop_displacement(e, q):
     P_i, P_j = _points(e, q)
     return (A(q[3:7]) @ e.h_i) @ (P_j - P_i)
 
 
-def _reduced_travel(e, q):
+def _reduced_displacement(e, q):
     """The same on unit p, as Eq. (88) has it."""
     return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3]) - e.h_i @ e.s_i
 
 
-def travel_friction(e, state):
-    def travel(q):
+def displacement_friction(e, state):
+    def displacement(q):
         return (A(q[3:7]) @ e.h_i) @ (q[7:10] + A(q[10:]) @ e.s_j - q[:3])
 
-    f = friction(e, state.difference(lambda s: travel(s.operands["q"]), "q", state.operands["v"]))
-    return lambda y: -f * travel(y)
+    f = friction(e, state.difference(lambda s: displacement(s.operands["q"]), "q", state.operands["v"]))
+    return lambda y: -f * displacement(y)
 
 
 def _spin(state, first):
@@ -438,10 +438,10 @@ FORCES = {
     el.VaryingBodyTorque: varying_body_torque,
     el.RoadTyre: road_tyre,
     el.LengthStop: _stop(_length),
-    el.TravelStop: _stop(_stop_travel),
+    el.DisplacementStop: _stop(_stop_displacement),
     el.AngleStop: _stop(rsda_turned),
     el.AngleFriction: angle_friction,
-    el.TravelFriction: travel_friction,
+    el.DisplacementFriction: displacement_friction,
     el.SphereContact: sphere_contact,
     el.Drag: drag,
     el.ViscousDrag: viscous_drag,
@@ -449,12 +449,12 @@ FORCES = {
 # Their work is that of a rotation, or measured by DOT-2 in its reduced form: on unit p, for pᵀδp = 0, only.
 ROTATIONAL = (
     el.Torque, el.BodyTorque, el.RSDA, el.NonlinearRSDA, el.Bushing, el.VaryingTorque, el.VaryingBodyTorque,
-    el.AngleStop, el.TravelStop, el.AngleFriction, el.TravelFriction, el.SphereContact, el.ViscousDrag,
+    el.AngleStop, el.DisplacementStop, el.AngleFriction, el.DisplacementFriction, el.SphereContact, el.ViscousDrag,
 )  # fmt: skip
 ON_A_HINGE = (el.RSDA, el.NonlinearRSDA, el.AngleStop)
 DEPTHS = {  # of contacts: the field that moves the depth, and the depth by (e, q, t)
     el.LengthStop: ("limit", lambda e, q, t: e.sign * (_length(e, q) - e.limit)),
-    el.TravelStop: ("limit", lambda e, q, t: e.sign * (_reduced_travel(e, q) - e.limit)),
+    el.DisplacementStop: ("limit", lambda e, q, t: e.sign * (_reduced_displacement(e, q) - e.limit)),
     el.AngleStop: ("limit", lambda e, q, t: e.sign * (rsda_turned(e, q) - e.limit)),
     el.SphereContact: ("radius", lambda e, q, t: sphere_depth(e, q)),
     el.RoadTyre: ("radius", lambda e, q, t: _tyre_depth(e, q, e.profile, e.bump(t))),

@@ -57,12 +57,11 @@ def test_every_element_has_a_definition():
 
 def test_which_elements_are_polynomial():
     """All others have a root, an angle or a function in them; a division that sneaks in elsewhere is noticed here."""
-    rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop TravelStop AngleStop SphereContact Drag"
+    rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop DisplacementStop AngleStop SphereContact Drag"
     curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre"
-    other = "AngleFriction TravelFriction Bushing"
-    joints = (
-        "Heading Angle AngleAngle TravelAngle Screw AngleDriver TravelDriver DistanceDriver CoordinateDriver"
-    )
+    other = "AngleFriction DisplacementFriction Bushing"
+    joints = "Heading Angle AngleAngle DisplacementAngle Screw AngleDriver"
+    joints += " DisplacementDriver DistanceDriver CoordinateDriver"
     expected = {*rooted.split(), *curved.split(), *other.split(), *joints.split()}
     assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == expected
 

@@ -38,7 +38,7 @@ def test_the_bump_lifts_the_left_side(example: dict[str, Any]) -> None:
 def test_the_rack_steers_both_front_wheels(example: dict[str, Any]) -> None:
     run = example["steered"]()
     assert run.success, run.message
-    rack = run.joint("rack").travel
+    rack = run.joint("rack").displacement
     for side in ("left", "right"):
         turned = example["angles"](run, f"knuckle_front_{side}")["yaw"]
         assert np.corrcoef(rack, turned)[0, 1] < -0.99

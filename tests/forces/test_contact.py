@@ -108,7 +108,7 @@ def test_a_door_turns_between_its_stops() -> None:
 def test_a_slider_bounces_between_its_stops() -> None:
     slider = sr.Body("slider", 1.0, (1, 1, 1), velocity=(1.0, 0, 0))
     guide = sr.Translational("guide", sr.ground, slider, (0, 0, 0), (1, 0, 0))
-    stop = sr.TravelStop(
+    stop = sr.DisplacementStop(
         "stop", sr.ground, slider, (0, 0, 0), (1, 0, 0), lower=-0.2, upper=0.3, stiffness=1e5
     )
     run = precise(sr.System(sr.Model("m", [slider], [guide], [stop])), until=2.0)

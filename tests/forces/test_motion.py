@@ -15,8 +15,8 @@ def slider(**given: object) -> tuple[sr.Body, sr.Translational]:
     return body, sr.Translational("guide", sr.ground, body, (0, 0, 0), (1, 0, 0))
 
 
-def friction(body: sr.Body, **given: float) -> sr.TravelFriction:
-    return sr.TravelFriction("friction", sr.ground, body, (0, 0, 0), (1, 0, 0), load=2.0 * G, **given)
+def friction(body: sr.Body, **given: float) -> sr.DisplacementFriction:
+    return sr.DisplacementFriction("friction", sr.ground, body, (0, 0, 0), (1, 0, 0), load=2.0 * G, **given)
 
 
 def test_a_slider_comes_to_rest() -> None:

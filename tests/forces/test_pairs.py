@@ -30,11 +30,11 @@ PAIRS = [
     sr.RSDA("f", **ABOUT, k=lambda angle: 3 + angle * angle, c=2.0, angle=0.5),
     sr.TSDA("f", A_BODY.point(0, 0, 1), B_BODY.point(0, 1, 0), k=[[0, 3], [1, 5]], c=lambda v: 1 + v * v, length=0.3),
     sr.LengthStop("f", A_BODY.point(0, 0, 1), B_BODY.point(0, 1, 0), stiffness=9.0, damping=0.1, upper=0.2),
-    sr.TravelStop("f", **ABOUT, stiffness=9.0, damping=0.1, exponent=1.5, lower=0.3),
+    sr.DisplacementStop("f", **ABOUT, stiffness=9.0, damping=0.1, exponent=1.5, lower=0.3),
     sr.AngleStop("f", **ABOUT, stiffness=9.0, damping=0.1, lower=0.3, upper=0.4),
     sr.SphereContact("f", A_BODY.point(0, 0, 1), B_BODY.frame((0, 1, 0), z=(1, 1, 1)), radius=9.0, stiffness=7.0,
     mu=0.3), sr.AngleFriction("f", **ABOUT, radius=0.1, load=10.0, mu=0.2, mu_static=0.3, viscous=2.0),
-    sr.TravelFriction("f", **ABOUT, load=10.0, mu=0.2, mu_static=0.3, viscous=2.0),
+    sr.DisplacementFriction("f", **ABOUT, load=10.0, mu=0.2, mu_static=0.3, viscous=2.0),
 ]  # fmt: skip
 
 

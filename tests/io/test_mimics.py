@@ -118,7 +118,7 @@ def test_fingers_of_a_real_gripper_move_together() -> None:
     start = sr.assemble(system)
     assert abs(start.q - system.q0).max() < 1e-13
     pushed = sr.assemble(system, rates={"panda_finger_joint1": 0.1})
-    fingers = [system.joint(f"panda_finger_joint{n}")["travel"] for n in (1, 2)]
+    fingers = [system.joint(f"panda_finger_joint{n}")["displacement"] for n in (1, 2)]
     assert [finger.value(pushed.q) for finger in fingers] == pytest.approx([0.02, 0.02])
     assert [finger.rate(pushed.q, pushed.v) for finger in fingers] == pytest.approx([0.1, 0.1])
 
@@ -148,7 +148,7 @@ def test_accelerations_agree_with_pinocchio() -> None:
         M = upper + np.triu(upper, 1).T
         h = pin.rnea(model, data, angles, np.zeros(model.nv), np.zeros(model.nv))
         wanted = table @ np.linalg.solve(table.T @ M @ table, -table.T @ h)
-        kinds = ["travel" if "finger" in name else "angle" for name in names]
+        kinds = ["displacement" if "finger" in name else "angle" for name in names]
         found = [
             run.system.joint(name)[kind].acceleration(run.q[0], run.v[0], run.a[0])
             for name, kind in zip(names, kinds)

@@ -132,7 +132,7 @@ def test_a_wrong_derivative_is_found_and_named(own_classes):
 
 
 def test_missing_kernels_are_named():
-    with pytest.raises(ElementError, match="element Half: Q_q, Q_b is missing\. Write one method for each"):
+    with pytest.raises(ElementError, match=r"element Half: Q_q, Q_b is missing\. Write one method for each"):
 
         class Half(ForceElement, bodies=1):
             def Q(self, x, v, t):

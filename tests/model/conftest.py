@@ -51,8 +51,8 @@ def constant_angle(at: Places, i: int, j: int, a_i: object, a_j: object, cosine:
 
 
 def screw(at: Places, i: int, j: int, f: object, g: object, h: object, f_j: object, *rest: Any) -> object:
-    s_i, s_j, lead, angle, travel = rest
-    moved = at.vector(i, h) @ (at.point(j, s_j) - at.point(i, s_i)) - travel
+    s_i, s_j, lead, angle, displacement = rest
+    moved = at.vector(i, h) @ (at.point(j, s_j) - at.point(i, s_i)) - displacement
     a = at.vector(j, f_j)
     turned = np.arctan2(at.vector(i, g) @ a, at.vector(i, f) @ a) - angle
     return lead * (np.remainder(moved / lead - turned + np.pi, 2 * np.pi) - np.pi)

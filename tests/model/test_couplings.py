@@ -17,6 +17,7 @@ from sarrus.model import (
     Coupler,
     Curve,
     Cylindrical,
+    DisplacementDriver,
     DistanceDriver,
     Driver,
     Gear,
@@ -30,7 +31,6 @@ from sarrus.model import (
     Revolute,
     Spherical,
     Translational,
-    TravelDriver,
     Universal,
     blueprint,
     ground,
@@ -65,8 +65,8 @@ def added(part: Joint | Driver) -> Any:
 def test_coordinates_of_joints() -> None:
     names = [f"{one.owner}.{one.label}" for one in plan().coordinates]
     assert names == [
-        "pin.angle", "turned.angle", "slide.travel", "sleeve.angle", "sleeve.travel",
-        "hook.angle_i", "hook.angle_j", "table.angle", "table.travel_x", "table.travel_y",
+        "pin.angle", "turned.angle", "slide.displacement", "sleeve.angle", "sleeve.displacement",
+        "hook.angle_i", "hook.angle_j", "table.angle", "table.displacement_x", "table.displacement_y",
     ]  # fmt: skip
 
 
@@ -84,13 +84,23 @@ def test_placed_by_axes_all_coordinates_start_at_zero() -> None:
         (Gear("g", "pin", "hook.angle_j", ratio=3, offset=1), el.AngleAngle, (0, 1, 3, 1), (3.0, 1.0, 0.0)),
         (
             RackAndPinion("g", "slide", "turned", radius=0.1),
-            el.TravelAngle,
+            el.DisplacementAngle,
             (0, 3, 0, 2),
             (0.1, -0.05 * np.pi),
         ),
-        (Coupler("g", "pin", "slide", ratio=0.1), el.TravelAngle, (0, 3, 0, 1), (0.1, 0.0)),
-        (Coupler("g", "slide", "pin", ratio=10.0, offset=2.0), el.TravelAngle, (0, 3, 0, 1), (0.1, -0.2)),
-        (Coupler("g", "slide", "sleeve.travel", ratio=2), el.TravelTravel, (0, 3, 1, 2), (2.0, 0.0)),
+        (Coupler("g", "pin", "slide", ratio=0.1), el.DisplacementAngle, (0, 3, 0, 1), (0.1, 0.0)),
+        (
+            Coupler("g", "slide", "pin", ratio=10.0, offset=2.0),
+            el.DisplacementAngle,
+            (0, 3, 0, 1),
+            (0.1, -0.2),
+        ),
+        (
+            Coupler("g", "slide", "sleeve.displacement", ratio=2),
+            el.DisplacementDisplacement,
+            (0, 3, 1, 2),
+            (2.0, 0.0),
+        ),
     ],
 )
 def test_a_coupling_is_one_element(coupling: Joint, element: type, bodies: object, numbers: object) -> None:
@@ -104,11 +114,11 @@ def test_a_coupling_is_one_element(coupling: Joint, element: type, bodies: objec
     [
         (AngleDriver("d", "pin", 1.5), el.AngleDriver, (0, 1), 1.5),
         (AngleDriver("d", "hook.angle_i", "2*t + 30 deg"), el.AngleDriver, (1, 3), 4 + np.pi / 6),
-        (TravelDriver("d", "slide", lambda t: 0.5 * t * t), el.TravelDriver, (0, 3), 2.0),
-        (TravelDriver("d", "table.travel_y", [(0, 0), (4, 8)]), el.TravelDriver, (0, 3), 4.0),
+        (DisplacementDriver("d", "slide", lambda t: 0.5 * t * t), el.DisplacementDriver, (0, 3), 2.0),
+        (DisplacementDriver("d", "table.displacement_y", [(0, 0), (4, 8)]), el.DisplacementDriver, (0, 3), 4.0),
         (DistanceDriver("d", A.point(0, 0, 0), B.point(0, 0, 0), "1 m + 0.1*sin(t)"), el.DistanceDriver, (1, 2),
          1 + 0.1 * np.sin(2)),
-        (PointDriver("d", B.point(0, 0, 1), y=Curve.constant(3.0)), el.TravelDriver, (0, 2), 3.0),
+        (PointDriver("d", B.point(0, 0, 1), y=Curve.constant(3.0)), el.DisplacementDriver, (0, 2), 3.0),
         (CoordinateDriver("d", C, "e2", 0.25), el.CoordinateDriver, (3,), 0.25),
     ],
 )  # fmt: skip
@@ -130,7 +140,7 @@ def test_drivers_stand_between_joints_and_inertia() -> None:
 WRONG = [
     (
         Gear("g", "pin", "slide", ratio=1),
-        'joint "g": joint "slide" has no angle. Its coordinates: slide.travel.',
+        'joint "g": joint "slide" has no angle. Its coordinates: slide.displacement.',
     ),
     (Gear("g", "pni", "pin", ratio=1), 'joint "g": there is no joint "pni"; did you mean "pin"?'),
     (

@@ -349,10 +349,10 @@ joints:
   link: {type: revolute_revolute, points: [{body: a, at: [0, 0, 0]}, {body: c, at: [0, 0, 0]}], axis_i: [0, 0, 1]}
   gear: {type: gear, joints: [pin, bolt], ratio: -2}
   rack: {type: rack_and_pinion, rack: bolt, pinion: pin, radius: 5 cm, offset: 1}
-  pull: {type: coupler, joints: [table.travel_x, pin], ratio: 3}
+  pull: {type: coupler, joints: [table.displacement_x, pin], ratio: 3}
 drivers:
   motor: {type: angle, joint: pin, motion: 2*pi*t}
-  feed: {type: travel, joint: table.travel_y, motion: {table: [[0, 0], [1, 2 cm], [3, 0]]}}
+  feed: {type: displacement, joint: table.displacement_y, motion: {table: [[0, 0], [1, 2 cm], [3, 0]]}}
   jack: {type: distance, points: [{body: a, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], motion: 1 m + 10 mm * sin(t)}
   path: {type: point, point: {body: c, at: [0, 0, 1]}, x: t^2, z: 1}
   hold: {type: coordinate, body: b, coordinate: e1, motion: 0}
@@ -388,11 +388,11 @@ def driven() -> Model:
         sr.RevoluteRevolute("link", at["a"], at["c"], axis_i=(0, 0, 1)),
         sr.Gear("gear", "pin", "bolt", ratio=-2),
         sr.RackAndPinion("rack", "bolt", "pin", radius=0.05, offset=1),
-        sr.Coupler("pull", "table.travel_x", "pin", ratio=3),
+        sr.Coupler("pull", "table.displacement_x", "pin", ratio=3),
     ]
     drivers = [
         sr.AngleDriver("motor", "pin", lambda t: 2 * np.pi * t),
-        sr.TravelDriver("feed", "table.travel_y", [(0, 0), (1, 0.02), (3, 0)]),
+        sr.DisplacementDriver("feed", "table.displacement_y", [(0, 0), (1, 0.02), (3, 0)]),
         sr.DistanceDriver("jack", at["a"], at["b"], "1 + 0.01*sin(t)"),
         sr.PointDriver("path", c.point(0, 0, 1), x=lambda t: t * t, z=1.0),
         sr.CoordinateDriver("hold", b, "e1", 0.0),
@@ -410,7 +410,11 @@ def driven() -> Model:
         ("motion: 2*pi*t", "motion: .nan", ':20: driver "motor": motion must be a finite number'),
         ("motion: 2*pi*t", "motion: [1, 2]", ':20: driver "motor": motion must be a number'),
         ("type: angle, joint: pin", "type: angel, joint: pin", ':20: driver "motor": has the unknown type "angel"'),
-        ("joint: table.travel_y", "joint: table", ':21: driver "feed": joint "table" has more than one travel'),
+        (
+            "joint: table.displacement_y",
+            "joint: table",
+            ':21: driver "feed": joint "table" has more than one displacement',
+        ),
         ("[[0, 0], [1, 2 cm], [3, 0]]", "[[0, 0]]", ':21: driver "feed": motion.table must have at least 2 entries'),
         ("x: t^2, z: 1", "y:", ':23: driver "path": y must be a number'),
         ("coordinate: e1", "coordinate: e9", ':24: driver "hold": coordinate must be one of x, y, z, e0, e1, e2, e3'),
@@ -419,7 +423,7 @@ def driven() -> Model:
         ("joints: [pin, bolt]", "joints: [pin, 3]", ':16: joint "gear": joints[1] must be a text, but is 3.0'),
         ("ratio: -2", "ratio: 0", ':16: joint "gear": ratio must not be 0'),
         ("pitch: 2 mm", "pitch: 2 kg", ':8: joint "bolt": pitch '),
-        ("rack: bolt", "rack: pin", ':17: joint "rack": joint "pin" has no travel'),
+        ("rack: bolt", "rack: pin", ':17: joint "rack": joint "pin" has no displacement'),
         ("  motor: {", "  pin: {", ':20: driver "pin": the name "pin" is taken by another of the joints'),
     ],
 )  # fmt: skip

@@ -29,7 +29,7 @@ forces:
     exponent: 1.5
     upper: 2.0
   end:
-    type: travel_stop
+    type: displacement_stop
     frames: [{body: a, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}]
     stiffness: 1e5
     damping: 0.2
@@ -45,7 +45,7 @@ forces:
     mu: 0.3
     creep: 1e-3
   pin: {type: angle_friction, bodies: [a, b], point: [0, 0, 0], axis: [0, 0, 1], radius: 0.01, load: 5, mu: 0.2}
-  rail: {type: travel_friction, bodies: [a, b], point: [0, 0, 0], axis: [0, 0, 1], load: 5, mu: 0.2, mu_static: 0.3}
+  rail: {type: displacement_friction, bodies: [a, b], point: [0,0,0], axis: [0,0,1], load: 5, mu: 0.2, mu_static: 0.3}
   air: {type: drag, point: {body: a, at: [0, 0, 0]}, c: 0.3, wind: [1, 0, 0]}
   oil: {type: viscous_drag, point: {body: a, at: [0, 0, 0]}, c: 0.4, c_turn: 0.1}
   wheel:

@@ -51,7 +51,7 @@ PARTS: list[tuple[Any, dict[str, Any]]] = [
     (sr.Torque, {"body": A, "torque": (1, 0, 0)}),
     (sr.Bushing, {**POINT, "stiffness": (1.0,) * 6, "damping": (0.1,) * 6}),
     (sr.AngleFriction, {**AXIS, "load": 2.0, "mu": 0.2, "radius": 0.1}),
-    (sr.TravelFriction, {**AXIS, "load": 2.0, "mu": 0.2}),
+    (sr.DisplacementFriction, {**AXIS, "load": 2.0, "mu": 0.2}),
     (sr.Tyre, {**AT, "k": 1.0, "c": 0.1, "radius": 0.5}),
     (sr.RoadTyre, {**AT, "k": 1.0, "c": 0.1, "radius": 0.5}),
     (
@@ -59,10 +59,10 @@ PARTS: list[tuple[Any, dict[str, Any]]] = [
         {"center": A.point(0, 0, 0), "plane": sr.ground.frame((0, 0, -1)), "stiffness": 1e3, "radius": 0.1, "mu": 0.1},
     ),
     (sr.LengthStop, {**ENDS, **STOP, "lower": 0.1}),
-    (sr.TravelStop, {**AXIS, **STOP}),
+    (sr.DisplacementStop, {**AXIS, **STOP}),
     (sr.AngleStop, {**AXIS, **STOP}),
     (sr.AngleDriver, {"joint": "pin", "motion": "t"}),
-    (sr.TravelDriver, {"joint": "pin", "motion": "t"}),
+    (sr.DisplacementDriver, {"joint": "pin", "motion": "t"}),
     (sr.DistanceDriver, {**ENDS, "motion": "t + 1"}),
     (sr.PointDriver, {**AT, "x": "t", "z": 0.0}),
     (sr.CoordinateDriver, {"body": A, "coordinate": "x", "motion": "t"}),
@@ -117,7 +117,7 @@ def sections(part: Any) -> dict[str, bool]:
 
 @pytest.mark.parametrize(("kind", "given"), PARTS, ids=lambda x: getattr(x, "__name__", ""))
 def test_the_parts_of_the_table_are_good(kind: Any, given: dict[str, Any]) -> None:
-    if kind is not sr.TravelDriver:  # a pin has no travel: whatever it is given is refused
+    if kind is not sr.DisplacementDriver:  # a pin has no displacement: whatever it is given is refused
         made(kind, given)
 
 
@@ -136,12 +136,12 @@ NEGATIVE: list[tuple[Any, tuple[str, ...]]] = [
     (sr.Drag, ("c", "creep")),
     (sr.ViscousDrag, ("c", "c_turn")),
     (sr.AngleFriction, ("load", "mu", "radius", "mu_static", "stribeck", "creep", "viscous")),
-    (sr.TravelFriction, ("load", "mu", "mu_static", "stribeck", "creep", "viscous")),
+    (sr.DisplacementFriction, ("load", "mu", "mu_static", "stribeck", "creep", "viscous")),
     (sr.Tyre, ("k", "c", "radius")),
     (sr.RoadTyre, ("k", "c", "radius", "rounding")),
     (sr.SphereContact, ("stiffness", "radius", "mu", "damping", "creep", "rounding", "exponent")),
     (sr.LengthStop, ("stiffness", "damping", "rounding", "exponent")),
-    (sr.TravelStop, ("stiffness", "damping", "rounding", "exponent")),
+    (sr.DisplacementStop, ("stiffness", "damping", "rounding", "exponent")),
     (sr.AngleStop, ("stiffness", "damping", "rounding", "exponent")),
     (sr.Distance, ("length",)),
     (sr.RevoluteSpherical, ("length",)),

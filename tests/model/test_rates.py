@@ -21,7 +21,7 @@ joints:
   pin: {type: revolute, bodies: [ground, crank], point: [0, 0, 0], axis: [0, 0, 1]}
   sleeve: {type: cylindrical, bodies: [ground, block], point: [1, 1, 0], axis: [1, 0, 0]}
 """
-RATES = "rates: {pin: 30 rpm, sleeve.travel: 20 cm/s, sleeve.angle: 2}\n"
+RATES = "rates: {pin: 30 rpm, sleeve.displacement: 20 cm/s, sleeve.angle: 2}\n"
 
 
 def written(folder: Path, text: str) -> Path:
@@ -43,7 +43,7 @@ def test_rates_add_to_those_of_the_model_and_give_way_to_velocities(tmp_path: Pa
     system = sr.System(sr.load(written(tmp_path, FILE + RATES)))
     other = sr.assemble(system, rates={"pin": 1.0})
     assert system.joint("pin")["angle"].rate(other.q, other.v) == pytest.approx(1.0)
-    assert system.joint("sleeve")["travel"].rate(other.q, other.v) == pytest.approx(0.2)
+    assert system.joint("sleeve")["displacement"].rate(other.q, other.v) == pytest.approx(0.2)
     assert sr.assemble(system, v=np.zeros(system.nq)).v == pytest.approx(np.zeros(system.nq))
 
 
@@ -59,10 +59,13 @@ def test_studies_begin_with_the_rates(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rates", "told"),
     [
-        ("{pn: 1}", r'arm.yaml:8: .*there is no joint "pn" with an angle or a travel; did you mean "pin"'),
-        ("{sleeve: 1}", r"give sleeve.travel or sleeve.angle|give sleeve.angle or sleeve.travel"),
+        (
+            "{pn: 1}",
+            r'arm.yaml:8: .*there is no joint "pn" with an angle or a displacement; did you mean "pin"',
+        ),
+        ("{sleeve: 1}", r"give sleeve.displacement or sleeve.angle|give sleeve.angle or sleeve.displacement"),
         ("{pin: 3 m/s}", r"rates: pin is in m s\^-1; give it in rad/s"),
-        ("{sleeve.travel: 30 rpm}", "give it in m/s"),
+        ("{sleeve.displacement: 30 rpm}", "give it in m/s"),
         ("{pin: .nan}", "pin"),
         ("[1, 2]", "rates"),
         ("{pin: '2*${speed}'}", r"rates: pin depends on \"speed\"; give a number in rad/s"),
@@ -83,7 +86,17 @@ def test_a_model_checks_its_rates(tmp_path: Path) -> None:
 
 def test_the_shell_takes_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = str(written(tmp_path, FILE + RATES))
-    words = ["run", file, "--until", "0.5", "--rate", "pin=60 rpm", "sleeve.travel=-0.1", "-q", "--json"]
+    words = [
+        "run",
+        file,
+        "--until",
+        "0.5",
+        "--rate",
+        "pin=60 rpm",
+        "sleeve.displacement=-0.1",
+        "-q",
+        "--json",
+    ]
     assert main(words) == 0
     bodies = json.loads(capsys.readouterr().out)["bodies"]
     assert bodies["crank"]["angular_velocity_body"][2] == pytest.approx(2 * np.pi, rel=1e-4)
@@ -105,10 +118,10 @@ def test_rates_of_included_files_count_under_their_prefixes(tmp_path: Path) -> N
     assert model.rates == pytest.approx({
         f"{side}_{name}": rate
         for side in "lr"
-        for name, rate in {"pin": np.pi, "sleeve.travel": 0.2, "sleeve.angle": 2.0}.items()
+        for name, rate in {"pin": np.pi, "sleeve.displacement": 0.2, "sleeve.angle": 2.0}.items()
     })  # fmt: skip
     assert sr.assemble(sr.System(model)).v[0:3] == pytest.approx([0, np.pi / 2, 0])
-    assert "initial rates [rad/s, m/s]: l_pin = 3.14159, l_sleeve.travel = 0.2" in describe(model)
+    assert "initial rates [rad/s, m/s]: l_pin = 3.14159, l_sleeve.displacement = 0.2" in describe(model)
     whole.write_text("name: two\ninclude: [arm.yaml]\nrates: {pin: 1}\n")
     with pytest.raises(sr.ModelError, match=r'two\.yaml:2: .*brings a second rate of "pin"'):
         sr.load(whole)

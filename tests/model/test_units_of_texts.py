@@ -40,7 +40,7 @@ CASES: dict[str, tuple[Callable[[Any], sr.Model], str, str]] = {  # the model, a
     "torque": (lambda x: force(sr.Torque("f", BALL, torque=(0, 0, x))), "5 N*m", "5 N"),
     "angle": (lambda x: driver(sr.AngleDriver("d", "pin", x)), "30 deg", "5 m"),
     "angle over time": (lambda x: driver(sr.AngleDriver("d", "pin", x)), "3 rad/s * t", "3 m/s * t"),
-    "travel": (lambda x: driver(sr.TravelDriver("d", "slide", x), SLIDE), "1 m + 5 mm", "1 kg"),
+    "displacement": (lambda x: driver(sr.DisplacementDriver("d", "slide", x), SLIDE), "1 m + 5 mm", "1 kg"),
     "distance": (lambda x: driver(sr.DistanceDriver("d", A, B, x)), "1000 mm", "1 s"),
     "path": (lambda x: driver(sr.PointDriver("d", B, x=x)), "1 m", "1 rad*m*s"),
     "coordinate": (lambda x: driver(sr.CoordinateDriver("d", BALL, "x", x)), "1 m", "1 kg"),

@@ -14,7 +14,7 @@ from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 
-MEASURES = {"Angle", "Heading", "Travel"}  # they measure joints, and are no part of the equations
+MEASURES = {"Angle", "Heading", "Displacement"}  # they measure joints, and are no part of the equations
 KINDS = ("q", "v", "a", "lam")
 
 
@@ -99,7 +99,7 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
         assert abs(getattr(found, kind)[:, :, 0] - wanted).max() < limit * abs(wanted).max(), kind
 
 
-def test_every_angle_and_travel_of_a_joint_is_an_output() -> None:
+def test_every_angle_and_displacement_of_a_joint_is_an_output() -> None:
     names = [f"{name}{end}" for name in zoo().joint_coordinates.names for end in ("", ".rate")]
     run = swung()
     found = sr.sensitivity(run, names, ["gravity.z"])

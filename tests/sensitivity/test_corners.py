@@ -97,7 +97,7 @@ def test_a_reversal_of_friction() -> None:
     system = sprung()
     slide = {"body_i": sr.ground, "body_j": system.model.bodies[0], "point": (0, 0, 0), "axis": (0, 0, 1)}
     for creep, said in ((1e-3, True), (5.0, False)):
-        rub = sr.TravelFriction("rub", load=1.0, mu=0.3, creep=creep, stribeck=10.0, **slide)
+        rub = sr.DisplacementFriction("rub", load=1.0, mu=0.3, creep=creep, stribeck=10.0, **slide)
         model = sr.Model("rubbed", system.model.bodies, system.model.joints, [*system.model.forces, rub])
         swung = run(sr.System(model), 1.0, 1e-3)
         if said:

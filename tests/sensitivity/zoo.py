@@ -83,7 +83,7 @@ def _couplings(b: Builder) -> None:
             b.joints.append(kind(f"{name}_{n}", sr.ground, one, point=b.near(one), axis=b.axis()))
             names.append(one)
     b.joints.append(sr.Gear("gear", "wheel_0", "wheel_1", ratio=-1.5))
-    b.joints.append(sr.Coupler("rope", "cart_0.travel", "cart_1.travel", ratio=0.7))
+    b.joints.append(sr.Coupler("rope", "cart_0.displacement", "cart_1.displacement", ratio=0.7))
     b.joints.append(sr.RackAndPinion("rack", "cart_0", "wheel_0", radius=0.3))
 
 
@@ -94,7 +94,7 @@ def _drivers(b: Builder) -> None:
     b.pair(sr.Revolute, "motor")
     b.drivers.append(sr.AngleDriver("turn", "motor", tossed))
     b.pair(sr.Translational, "ram")
-    b.drivers.append(sr.TravelDriver("push", "ram", tossed))
+    b.drivers.append(sr.DisplacementDriver("push", "ram", tossed))
     one, two = b.body(), b.body()
     b.joints.append(sr.Spherical("socket", sr.ground, one, point=b.near(one)))
     ends = np.array(two.position) - np.array(one.position)
@@ -130,12 +130,12 @@ def _forces(b: Builder) -> None:
         sr.Torque("swing", two, torque=(lambda t: np.sin(t), 0.2, 0.1)),
         sr.Torque("rotor", two, torque=(lambda t: np.sin(t), 0.2, 0.1), axes="body"),
         sr.AngleFriction("rub", one, two, load=2.0, mu=0.2, creep=0.2, radius=0.1, **about),
-        sr.TravelFriction("scrape", b.bodies[4], b.bodies[5], load=2.0, mu=0.2, creep=0.2, **about),
+        sr.DisplacementFriction("scrape", b.bodies[4], b.bodies[5], load=2.0, mu=0.2, creep=0.2, **about),
         sr.Tyre("tyre", b.spot(one), k=30.0, c=1.0, radius=0.5, road=-0.2),
         sr.RoadTyre("wheel", b.spot(two), k=30.0, c=1.0, radius=0.7, road=lambda x: 0.1 * np.sin(x), rounding=0.1),
         sr.SphereContact("bump", b.spot(one), sr.ground.frame((0, 0, -0.3)), radius=0.4, mu=0.2, creep=0.2, **damping),
         sr.LengthStop("stay", b.spot(one), b.spot(two), lower=0.9, upper=1.5, **damping),
-        sr.TravelStop("end", b.bodies[4], b.bodies[5], lower=0.1, upper=0.5, **about, **damping),
+        sr.DisplacementStop("end", b.bodies[4], b.bodies[5], lower=0.1, upper=0.5, **about, **damping),
         sr.AngleStop("limit", one, two, lower=0.05, upper=0.5, **about, **damping),
     ]  # fmt: skip
 

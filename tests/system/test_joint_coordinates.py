@@ -93,7 +93,7 @@ def arm(coupled: bool = False) -> sr.System:
         joints += [
             sr.Gear("gear", "pin", "sleeve", ratio=-2.0),
             sr.RackAndPinion("rack", "slide", "pin", radius=0.3),
-            sr.Coupler("pull", "slide", "sleeve.travel", ratio=1.5),
+            sr.Coupler("pull", "slide", "sleeve.displacement", ratio=1.5),
         ]
     return sr.System(sr.Model("arm", [a, b, c, d], joints))
 
@@ -131,8 +131,8 @@ def test_unknown_coordinates_are_refused() -> None:
         KeyError, match="no joint 'pni' with an angle or displacement; joints that have one: pin, sleeve"
     ):
         arm().joint("pni")
-    with pytest.raises(KeyError, match=r"no joint coordinate 'pin\.travel'; there are pin\.angle"):
-        arm().joint("pin").travel(arm().q0)
+    with pytest.raises(KeyError, match=r"no joint coordinate 'pin\.displacement'; there are pin\.angle"):
+        arm().joint("pin").displacement(arm().q0)
 
 
 def test_a_wheel_that_spins_counts_its_turns() -> None:
@@ -149,8 +149,8 @@ def test_a_wheel_that_spins_counts_its_turns() -> None:
     motion = run.joint("pin")
     assert np.allclose(motion.angle, 40.0 * run.t, atol=1e-6)
     assert np.allclose(motion.rate, 40.0, atol=1e-6)
-    with pytest.raises(AttributeError, match="joint 'pin' has no travel; it has angle"):
-        _ = motion.travel
+    with pytest.raises(AttributeError, match="joint 'pin' has no displacement; it has angle"):
+        _ = motion.displacement
     with pytest.raises(KeyError, match="no joint 'pni'"):
         run.joint("pni")
 

@@ -45,7 +45,7 @@ def test_time_histories_of_bodies_and_joints() -> None:
     ("name", "rates", "label"),
     [
         ("slider.x", False, "slider.x [m]"),
-        ("guide.travel", True, "rate of guide.travel [m/s]"),
+        ("guide.displacement", True, "rate of guide.displacement [m/s]"),
         ("pin.angle", True, "rate of pin.angle [rad/s]"),
         ("crank.e0", False, "crank.e0 [1]"),
     ],
@@ -56,7 +56,7 @@ def test_labels_with_units(name: str, rates: bool, label: str) -> None:
 
 
 def test_rates_are_rates() -> None:
-    (line,) = driven().plot("guide.travel", ax=axes(), rates=True).lines
+    (line,) = driven().plot("guide.displacement", ax=axes(), rates=True).lines
     assert line.get_ydata() == pytest.approx(driven()["slider"].velocity[:, 0])
 
 

@@ -182,7 +182,7 @@ def test_one_and_three_outputs_in_the_shell(tmp_path: Path, capsys: pytest.Captu
     with files[2].open(encoding="utf-8") as table:
         rows = list(csv.DictReader(table))
     assert {row["cause"] for row in rows} == {
-        f"{name}.travel {end}" for name in ("one", "two") for end in ENDS
+        f"{name}.displacement {end}" for name in ("one", "two") for end in ENDS
     }
     assert main([*words, "tool.x", "--netcdf", str(files[3])]) == 2
     assert "for more than one output" in capsys.readouterr().err

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from .driver import Signature
 
-
 Table = NDArray[np.int64]
 Values = NDArray[np.float64]
 

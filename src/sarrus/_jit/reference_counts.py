@@ -1,7 +1,8 @@
 """Refuse calls between compiled functions that disagree on who counts the references to an array.
 
 A function that is compiled with reference counts releases the arrays that its callees return; one without counts never
-claims them. If the first calls the second, memory is freed that is still in use; the other way round, it is never freed.
+claims them. If the first calls the second, memory is freed that is still in use; if the second calls the first, memory
+is never freed.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ class _CheckReturnedArrays(AnalysisPass):
     _name = "sarrus_check_returned_arrays"
 
     def __init__(self) -> None:
-        AnalysisPass.__init__(self)  # type: ignore[no-untyped-call]
+        AnalysisPass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
         counted = bool(state.flags.nrt)
@@ -61,7 +62,7 @@ class LinkedCompiler(CompilerBase):
     """Numba's compiler with this check."""
 
     def define_pipelines(self) -> list[Any]:
-        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_CheckReturnedArrays, AnnotateTypes)
         passes.finalize()
         return [passes]

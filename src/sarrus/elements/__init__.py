@@ -3,7 +3,8 @@
 from .bushing import Bushing
 from .constant_angle import ConstantAngle
 from .coordinate_driver import CoordinateDriver
-from .coupling import AngleAngle, TravelAngle, TravelTravel
+from .coupling import AngleAngle, DisplacementAngle, DisplacementDisplacement
+from .displacement import Displacement, DisplacementDriver
 from .distance import Distance
 from .distance_driver import DistanceDriver
 from .dot1 import Dot1
@@ -14,7 +15,7 @@ from .element import Element, ElementError, Force, InertiaElement, Pair, Primiti
 from .gravity import EccentricGravity, Gravity
 from .heading import Heading
 from .joint_angle import Angle, AngleDriver
-from .joint_friction import AngleFriction, TravelFriction
+from .joint_friction import AngleFriction, DisplacementFriction
 from .normalization import Normalization
 from .operators import GROUPS, OPERATORS, Operator
 from .output import output as output
@@ -25,9 +26,8 @@ from .rsda import RSDA, NonlinearRSDA
 from .screw import Screw
 from .sphere_contact import SphereContact
 from .spherical import Spherical
-from .stop import AngleStop, LengthStop, TravelStop
+from .stop import AngleStop, DisplacementStop, LengthStop
 from .torque import BodyTorque, Torque
-from .travel import Travel, TravelDriver
 from .tsda import TSDA, NonlinearTSDA
 from .tyre import Tyre
 from .varying_force import VaryingFollowerForce, VaryingForce
@@ -50,6 +50,12 @@ __all__ = [
     "Bushing",
     "ConstantAngle",
     "CoordinateDriver",
+    "Displacement",
+    "DisplacementAngle",
+    "DisplacementDisplacement",
+    "DisplacementDriver",
+    "DisplacementFriction",
+    "DisplacementStop",
     "Distance",
     "DistanceDriver",
     "Dot1",
@@ -79,12 +85,6 @@ __all__ = [
     "SphereContact",
     "Spherical",
     "Torque",
-    "Travel",
-    "TravelAngle",
-    "TravelDriver",
-    "TravelFriction",
-    "TravelStop",
-    "TravelTravel",
     "Tyre",
     "VaryingBodyTorque",
     "VaryingFollowerForce",

@@ -47,10 +47,10 @@ class AngleAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automati
         return (first.function.near(first.of(x), self.reference),)
 
 
-class TravelAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
+class DisplacementAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
     """Rack and pinion, Φ = a_iᵀ d_ij - ratio θ_kl - offset [m]. The displacement determines the revolutions of θ_kl."""
 
-    a_i: Vec3  # [-] of the travel, as in `Travel`
+    a_i: Vec3  # [-] of the displacement, as in `Displacement`
     s_i: Vec3  # [m]
     s_j: Vec3  # [m]
     f_k: Vec3  # [-] of the angle, as in `Angle`
@@ -65,14 +65,16 @@ class TravelAngle(Combination, Primitive, rows=1, bodies=4, derivatives="automat
 
     def Phi(self, x: Any) -> Array:
         rack, pinion = self.terms()
-        travel = rack.function.Phi(rack.of(x))[0] - self.offset
-        return single(travel - self.ratio * pinion.function.near(pinion.of(x), travel / self.ratio))[0]
+        displacement = rack.function.Phi(rack.of(x))[0] - self.offset
+        return single(
+            displacement - self.ratio * pinion.function.near(pinion.of(x), displacement / self.ratio)
+        )[0]
 
 
-class TravelTravel(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
+class DisplacementDisplacement(Combination, Primitive, rows=1, bodies=4, derivatives="automatic", rare=True):
     """Slides, Φ = a_kᵀ d_kl - ratio a_iᵀ d_ij - offset [m]."""
 
-    a_i: Vec3  # [-] of the first travel, as in `Travel`
+    a_i: Vec3  # [-] of the first displacement, as in `Displacement`
     s_i: Vec3  # [m]
     s_j: Vec3  # [m]
     a_k: Vec3  # [-] of the second

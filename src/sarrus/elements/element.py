@@ -98,8 +98,8 @@ class Element:
         missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
         if missing:
             raise ElementError(
-                f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare the class "
-                'with derivatives="automatic" to derive them by automatic differentiation.'
+                f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare "
+                'the class with derivatives="automatic" to derive them by automatic differentiation.'
             )
         Element.registry[cls.__name__] = cls
 

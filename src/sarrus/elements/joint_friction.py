@@ -52,7 +52,7 @@ class AngleFriction(Sliding, Force, derivatives="automatic", rare=True):
         return None, 2 * (torque @ E(x.p_i)), None, -2 * (torque @ E(x.p_j))
 
 
-class TravelFriction(Sliding, Force, derivatives="automatic", rare=True):
+class DisplacementFriction(Sliding, Force, derivatives="automatic", rare=True):
     """Of the slider of a translational or cylindrical joint: the sliding speed is that of h_i·d_ij."""
 
     h_i: Vec3  # [-] unit vector along the joint in body i
@@ -65,9 +65,9 @@ class TravelFriction(Sliding, Force, derivatives="automatic", rare=True):
     viscous: Scalar  # [N s/m]
 
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        travel = Dot2(self.h_i, ORIGIN, self.s_j)  # P_i does not matter to its rate
-        f = self.resistance(present(travel.Phi_q_xi(x, v))[0])
-        return tuple(-f * present(block)[0] for block in travel.Phi_q(x))
+        displacement = Dot2(self.h_i, ORIGIN, self.s_j)  # P_i does not matter to its rate
+        f = self.resistance(present(displacement.Phi_q_xi(x, v))[0])
+        return tuple(-f * present(block)[0] for block in displacement.Phi_q(x))
 
 
 def spin(p: Array, pd: Array) -> Array:

@@ -1,4 +1,4 @@
-"""One-sided stops: on the distance of two points, on a joint's travel, on a joint's angle.
+"""One-sided stops: on the distance of two points, on a joint's displacement, on a joint's angle.
 
 Each resists a coordinate beyond its limit with the force of `contact_law`; `sign` is 1 for an upper and -1 for a lower
 limit, and the depth sign (coordinate - limit). The derivatives are made by differentiating Q.
@@ -50,8 +50,8 @@ class LengthStop(Segment, Limit, Force, derivatives="automatic", rare=True):
         return tuple(-(f / l) * (d @ block) for block in self.d_q(x))
 
 
-class TravelStop(Limit, Force, derivatives="automatic", rare=True):
-    """A limit of the travel h_i·d_ij of a translational or cylindrical joint: Q = -f (h_i·d_ij)_qᵀ."""
+class DisplacementStop(Limit, Force, derivatives="automatic", rare=True):
+    """A limit of the displacement h_i·d_ij of a translational or cylindrical joint: Q = -f (h_i·d_ij)_qᵀ."""
 
     h_i: Vec3  # [-] unit vector along the joint in body i
     s_i: Vec3  # [m] P_i in body i
@@ -64,9 +64,9 @@ class TravelStop(Limit, Force, derivatives="automatic", rare=True):
     width: Scalar  # [m] of the rounding
 
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        travel = Dot2(self.h_i, self.s_i, self.s_j)
-        f = self.resistance(travel.Phi(x)[0], present(travel.Phi_q_xi(x, v))[0])
-        return tuple(-f * present(block)[0] for block in travel.Phi_q(x))
+        displacement = Dot2(self.h_i, self.s_i, self.s_j)
+        f = self.resistance(displacement.Phi(x)[0], present(displacement.Phi_q_xi(x, v))[0])
+        return tuple(-f * present(block)[0] for block in displacement.Phi_q(x))
 
 
 class AngleStop(AngleGeometry, Limit, Force, derivatives="automatic", rare=True):

@@ -12,10 +12,10 @@ from .bodies.shape import Shape as Shape
 from .bodies.solid import ground as ground
 from .drivers import AngleDriver as AngleDriver
 from .drivers import CoordinateDriver as CoordinateDriver
+from .drivers import DisplacementDriver as DisplacementDriver
 from .drivers import DistanceDriver as DistanceDriver
 from .drivers import Driver as Driver
 from .drivers import PointDriver as PointDriver
-from .drivers import TravelDriver as TravelDriver
 from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
 from .errors import SarrusWarning as SarrusWarning
@@ -28,6 +28,8 @@ from .forces import TSDA as TSDA
 from .forces import AngleFriction as AngleFriction
 from .forces import AngleStop as AngleStop
 from .forces import Bushing as Bushing
+from .forces import DisplacementFriction as DisplacementFriction
+from .forces import DisplacementStop as DisplacementStop
 from .forces import Drag as Drag
 from .forces import Force as Force
 from .forces import LengthStop as LengthStop
@@ -35,8 +37,6 @@ from .forces import PointForce as PointForce
 from .forces import RoadTyre as RoadTyre
 from .forces import SphereContact as SphereContact
 from .forces import Torque as Torque
-from .forces import TravelFriction as TravelFriction
-from .forces import TravelStop as TravelStop
 from .forces import Tyre as Tyre
 from .forces import ViscousDrag as ViscousDrag
 from .geometry.frame import Frame as Frame

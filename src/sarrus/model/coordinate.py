@@ -10,6 +10,7 @@ import numpy as np
 from .. import elements
 from .._jit.functions import atan2
 from ..elements import Element
+from .checks.deprecated import present_name
 from .checks.names import find
 from .errors import ModelError
 from .geometry.frame import LocalFrame
@@ -19,19 +20,19 @@ from .primitive import Primitive
 from .quantity import Array, Vec3, plain
 from .show import quote, suggest
 
-ANGLE, TRAVEL = elements.Angle, elements.Travel
-WORDS: dict[type[Element], str] = {ANGLE: "angle", TRAVEL: "travel"}
+ANGLE, DISPLACEMENT = elements.Angle, elements.Displacement
+WORDS: dict[type[Element], str] = {ANGLE: "angle", DISPLACEMENT: "displacement"}
 
 
 class Coordinate(NamedTuple):
-    """An angle or travel of a joint: the element that measures it, its value in the initial pose, its name."""
+    """An angle or displacement of a joint: the element that measures it, its value in the initial pose, its name."""
 
     measure: Primitive
     start: float
 
     @property
     def name(self) -> str:
-        """Its name among the coordinates of the joint: ``angle``, ``travel``, ``angle_i``."""
+        """Its name among the coordinates of the joint: ``angle``, ``displacement``, ``angle_i``."""
         return self.measure.label
 
 
@@ -52,14 +53,19 @@ def angle(
     return Coordinate(Primitive(ANGLE, (i.body, j.body), (i.f, i.g, across, 0.0, start), name), start)
 
 
-def travel(
-    i: LocalFrame, j: LocalFrame | LocalPoint, poses: Poses, *, axis: Vec3 | None = None, name: str = "travel"
+def displacement(
+    i: LocalFrame,
+    j: LocalFrame | LocalPoint,
+    poses: Poses,
+    *,
+    axis: Vec3 | None = None,
+    name: str = "displacement",
 ) -> Coordinate:
     """How far P_j lies from P_i along h_i, or another vector of body i. [m]"""
     along = i.h if axis is None else axis
     apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
     start = plain(turned(along, i.body, poses) @ apart)
-    return Coordinate(Primitive(TRAVEL, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
+    return Coordinate(Primitive(DISPLACEMENT, (i.body, j.body), (along, i.s, j.s, 0.0), name), start)
 
 
 def heading(
@@ -99,6 +105,7 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
         raise ModelError(f"there is no joint {quote(joint)}; {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]
     fit = [c for c in known[joint] if c.measure.element in WORDS and kind in (None, c.measure.element)]
+    name = present_name(name, [c.name for c in fit])
     found = [c for c in fit if name in ("", c.name)]
     if len(found) == 1:
         return found[0]

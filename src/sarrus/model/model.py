@@ -42,7 +42,7 @@ class Model:
     formulas
         The parameters of that file, and the formulas that compute other parameters from them.
     rates
-        Initial rates of joints, ``{"pin": 5.0, "sleeve.travel": 0.2}`` [rad/s], [m/s]: `assemble` completes the
+        Initial rates of joints, ``{"pin": 5.0, "sleeve.displacement": 0.2}`` [rad/s], [m/s]: `assemble` completes the
         velocities of all bodies by them.
     """
 

@@ -11,6 +11,7 @@ from enum import IntEnum
 from typing import Any
 
 from ..model import Placed, SarrusError
+from ..model.checks.deprecated import present_name
 from ..model.show import suggest
 from ..system import System
 from ..system.once import once
@@ -121,6 +122,7 @@ def find_output(system: System, name: str, most: Level = Level.ACCELERATION, whe
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
     if full == part and full in {joint.name for joint in system.model.joints} and len(alone) == 1:
         return alone[0]  # a joint with a single coordinate
+    full = present_name(full, found)
     if full not in found:
         raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])
     output = found[full]

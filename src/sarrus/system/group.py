@@ -86,7 +86,9 @@ class Group:
     def entry(self) -> KernelTable:
         """All drivers by address, for compiled loops that call them with `_jit.pointer.call_kernels`."""
         drivers = [self.compiled, *(run for run, _ in self._others)]
-        return kernel_table(drivers, [self.index, *(index for _, index in self._others)], signature(self.names))
+        return kernel_table(
+            drivers, [self.index, *(index for _, index in self._others)], signature(self.names)
+        )
 
     @cached_property
     def entry_in_lanes(self) -> KernelTable:

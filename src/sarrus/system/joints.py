@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from ..algebra import Array
 from ..model import Placed
+from ..model.checks.deprecated import accepts_deprecated_attributes, present_name
 from ..model.coordinates import WIDTH
 from .constraints import ConstraintOperators
 from .population import populate
@@ -26,7 +27,7 @@ class JointCoordinates(ConstraintOperators):
 
     Attributes
     ----------
-    names : ``pin.angle``, ``slide.travel``, in the order of the rows (nc,)
+    names : ``pin.angle``, ``slide.displacement``, in the order of the rows (nc,)
     angles : which of them are angles (nc,)
     """
 
@@ -47,6 +48,7 @@ class JointCoordinates(ConstraintOperators):
         KeyError
             If there is no such coordinate.
         """
+        name = present_name(name, self.names)
         if name not in self.names:
             raise KeyError(f"no joint coordinate {name!r}; there are {', '.join(self.names) or 'none'}")
         return self.names.index(name)
@@ -134,10 +136,11 @@ class JointCoordinate:
         return self._every.Phi_qT_lam_q(q, np.eye(1, self._every.m, self._row)[0])
 
 
+@accepts_deprecated_attributes
 class SystemJoint:
     """A joint of a system: its coordinates by name.
 
-    ``joint["angle"]`` is a `JointCoordinate`; `angle` and `travel` evaluate those that most joints have.
+    ``joint["angle"]`` is a `JointCoordinate`; `angle` and `displacement` evaluate those that most joints have.
 
     Attributes
     ----------
@@ -157,12 +160,12 @@ class SystemJoint:
         KeyError
             If the joint has no such coordinate.
         """
-        return JointCoordinate(self._every, f"{self.name}.{name}")
+        return JointCoordinate(self._every, f"{self.name}.{present_name(name, self.names)}")
 
     def angle(self, q: ArrayLike, near: float | None = None) -> float:
         """Its angle, see `JointCoordinate.value`. [rad]"""
         return self["angle"].value(q, near)
 
-    def travel(self, q: ArrayLike) -> float:
+    def displacement(self, q: ArrayLike) -> float:
         """Its displacement. [m]"""
-        return self["travel"].value(q)
+        return self["displacement"].value(q)

@@ -53,7 +53,9 @@ def entry_with(
     """The same with tables of one's own."""
     found = [_driver(recording, outputs, title) for recording in recordings]
     return (
-        pointer.kernel_table(found, [*tables], _signature(recordings[0], outputs, title)) if found else pointer.NONE
+        pointer.kernel_table(found, [*tables], _signature(recordings[0], outputs, title))
+        if found
+        else pointer.NONE
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...elements.bushing import Bushing
 from ...elements.drag import ViscousDrag
 from ...elements.gravity import EccentricGravity, Gravity
-from ...elements.joint_friction import AngleFriction, TravelFriction
+from ...elements.joint_friction import AngleFriction, DisplacementFriction
 from ...elements.rsda import RSDA, NonlinearRSDA
 from ...elements.tsda import TSDA, NonlinearTSDA
 from ...results import Trajectory
@@ -21,7 +21,17 @@ SLOW = 1e-6  # m/s and rad/s: kinetic energies of such speeds are within the tol
 ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to, and those between long steps
 LAWS = {NonlinearTSDA, NonlinearRSDA}  # springs and dampers given by curves
-PASSIVE = {Gravity, EccentricGravity, TSDA, RSDA, Bushing, ViscousDrag, AngleFriction, TravelFriction, *LAWS}
+PASSIVE = {
+    Gravity,
+    EccentricGravity,
+    TSDA,
+    RSDA,
+    Bushing,
+    ViscousDrag,
+    AngleFriction,
+    DisplacementFriction,
+    *LAWS,
+}
 ACTUATED = ("force", "torque")  # fields of springs that put in work
 DAMPER = "c"  # of springs: a curve of it may put in work, too
 

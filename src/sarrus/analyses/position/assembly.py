@@ -73,7 +73,7 @@ def assemble(
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
     rates : velocities that are given, besides the model's initial rates, which count where `v` is left out: by
         coordinate [m/s, 1/s] or by joint, those of any angle [rad/s] or displacement [m/s], ``"pin"`` where the joint
-        has only one, else ``"sleeve.travel"``, ``"hook.angle_i"``
+        has only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
     metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.equations.metric.metric`
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed

@@ -35,7 +35,7 @@ class CoordinateRate:
 
 @dataclass(frozen=True)
 class JointRate:
-    """The rate of a joint's angle [rad/s] or travel [m/s]."""
+    """The rate of a joint's angle [rad/s] or displacement [m/s]."""
 
     coordinate: JointCoordinate
 

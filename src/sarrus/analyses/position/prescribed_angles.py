@@ -16,7 +16,9 @@ from ...system import System
 from ...system.once import once
 from ...system.population import Population
 
-Key: TypeAlias = tuple[Any, ...]  # of a joint's angle or travel: its bodies, and the vectors that measure it
+Key: TypeAlias = tuple[
+    Any, ...
+]  # of a joint's angle or displacement: its bodies, and the vectors that measure it
 TURN = 2 * np.pi
 NEAR = 0.25  # of the distance between two poses of a wheel that satisfy its gear
 ALIGNED = 1e-3  # [rad] between axes in the initial pose: models are written with few digits
@@ -134,18 +136,20 @@ def prescription(system: System) -> Prescription:
     """What drivers and couplings of a model prescribe."""
     motions, relations = [], []
     for kind, bodies, x, _ in _members(system.populations):
-        if kind in (elements.AngleDriver, elements.TravelDriver):
+        if kind in (elements.AngleDriver, elements.DisplacementDriver):
             motions.append((_key(bodies, x), x["scale"], x["motion"]))
         elif kind is elements.Screw:
-            angle, travel = (
+            angle, displacement = (
                 (bodies, *map(x.get, ("f_i", "g_i", "f_j"))),
                 (bodies, x["h_i"], x["s_i"], x["s_j"]),
             )
-            relations.append(Relation(angle, travel, x["lead"], x["travel"] - x["lead"] * x["angle"]))
-        elif kind in (elements.AngleAngle, elements.TravelTravel):
+            relations.append(
+                Relation(angle, displacement, x["lead"], x["displacement"] - x["lead"] * x["angle"])
+            )
+        elif kind in (elements.AngleAngle, elements.DisplacementDisplacement):
             gear = kind is elements.AngleAngle
             relations.append(Relation(*_pair(bodies, x), x["ratio"], x["offset"], gear))
-        elif kind is elements.TravelAngle:
+        elif kind is elements.DisplacementAngle:
             relations.append(Relation(*_pair(bodies, x)[::-1], x["ratio"], x["offset"]))
     if not motions:
         return Prescription((), (), (), ())

@@ -60,11 +60,11 @@ def coordinate_of(motions: Motions, name: str) -> tuple[str, float] | None:
     """Return which coordinate of the joint a motion is, and its sign; None where the joint does not have it as one."""
     one = next(motion for motion in motions if motion.name == name)
     if len(motions) == 1 and isinstance(one, Turn | Slide):
-        return ("angle" if isinstance(one, Turn) else "travel"), 1.0
+        return ("angle" if isinstance(one, Turn) else "displacement"), 1.0
     if len(motions) == 2 and isinstance(one, Turn) and _slides(motions):
         return "angle", 1.0
     if len(motions) == 2 and isinstance(one, Slide) and _rotations(motions):
-        return "travel", float(np.sign(one.axis @ _rotations(motions)[0].axis))
+        return "displacement", float(np.sign(one.axis @ _rotations(motions)[0].axis))
     return None
 
 

@@ -1,16 +1,34 @@
-"""Deprecated spellings of public names: accepted for one release, with a DeprecationWarning."""
+"""Deprecated spellings of public names: accepted for one release, with a DeprecationWarning. All are listed here."""
 
 from __future__ import annotations
 
+import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
+C = TypeVar("C", bound=type)
 
 RENAMED = {"keep_steps": "store_steps"}  # old keyword: new keyword, in every function that has the new one
+CLASSES = {  # names of `sarrus`
+    "Happened": "EventRecord",
+    "TravelDriver": "DisplacementDriver",
+    "TravelFriction": "DisplacementFriction",
+    "TravelStop": "DisplacementStop",
+}
+ATTRIBUTES = {  # by class
+    "JointMotion": {"travel": "displacement"},
+    "SystemJoint": {"travel": "displacement"},
+}
+TYPES = {  # of the parts of a model file
+    "travel": "displacement",
+    "travel_friction": "displacement_friction",
+    "travel_stop": "displacement_stop",
+}
+COORDINATES = re.compile(r"(?<![A-Za-z0-9_])travel(?=(_[xy])?(\.|$))"), "displacement"  # in names of outputs
 
 
 def warn_deprecated(old: str, new: str, depth: int = 2) -> None:
@@ -32,3 +50,44 @@ def accepts_deprecated_keywords(function: Callable[P, R]) -> Callable[P, R]:
         return function(*args, **kwargs)
 
     return translating
+
+
+def accepts_deprecated_attributes(kind: C) -> C:
+    """Decorate a class whose attributes also have the old names of `ATTRIBUTES`."""
+    for old, new in ATTRIBUTES[kind.__name__].items():
+        setattr(kind, old, _deprecated_attribute(kind.__name__, old, new))
+    return kind
+
+
+def _deprecated_attribute(kind: str, old: str, new: str) -> property:
+    def get(self: Any) -> Any:
+        warn_deprecated(f"{kind}.{old}", new)
+        return getattr(self, new)
+
+    return property(get, doc=f"The deprecated name of `{new}`.")
+
+
+def present_class(name: str) -> str:
+    """The present name of a class of `sarrus`."""
+    if name in CLASSES:
+        warn_deprecated(f"sarrus.{name}", CLASSES[name], 3)
+    return CLASSES.get(name, name)
+
+
+def present_name(name: str, known: Container[str]) -> str:
+    """The present spelling of the name of a coordinate or output, if that one is known and the given one is not."""
+    present = COORDINATES[0].sub(COORDINATES[1], name)
+    if name in known or present not in known:
+        return name
+    warn_deprecated(name, present, 3)
+    return present
+
+
+def with_present_types(data: Any) -> None:
+    """Replace the old types of a model file's joints, drivers and forces by the present ones."""
+    sections = [data.get(key) for key in ("joints", "drivers", "forces")] if isinstance(data, dict) else []
+    for section in sections:
+        for part in section.values() if isinstance(section, dict) else ():
+            if isinstance(part, dict) and isinstance(old := part.get("type"), str) and old in TYPES:
+                warn_deprecated(f"type: {old}", f"type: {TYPES[old]}", 3)
+                part["type"] = TYPES[old]

@@ -12,6 +12,7 @@ from ..expression.dimensions import fits, unit_of
 from ..expression.units import unit_text
 from ..quantity import number
 from ..show import quote, show, suggest
+from .deprecated import present_name
 from .findings import Findings
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Ori
 
 
 def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:
-    """The joint's coordinate that a rate is of: ``pin`` where there is only one, or ``sleeve.travel``.
+    """The joint's coordinate that a rate is of: ``pin`` where there is only one, or ``sleeve.displacement``.
 
     Raises
     ------
@@ -75,7 +76,8 @@ def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:
     joint, _, label = name.partition(".")
     if joint not in labels:
         known = suggest(joint, labels) if labels else "no joint has one"
-        raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a travel; {known}")
+        raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a displacement; {known}")
+    label = present_name(label, labels[joint])
     if label in labels[joint] or (not label and len(labels[joint]) == 1):
         return label or labels[joint][0]
     offered = " or ".join(f"{joint}.{own}" for own in labels[joint])

@@ -1,4 +1,4 @@
-"""Drivers of a joint: its angle or its travel is a function of time. 1 equation each."""
+"""Drivers of a joint: its angle or its displacement is a function of time. 1 equation each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
-from ..coordinate import ANGLE, TRAVEL, Known, chosen
+from ..coordinate import ANGLE, DISPLACEMENT, Known, chosen
 from ..geometry.pose import Poses
 from ..laws.prescribed import Motion, motion_of
 from ..measure import In
@@ -33,10 +33,10 @@ class AngleDriver(Driver):
 
 
 @dataclass(frozen=True, eq=False)
-class TravelDriver(Driver):
-    """The travel [m] of a ``joint`` follows a ``motion``, a number or a function of time.
+class DisplacementDriver(Driver):
+    """The displacement [m] of a ``joint`` follows a ``motion``, a number or a function of time.
 
-    The joint is given by name, ``slide``, or if it has several displacements ``table.travel_x``.
+    The joint is given by name, ``slide``, or if it has several displacements ``table.displacement_x``.
     """
 
     joint: str
@@ -44,6 +44,6 @@ class TravelDriver(Driver):
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield h_i·d - f(t)."""
-        bodies, values = chosen(self.joint, TRAVEL, known, "joint").measure[1:3]
+        bodies, values = chosen(self.joint, DISPLACEMENT, known, "joint").measure[1:3]
         law = motion_of(self.motion, "motion")
-        yield Primitive(elements.TravelDriver, bodies, (*values[:3], *law), "travel")
+        yield Primitive(elements.DisplacementDriver, bodies, (*values[:3], *law), "displacement")

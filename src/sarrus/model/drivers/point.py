@@ -42,4 +42,4 @@ class PointDriver(Driver):
             raise ModelError("has no path; give at least one of x, y and z", field="x")
         for name, path in paths.items():
             values = (AXES[name], ORIGIN, at.s, *motion_of(path, name))
-            yield Primitive(elements.TravelDriver, (GROUND, at.body), values, name)
+            yield Primitive(elements.DisplacementDriver, (GROUND, at.body), values, name)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..bodies.body import Body
 from ..bodies.solid import GROUND, ground
 from ..checks.arguments import checked
+from ..checks.deprecated import with_present_types
 from ..checks.findings import Findings
 from ..checks.rates import SECTION, check_units
 from ..drivers import Driver
@@ -111,6 +112,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
     from .layout import layout
     from .validation_messages import first_error
 
+    with_present_types(document.data)
     try:
         return layout().model_validate(document.data, context=numbers)
     except ValidationError as error:

@@ -95,14 +95,16 @@ MEANT = {  # the types of joints, drivers and forces by other names that they ha
     **dict.fromkeys(("gears", "gear_pair"), ("gear",)),
     **dict.fromkeys(("rack", "pinion"), ("rack_and_pinion",)),
     **dict.fromkeys(("motor", "rotation", "angle_driver"), ("angle",)),
-    **dict.fromkeys(("translation", "displacement", "cylinder"), ("travel", "tsda")),
+    **dict.fromkeys(("translation", "cylinder"), ("displacement", "tsda")),
     **dict.fromkeys(("force", "load"), ("point_force",)),
     **dict.fromkeys(("moment",), ("torque",)),
     **dict.fromkeys(("mount", "rubber", "beam"), ("bushing",)),
     **dict.fromkeys(("contact", "ball_contact"), ("sphere_contact",)),
     **dict.fromkeys(("wheel", "tire"), ("tyre", "road_tyre")),
-    **dict.fromkeys(("friction",), ("angle_friction", "travel_friction")),
-    **dict.fromkeys(("stop", "limit", "bumper", "end_stop"), ("length_stop", "travel_stop", "angle_stop")),
+    **dict.fromkeys(("friction",), ("angle_friction", "displacement_friction")),
+    **dict.fromkeys(
+        ("stop", "limit", "bumper", "end_stop"), ("length_stop", "displacement_stop", "angle_stop")
+    ),
 }
 LISTS = {  # how a list is written, where three numbers are not the only form
     "inertia": "write it in brackets, as in [1, 1, 1] for the principal moments, or {xx: 1, yy: 1, zz: 1}",

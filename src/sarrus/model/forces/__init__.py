@@ -2,14 +2,14 @@
 
 from .bushing import Bushing as Bushing
 from .contact import AngleStop as AngleStop
+from .contact import DisplacementStop as DisplacementStop
 from .contact import LengthStop as LengthStop
 from .contact import SphereContact as SphereContact
-from .contact import TravelStop as TravelStop
 from .drag import Drag as Drag
 from .drag import ViscousDrag as ViscousDrag
 from .force import Force as Force
 from .joint_friction import AngleFriction as AngleFriction
-from .joint_friction import TravelFriction as TravelFriction
+from .joint_friction import DisplacementFriction as DisplacementFriction
 from .loads import PointForce as PointForce
 from .loads import Torque as Torque
 from .rsda import RSDA as RSDA

@@ -1,4 +1,4 @@
-"""Unilateral contacts: a sphere or a point on a plane, and stops of a distance, a travel and an angle."""
+"""Unilateral contacts: a sphere or a point on a plane, and stops of a distance, a displacement and an angle."""
 
 from __future__ import annotations
 
@@ -130,10 +130,11 @@ class LengthStop(Limits, ContactLaw, Force):
 
 
 @dataclass(frozen=True, eq=False)
-class TravelStop(Limits, ContactLaw, AboutAxis, Force):
-    """Keeps the travel of a translational or cylindrical joint between ``lower`` and ``upper`` [m].
+class DisplacementStop(Limits, ContactLaw, AboutAxis, Force):
+    """Keeps the displacement of a translational or cylindrical joint between ``lower`` and ``upper`` [m].
 
-    The travel is that of body j along the axis of body i. Placed by a global ``point`` [m] and ``axis`` it starts at 0.
+    The displacement is that of body j along the axis of body i. Placed by a global ``point`` [m] and ``axis`` it
+    starts at 0.
     """
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
@@ -141,7 +142,7 @@ class TravelStop(Limits, ContactLaw, AboutAxis, Force):
         i, j = self.frames(poses)
         for name, limit, sign in self.limits():
             values = (i.h, i.s, j.s, limit, sign, *self.contact())
-            yield Primitive(elements.TravelStop, (i.body, j.body), values, name)
+            yield Primitive(elements.DisplacementStop, (i.body, j.body), values, name)
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,10 +72,12 @@ class AngleFriction(DryFriction, AboutAxis, Force):
 
 
 @dataclass(frozen=True, eq=False)
-class TravelFriction(DryFriction, AboutAxis, Force):
+class DisplacementFriction(DryFriction, AboutAxis, Force):
     """Friction of the slider in a translational or cylindrical joint; placed like the joint."""
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the friction."""
         i, j = self.frames(poses)
-        yield Primitive(elements.TravelFriction, (i.body, j.body), (i.h, j.s, *self.friction()), "friction")
+        yield Primitive(
+            elements.DisplacementFriction, (i.body, j.body), (i.h, j.s, *self.friction()), "friction"
+        )

@@ -51,10 +51,12 @@ class PointCoordinate(Function):
         return self.name or f"{self.point.label}.{self.axis}"
 
     def primitive(self, poses: Poses) -> Primitive:
-        """Return e·P as a travel from the ground's origin."""
+        """Return e·P as a displacement from the ground's origin."""
         check_axis(self.axis)
         at = self.point.resolve(poses, "point")
-        return Primitive(elements.Travel, (GROUND, at.body), (UNIT[self.axis], ORIGIN, at.s, 0.0), self.axis)
+        return Primitive(
+            elements.Displacement, (GROUND, at.body), (UNIT[self.axis], ORIGIN, at.s, 0.0), self.axis
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ...elements import Travel, TravelAngle
+from ...elements import Displacement, DisplacementAngle
 from ..blueprint import blueprint
 from ..bodies.solid import GROUND
 from ..model import Model
@@ -44,7 +44,7 @@ class Framed(Protocol):
 
 @runtime_checkable
 class OnJoint(Protocol):
-    """A driver of a joint's angle or travel, ``pin`` or ``hook.angle_i``."""
+    """A driver of a joint's angle or displacement, ``pin`` or ``hook.angle_i``."""
 
     joint: str
 
@@ -80,7 +80,7 @@ def _pair(model: Model, name: str, follower: str) -> int:
     plan, (joint, _, word) = blueprint(model), follower.partition(".")
     element = next(p.element for p in plan.placed if p.owner == name)
     own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]
-    return 0 if element is TravelAngle and Travel in own else 1
+    return 0 if element is DisplacementAngle and Displacement in own else 1
 
 
 def _poses(model: Model) -> Poses:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ... import elements
 from ...elements import Element
-from ..coordinate import ANGLE, TRAVEL, Coordinate, Known, chosen
+from ..coordinate import ANGLE, DISPLACEMENT, Coordinate, Known, chosen
 from ..errors import ModelError
 from ..geometry.pose import Poses
 from ..measure import Angle, Length, Ratio
@@ -21,8 +21,8 @@ class Coupling(Joint, abstract=True):
     """A part among the joints that couples the coordinates of two others; it has no primitives without them.
 
     Its reaction is a generalized force along both coordinates: a torque about the axis of a joint with an angle, a
-    force along the axis of one with a travel, on the second body of each joint and with opposite sign on the first.
-    It is ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
+    force along the axis of one with a displacement, on the second body of each joint and with opposite sign on the
+    first. It is ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
     """
 
     @property
@@ -50,10 +50,10 @@ def coupled(first: Coordinate, second: Coordinate, ratio: float, offset: float |
     if kinds == (True, True):
         return _relation(elements.AngleAngle, first, second, (ratio, shift, first.start))
     if kinds == (False, True):
-        return _relation(elements.TravelAngle, first, second, (1 / ratio, -shift / ratio))
+        return _relation(elements.DisplacementAngle, first, second, (1 / ratio, -shift / ratio))
     if kinds == (True, False):
-        return _relation(elements.TravelAngle, second, first, (ratio, shift))
-    return _relation(elements.TravelTravel, first, second, (ratio, shift))
+        return _relation(elements.DisplacementAngle, second, first, (ratio, shift))
+    return _relation(elements.DisplacementDisplacement, first, second, (ratio, shift))
 
 
 def _relation(element: type[Element], a: Coordinate, b: Coordinate, values: tuple[float, ...]) -> Primitive:
@@ -65,8 +65,8 @@ def _relation(element: type[Element], a: Coordinate, b: Coordinate, values: tupl
 class Coupler(Coupling):
     """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, as numbers in m and rad.
 
-    Coordinates are given as ``slide.travel``, ``pin.angle``, or by the joint's name where it has only one. Left out,
-    the offset is that of the initial pose.
+    Coordinates are given as ``slide.displacement``, ``pin.angle``, or by the joint's name where it has only one.
+    Left out, the offset is that of the initial pose.
 
     Its reaction, `run.reaction`, is the torque or force along the coordinate of ``joint_j`` on the second body of that
     joint; along the coordinate of ``joint_i`` it is -``ratio`` times as much. Nothing else is transmitted to bearings.
@@ -121,9 +121,9 @@ class RackAndPinion(Coupling):
     """Displacement of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
-    is the sense of travel. Left out, the offset is that of the initial pose.
+    is the sense of displacement. Left out, the offset is that of the initial pose.
 
-    Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the travel; the second body of
+    Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the displacement; the second body of
     ``pinion`` feels the torque -``radius`` times this force. The tooth force is not transmitted to bearings: the
     pinion's carries nothing of it, and a rack feels no moment from the line on which teeth would touch.
     """
@@ -139,8 +139,11 @@ class RackAndPinion(Coupling):
         return self.rack
 
     def relations(self, known: Known) -> Iterator[Primitive]:
-        """Yield travel - radius θ - offset."""
+        """Yield displacement - radius θ - offset."""
         pinion = chosen(self.pinion, ANGLE, known, "pinion")
         yield coupled(
-            pinion, chosen(self.rack, TRAVEL, known, "rack"), ratio_of(self.radius, "radius"), self.offset
+            pinion,
+            chosen(self.rack, DISPLACEMENT, known, "rack"),
+            ratio_of(self.radius, "radius"),
+            self.offset,
         )

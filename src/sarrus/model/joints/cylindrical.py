@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..coordinate import Coordinate, angle, travel
+from ..coordinate import Coordinate, angle, displacement
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
 from ..primitive import Primitive
@@ -29,7 +29,7 @@ class Cylindrical(AboutAxis, Joint):
         yield dot2("g_i.d", i, j, i.g)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h, and the travel of P_j along h_i."""
+        """Yield the angle from f_i to f_j about h, and the displacement of P_j along h_i."""
         i, j = self.frames(poses)
         yield angle(i, j, poses)
-        yield travel(i, j, poses)
+        yield displacement(i, j, poses)

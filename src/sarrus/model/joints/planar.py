@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..coordinate import Coordinate, angle, travel
+from ..coordinate import Coordinate, angle, displacement
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
 from ..primitive import Primitive
@@ -31,5 +31,5 @@ class Planar(AboutAxis, Joint):
         """Yield the angle from f_i to f_j about h, and the displacements of P_j along f_i and g_i."""
         i, j = self.frames(poses)
         yield angle(i, j, poses)
-        yield travel(i, j, poses, axis=i.f, name="travel_x")
-        yield travel(i, j, poses, axis=i.g, name="travel_y")
+        yield displacement(i, j, poses, axis=i.f, name="displacement_x")
+        yield displacement(i, j, poses, axis=i.g, name="displacement_y")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..coordinate import Coordinate, travel
+from ..coordinate import Coordinate, displacement
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
 from ..primitive import Primitive
@@ -27,8 +27,8 @@ class PointOnLine(AboutAxis, Joint):
         yield dot2("g_i.d", i, j, i.g)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the travel of the point along the line."""
-        yield travel(*self.frames(poses), poses)
+        """Yield the displacement of the point along the line."""
+        yield displacement(*self.frames(poses), poses)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,5 +47,5 @@ class PointOnPlane(AboutAxis, Joint):
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the displacements of the point along f_i and g_i."""
         i, j = self.frames(poses)
-        yield travel(i, j, poses, axis=i.f, name="travel_x")
-        yield travel(i, j, poses, axis=i.g, name="travel_y")
+        yield displacement(i, j, poses, axis=i.f, name="displacement_x")
+        yield displacement(i, j, poses, axis=i.g, name="displacement_y")

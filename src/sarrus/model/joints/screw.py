@@ -1,4 +1,4 @@
-"""Screw joint: two bodies turn about a common axis and travel along it in proportion. 5 equations."""
+"""Screw joint: two bodies rotate about a common axis and move along it in proportion. 5 equations."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from .cylindrical import Cylindrical
 
 @dataclass(frozen=True, eq=False)
 class Screw(Cylindrical):
-    """A screw in its nut: a common axis h, and ``pitch`` [m] of travel for a turn, right-handed if positive.
+    """A screw in its nut: common axis h, and ``pitch`` [m], the displacement per revolution, positive if right-handed.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
-    ``frame_j`` with h along the axis; the frames coincide where angle and travel are 0.
+    ``frame_j`` with h along the axis; the frames coincide where angle and displacement are 0.
     """
 
     pitch: Length = field(kw_only=True)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the primitives of a cylindrical joint, and the screw."""
-        pitch = number(self.pitch, "pitch", "give the travel in m for a turn")
+        pitch = number(self.pitch, "pitch", "give the displacement in m per revolution")
         if not pitch:
             raise ModelError("pitch must not be 0; give it in m, or use a revolute joint", field="pitch")
         yield from super().primitives(poses)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..coordinate import Coordinate, travel
+from ..coordinate import Coordinate, displacement
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
 from ..primitive import Primitive
@@ -35,5 +35,5 @@ class Translational(AboutAxis, Joint):
         yield dot2("f_i.d", i, j, i.f)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the travel of P_j along h_i."""
-        yield travel(*self.frames(poses), poses)
+        """Yield the displacement of P_j along h_i."""
+        yield displacement(*self.frames(poses), poses)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model.checks.deprecated import warn_deprecated
+from ...model.checks.deprecated import accepts_deprecated_attributes, warn_deprecated
 from ...rendering import renderer
 
 
@@ -41,13 +41,14 @@ class BodyMotion:
         return self.angular_velocity_body
 
 
+@accepts_deprecated_attributes
 @dataclass(frozen=True)
 class JointMotion:
     """Angles and displacements of a joint with their rates, over time.
 
     Attributes
     ----------
-    values, rates : by the coordinate's name, ``angle``, ``travel``, ``angle_i`` ... (nt,) [rad or m], [1/s]
+    values, rates : by the coordinate's name, ``angle``, ``displacement``, ``angle_i`` ... (nt,) [rad or m], [1/s]
     """
 
     name: str
@@ -65,14 +66,14 @@ class JointMotion:
         return self._one(self.values, "angle")
 
     @property
-    def travel(self) -> Array:
-        """The travel (nt,). [m]"""
-        return self._one(self.values, "travel")
+    def displacement(self) -> Array:
+        """The displacement (nt,). [m]"""
+        return self._one(self.values, "displacement")
 
     @property
     def rate(self) -> Array:
-        """The rate of the angle, or of the travel where there is no angle (nt,)."""
-        return self._one(self.rates, "angle" if "angle" in self.rates else "travel")
+        """The rate of the angle, or of the displacement where there is no angle (nt,)."""
+        return self._one(self.rates, "angle" if "angle" in self.rates else "displacement")
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from .part import DARK, GROUND, STEEL, Part, Span
 class DrawingScale(NamedTuple):
     """How large to draw: thickness of a rod, size of the drawing [m], and which way is up.
 
-    ``displacements`` are the least and the greatest travel [m] that joints are shown with.
+    ``displacements`` are the least and the greatest displacement [m] that joints are shown with.
     """
 
     unit: float

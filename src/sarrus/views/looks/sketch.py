@@ -214,10 +214,10 @@ class _Drawing:
     def _displacements(self) -> Iterator[tuple[str, tuple[float, float]]]:
         for anchor in self.joints:
             if anchor.kind in RAILS:
-                found = [self._travel(anchor, q) for q in self.positions]
+                found = [self._displacement(anchor, q) for q in self.positions]
                 yield anchor.name, (min(found), max(found))
 
-    def _travel(self, anchor: Anchor, q: Array) -> float:
+    def _displacement(self, anchor: Anchor, q: Array) -> float:
         i, j = self._places(anchor, q)
         return float((j - i) @ self._axes(anchor.bodies[0], q) @ anchor.axes[0][:, 2])
 

@@ -90,7 +90,7 @@ def maps_of(system: System, structures: tuple[Structure | None, ...], width: int
 
 
 class Drivers(NamedTuple):
-    """One driver of each operation, or none: see `_jit.pointer.Entry`; `at` is where that of each begins."""
+    """One driver of each operation, or none: see `_jit.pointer.KernelTable`; `at` is where that of each begins."""
 
     addresses: Any
     starts: Any
@@ -98,7 +98,7 @@ class Drivers(NamedTuple):
     at: Any
 
 
-def _stacked(entries: Sequence[pointer.Entry]) -> Drivers:
+def _stacked(entries: Sequence[pointer.KernelTable]) -> Drivers:
     counts = np.cumsum([0, *(len(one.addresses) for one in entries)])
     addresses = np.concatenate([one.addresses for one in entries])
     tables = np.concatenate([one.tables for one in entries])
@@ -106,10 +106,14 @@ def _stacked(entries: Sequence[pointer.Entry]) -> Drivers:
     return Drivers(addresses, starts, tables, counts.astype(np.int64))
 
 
-def _entries(structure: Structure, n: int, m: int, forward: bool) -> tuple[pointer.Entry, pointer.Entry]:
+def _entries(
+    structure: Structure, n: int, m: int, forward: bool
+) -> tuple[pointer.KernelTable, pointer.KernelTable]:
     found = _compiled(structure, forward)
     table = np.array([n, m], np.int64)
-    return pointer.entry([found[0]], [table], SIGNATURE), pointer.entry([found[1]], [table], SIGNATURE)
+    return pointer.kernel_table([found[0]], [table], SIGNATURE), pointer.kernel_table(
+        [found[1]], [table], SIGNATURE
+    )
 
 
 SIGNATURE = Signature("map", (), ("state", "other"), ("out",), (False,))

@@ -117,7 +117,9 @@ def _refuse_outputs(found: list[Measure]) -> None:
         raise SarrusError(f"a workspace has one to three outputs, not {len(found)}; name as many")
     squares = [one.name for one in found if one.kind == "square"]
     if squares:
-        raise SarrusError(f"the length {squares[0]} can be limited or fixed, but is no output; take a travel")
+        raise SarrusError(
+            f"the length {squares[0]} can be limited or fixed, but is no output; take a displacement"
+        )
 
 
 def _refuse_held(names: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""Travel: how far P_j of body j lies from P_i of body i along a direction fixed in body i; given, or driven."""
+"""Displacement: how far P_j of body j lies from P_i of body i along a direction fixed in body i; given, or driven."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from .dot2 import Dot2
 from .element import Curve, Grid, Pair, Scalar, Time
 
 
-class Travel(Dot2, rows=1, rare=True):
-    """Φ = a_iᵀ d - travel [m for a unit vector] in the reduced form of DOT-2, whose derivatives it has."""
+class Displacement(Dot2, rows=1, rare=True):
+    """Φ = a_iᵀ d - displacement [m for a unit vector] in the reduced form of DOT-2, whose derivatives it has."""
 
-    travel: Scalar  # [m]
+    displacement: Scalar  # [m]
 
     def Phi(self, x: Pair) -> Array:  # DOT-2 and a constant
-        return super().Phi(x) - self.travel
+        return super().Phi(x) - self.displacement
 
     def Phi_b(self, x: Pair) -> Row:
         return *super().Phi_b(x), single(-1)
@@ -28,7 +28,7 @@ class Travel(Dot2, rows=1, rare=True):
         return tuple((*line, None) for line in super().Phi_qT_lam_b(x, lam))
 
 
-class TravelDriver(Dot2, rows=1, rare=True):
+class DisplacementDriver(Dot2, rows=1, rare=True):
     """Φ = a_iᵀ d - scale f(t) [m for a unit vector]; the path of a point, one component each, where i is the ground."""
 
     scale: Scalar  # of the motion

@@ -1,4 +1,4 @@
-"""How do an event's functions change with the state: formulas of outputs, and functions (t, q, v) written in Python?
+"""Derivatives of an event's functions by the state: of formulas of outputs, and of Python functions (t, q, v).
 
 Both are recorded at the state of the event, and the record is differentiated.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from ...algebra import Array
 from ...model.expression import parse
 from ...model.laws.tape import Tape, Traced
-from ...outputs import Level, Outputs, find_output
+from ...outputs import Outputs
 from ...outputs.recording import Angles, Key, States, Variable
 from ...results import Turn
 from ...system import System
@@ -51,7 +51,7 @@ class Recorded:
         """Their derivatives."""
         every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Traced) else {}) for x in self.found]
         return Slopes._make(
-            np.array([self._gathered(bars, kind)[0] for bars in every]) for kind in Slopes._fields
+            np.array([self.gathered(bars, kind)[0] for bars in every]) for kind in Slopes._fields
         )
 
     @property
@@ -59,7 +59,7 @@ class Recorded:
         """The derivatives of the first number's gradient by q, of which there is a copy for each."""
         every = np.eye(self.copies)
         change = self._changed({place: every[n] for (kind, n), place in self.places.items() if kind == "q"})
-        return Slopes._make(self._gathered(change, kind) for kind in Slopes._fields)
+        return Slopes._make(self.gathered(change, kind) for kind in Slopes._fields)
 
     def _changed(self, moved: Mapping[int, Any]) -> list[Any]:
         """The change of the first number's gradient."""
@@ -74,7 +74,7 @@ class Recorded:
         change = self._changed(moved)
         return float(sum(np.sum(change[place]) * rate for place, rate in moved.items()))
 
-    def _gathered(self, bars: list[Any], kind: str) -> Array:
+    def gathered(self, bars: list[Any], kind: str) -> Array:
         """The gradient by the inputs of one kind, a row for each copy."""
         gathered = np.zeros((self.copies, self.sizes[Slopes._fields.index(kind)]))
         for (own, n), place in self.places.items():
@@ -100,11 +100,14 @@ def recorded(
     ValueError
         For Python functions that cannot be recorded.
     """
-    sizes = system.nq, system.nq, len(system.joint_coordinates.b), 1, len(system.b)
     if isinstance(function, str):
         state = _state(system, turn, copies)
-        return _of_formula(Copies(system, state, b, _unknown, angles), function, sizes)
-    return _of_python(turn, function, sizes)
+        return of_formula(Copies(system, state, b, unknown, angles), function)
+    return _of_python(turn, function, _sizes(system))
+
+
+def _sizes(system: System) -> Sequence[int]:
+    return system.nq, system.nq, len(system.joint_coordinates.b), 1, len(system.b)
 
 
 def _state(system: System, turn: Turn, copies: int) -> States:
@@ -113,13 +116,12 @@ def _state(system: System, turn: Turn, copies: int) -> States:
     return States(t, q, v, a, lambda: np.zeros((copies, system.m)))
 
 
-def _of_formula(outputs: Outputs, text: str, sizes: Sequence[int]) -> Recorded:
+def of_formula(outputs: Outputs, text: str) -> Recorded:
+    """The value of a formula at the states of some outputs."""
     tree = parse(text)
-    for name in tree.names():
-        find_output(outputs.system, name, Level.VELOCITY, "the derivative of an event")
     found = tree.value({name: outputs(name) for name in tree.names()})
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
-    return Recorded(outputs.tape, [found], places, sizes, len(outputs.t.value))
+    return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
 
 
 def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]) -> Recorded:
@@ -140,5 +142,6 @@ def _variables(tape: Tape, values: Array) -> Array:
     return np.array([tape.variable(float(x)) for x in values], dtype=object)
 
 
-def _unknown(name: str, _: Variable) -> float:
+def unknown(name: str, _: Variable) -> float:
+    """Refuse a parameter in an event."""
     raise ValueError(f"an event cannot depend on the number {name!r}")

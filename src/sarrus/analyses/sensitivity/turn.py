@@ -15,6 +15,7 @@ velocities that a function gives are made consistent by (a).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -28,6 +29,7 @@ from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..equations.saddle_point import Saddle
 from .event_functions import Recorded, Slopes, recorded
+from .event_reactions import SolvedRecorded, recorded_solved, solves
 from .sampling import apart, interpolation
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
@@ -161,7 +163,7 @@ class TurnDerivatives:
         turn, function = self._turn, self._recorded(self._turn.function)
         psi = function.slopes
         rate = float(self._change(psi, along)[0, 0])
-        self._refuse_grazing(psi, function.bend(along.q[:, 0], along.v[:, 0]), rate)
+        self._refuse_grazing(psi, self._bend(function, along), rate)
         when = -self._change(psi, before)[0] / rate
         now = State._make(
             x + np.multiply.outer(dx[..., 0], when) for x, dx in zip(before, along, strict=True)
@@ -174,7 +176,27 @@ class TurnDerivatives:
         return np.vstack([now.q, now.v, when])
 
     def _recorded(self, function: Any, copies: int = 1) -> Recorded:
+        if isinstance(function, str) and solves(self.system, function):
+            return recorded_solved(self.system, self._steps, self._turn, function, self._b, self._angles)
         return recorded(self.system, self._turn, function, self._b, self._angles, copies)
+
+    def _bend(self, function: Recorded, along: State) -> float:
+        """The mean of |ψ̈| over the last step."""
+        psi, steps = function.slopes, self._steps
+        if isinstance(function, SolvedRecorded):
+            ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
+        else:
+            ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
+            curved = function.bend(along.q[:, 0], along.v[:, 0])
+        return abs(float((ends[1] - ends[0])[0]) / float(steps.h[-1]) + curved)
+
+    def _rate_at(self, k: int) -> Array:
+        """ψ̇ at a node (1,)."""
+        steps, turn = self._steps, self._turn
+        t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
+        there = replace(turn, t=float(t), q=q, v=v)
+        psi = recorded_solved(self.system, steps, there, str(turn.function), self._b, self._angles).slopes
+        return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
 
     def _change(self, slopes: Slopes, found: State) -> Array:
         """The derivatives of what has these slopes."""
@@ -183,11 +205,9 @@ class TurnDerivatives:
             return np.asarray(moved)
         return np.asarray(moved + self._placed(slopes.b, 1) + self._placed(slopes.c, 2))
 
-    def _refuse_grazing(self, psi: Slopes, curved: float, rate: float) -> None:
+    def _refuse_grazing(self, psi: Slopes, bend: float, rate: float) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
         steps, turn = self._steps, self._turn
-        ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
-        bend = abs(float((ends[1] - ends[0])[0]) / steps.h[-1] + curved)
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import sarrus as sr
-from sarrus.model import announce
+from sarrus.model.announcement import announce
 from sarrus.results.result import Result
 
 ANALYSES = [

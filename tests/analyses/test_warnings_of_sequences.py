@@ -10,7 +10,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses import progress
-from sarrus.model import announce, reports_warnings
+from sarrus.model.announcement import announce, reports_warnings
 from sarrus.results import Product, ResultList, Singularities
 
 

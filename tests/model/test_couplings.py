@@ -11,7 +11,6 @@ import pytest
 from sarrus import elements as el
 from sarrus.model import (
     AngleDriver,
-    Blueprint,
     Body,
     CoordinateDriver,
     Coupler,
@@ -32,9 +31,9 @@ from sarrus.model import (
     Spherical,
     Translational,
     Universal,
-    blueprint,
     ground,
 )
+from sarrus.model.blueprint import Blueprint, blueprint
 
 A, B, C = (Body(name, 1.0, (1, 1, 1), position=(x, 0, 0)) for x, name in enumerate("abc"))
 PINS = [

@@ -19,7 +19,6 @@ from sarrus.model import (
     RSDA,
     TSDA,
     AxisAngle,
-    Blueprint,
     Body,
     Curve,
     Distance,
@@ -36,10 +35,10 @@ from sarrus.model import (
     Torque,
     Tyre,
     Universal,
-    blueprint,
     ground,
     load,
 )
+from sarrus.model.blueprint import Blueprint, blueprint
 from sarrus.model.file import print_schema, schema_text
 
 EVERYTHING = """\

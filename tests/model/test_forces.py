@@ -16,13 +16,12 @@ from sarrus.model import (
     LengthStop,
     Model,
     ModelError,
-    Placed,
     PointForce,
     Torque,
     Tyre,
-    blueprint,
     ground,
 )
+from sarrus.model.blueprint import Placed, blueprint
 
 BODY = Body("body", 1.0, (1, 1, 1), position=(0, 0, 2))
 OTHER = Body(

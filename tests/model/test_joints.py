@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from sarrus.elements import Dot1
 from sarrus.model import (
-    Blueprint,
     Body,
     ConstantAngle,
     Cylindrical,
@@ -35,9 +34,9 @@ from sarrus.model import (
     Spherical,
     Translational,
     Universal,
-    blueprint,
     ground,
 )
+from sarrus.model.blueprint import Blueprint, blueprint
 
 LargestPhi = Callable[[Blueprint], float]
 AllPhi = Callable[[Blueprint], np.ndarray]

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from sarrus import mechanisms
-from sarrus.model import Blueprint, ModelError, blueprint, load
+from sarrus.model import ModelError, load
+from sarrus.model.blueprint import Blueprint, blueprint
 
 ROWS = {"Spherical": 3, "Dot1": 1, "Dot2": 1, "Distance": 1}
 

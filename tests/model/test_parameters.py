@@ -12,7 +12,8 @@ from typing import Annotated
 
 import pytest
 
-from sarrus.model import Curve, Force, Joint, Model, ModelError, blueprint, load
+from sarrus.model import Curve, Force, Joint, Model, ModelError, load
+from sarrus.model.blueprint import blueprint
 from sarrus.model.bodies.body import Body
 from sarrus.model.bodies.inertia import Inertia
 from sarrus.model.expression import Expression

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sarrus import mechanisms
-from sarrus.model import AngleDriver, Body, Model, Revolute, blueprint, describe, ground, load
+from sarrus.model import AngleDriver, Body, Model, Revolute, describe, ground, load
+from sarrus.model.blueprint import blueprint
 from sarrus.model.words import mass_and_center
 
 

@@ -10,6 +10,7 @@ from tests.paper.paper import A, equal, rational, unit
 
 from sarrus import elements, model
 from sarrus.elements import Distance, Dot1, Dot2, Normalization, Spherical
+from sarrus.model.blueprint import blueprint
 
 q, u, w, y, C = rational(1, 14), rational(2, 3), rational(3, 3), rational(4, 3), rational(5, 1)[0]
 r_i, p_i, r_j, p_j = split(q)
@@ -64,7 +65,7 @@ def bodies():
 
 def primitives(joint):
     """The constraints of a joint: class, and the fields in global axes, where its bodies are."""
-    plan = model.blueprint(model.Model("joint", bodies(), [joint]))
+    plan = blueprint(model.Model("joint", bodies(), [joint]))
     frames = [(plan.q[7 * b : 7 * b + 3], A(plan.q[7 * b + 3 : 7 * b + 7]).astype(float)) for b in (0, 1)]
     found = []
     for placed in plan.placed:
@@ -98,7 +99,7 @@ def is_frame(f, g, h):
 
 def rank(joint):
     """Rank of the joint's Jacobian in its assembled state, with the normalizations."""
-    plan = model.blueprint(model.Model("joint", bodies(), [joint]))
+    plan = blueprint(model.Model("joint", bodies(), [joint]))
     found = [p for p in plan.placed if issubclass(p.element, elements.Primitive)]
     fields = [[np.array(x, dtype=float) if np.ndim(x) else x for x in p.values] for p in found]
     lines = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..model import Placed
+from ..model.blueprint import Placed
 from ..model.bodies.solid import GROUND, Solid
 from ..model.geometry.function import AxisName, Function, PointCoordinate, Turn
 from ..model.geometry.point import Point

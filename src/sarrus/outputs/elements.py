@@ -12,7 +12,7 @@ import numpy as np
 from ..algebra import Array
 from ..elements import Element, ElementError, Primitive
 from ..elements.output import Declared
-from ..model import Placed
+from ..model.blueprint import Placed
 from ..model.coordinates import WIDTH
 from ..system import System
 from ..system.population import Population

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Placed
+from ..model.blueprint import Placed
 from ..system import System
 from ..system.joints import JointCoordinate, JointCoordinates
 from ..system.once import once

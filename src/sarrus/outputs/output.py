@@ -10,7 +10,8 @@ from difflib import get_close_matches
 from enum import IntEnum
 from typing import Any
 
-from ..model import Placed, SarrusError
+from ..model import SarrusError
+from ..model.blueprint import Placed
 from ..model.checks.deprecated import present_name
 from ..model.show import suggest
 from ..system import System

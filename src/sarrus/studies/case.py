@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import SarrusError, collecting
+from ..model import SarrusError
+from ..model.announcement import collecting
 from .responses import Response
 from .runs import Run
 from .source import Source

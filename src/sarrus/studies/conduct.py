@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
-from ..model import Model, SarrusError, announce, reports_warnings
+from ..model import Model, SarrusError
+from ..model.announcement import announce, reports_warnings
 from ..results.saving.checked_file import NOT_SAVED, NotSavedError
 from ..results.saving.versions import versions
 from ..system import System

@@ -16,7 +16,8 @@ from ..analyses import sensitivity, simulate
 from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
 from ..analyses.sensitivity.parameters import Parameters as Variables
-from ..model import Model, SarrusError, announce, reports_warnings
+from ..model import Model, SarrusError
+from ..model.announcement import announce, reports_warnings
 from ..results.result import Result
 from ..system import System
 from .conduct import Asked, ask

@@ -24,7 +24,8 @@ from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.sensitivity.design_start import DesignStart
 from ..defaults import ATOL, RTOL
-from ..model import SarrusError, collecting
+from ..model import SarrusError
+from ..model.announcement import collecting
 from ..model.checks.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from ..algebra import Array
-from ..model import Placed
+from ..model.blueprint import Placed
 from ..model.checks.deprecated import accepts_deprecated_attributes, present_name
 from ..model.coordinates import WIDTH
 from .constraints import ConstraintOperators

@@ -12,7 +12,8 @@ from ..algebra import Array
 from ..elements import BUILT_IN, Element, Normalization
 from ..elements.element import WIDTHS
 from ..elements.recorder import Variant, distinct, variants
-from ..model import Curve, Formula, Placed
+from ..model import Curve, Formula
+from ..model.blueprint import Placed
 from ..model.coordinates import WIDTH
 
 

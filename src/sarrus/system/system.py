@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..elements import Normalization
 from ..elements.operators import Axis
-from ..model import Model, blueprint
+from ..model import Model
+from ..model.blueprint import blueprint
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.geometry.marker import Marker, marker
 from .check import Report, check_derivatives

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..model import Model, Point, blueprint
+from ..model import Model, Point
+from ..model.blueprint import blueprint
 from ..model.coordinates import number_of
 from ..results import Modes, Trajectory
 from ..system import System

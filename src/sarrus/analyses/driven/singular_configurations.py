@@ -14,7 +14,7 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...linalg.rank import independent_rows, rank_of, unit_rows
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...results import Singularities, Singularity, Trajectory
 from ...system import System
 from ..arguments import refuse_other_system

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
 from ...linalg.rank import rank_of
-from ...model import announce
+from ...model.announcement import announce
 from ...system import System
 from ..equations.block_matrix import PlacedMatrix
 from ..equations.motion import Motion

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import announce, collected
+from ...model.announcement import announce, collected
 from ...results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
 from ...results.motion.steps import Pieces, StepsTaken, Turn
 from ...results.motion.steps import until as steps_until

@@ -11,7 +11,8 @@ from typing import Any
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import Model, announce, reports_warnings
+from ...model import Model
+from ...model.announcement import announce, reports_warnings
 from ...results import Assembly, Trajectory, load_run
 from ...results.saving.checked_file import NOT_SAVED, NotSavedError
 from ...results.saving.saved import UNFINISHED, Store, arrays_of, is_begun, other_versions, recipe_of

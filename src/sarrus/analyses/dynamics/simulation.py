@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...model.checks.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.constraint_projection import largest

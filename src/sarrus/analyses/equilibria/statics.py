@@ -6,7 +6,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...results import Equilibrium
 from ...results.equilibrium import Stability
 from ...system import System

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import announce, collecting, reports_warnings
+from ...model.announcement import announce, collecting, reports_warnings
 from ...results import Optimum
 from ...system import System
 from ..arguments import refuse_other_system

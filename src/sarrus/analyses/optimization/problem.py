@@ -13,7 +13,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
-from ...model import SarrusError, announce, collecting
+from ...model import SarrusError
+from ...model.announcement import announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...algebra import Array
-from ...model import collecting
+from ...model.announcement import collecting
 from ...results import Optimum
 from ..progress import TimeLimit
 from .constraint import Within, gap

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import announce, reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...results import Asked, Assembly
 from ...system import System
 from ..arguments import kind, refuse_other_system

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...linalg.rank import row_lengths
-from ...model import Model, announce
+from ...model import Model
+from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
 from ...results import Asked, Assembly, Equilibrium, State, Trajectory
 from ...system import System

@@ -9,7 +9,7 @@ from ...algebra import Array
 from ...linalg.quadratic_forms import common_zeros
 from ...linalg.rank import TOLERANCE, Rank, independent_rows, rank_of, row_lengths
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...results import Mobility
 from ...results.mobility import Kind
 from ...system import System

@@ -14,7 +14,7 @@ import numpy as np
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...linalg.threads import one_thread_if_small
-from ...model import announce, reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...outputs.recording import Angles
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model import announce, reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...outputs import find_output
 from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
 from ...system import System

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import announce
+from ...model.announcement import announce
 from ...model.laws.tape import Traced
 from ...outputs import Outputs
 from ...outputs.recording import Angles, Key

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model import Model, SarrusError, blueprint
+from ...model import Model, SarrusError
+from ...model.blueprint import blueprint
 from ...model.laws.formulas import Formulas
 from ...model.laws.tape import Tape, Traced, value_of
 from ...model.show import suggest

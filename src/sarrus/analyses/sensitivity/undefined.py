@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.rank import rank_of, row_lengths
-from ...model import announce
+from ...model.announcement import announce
 from ...results import Asked, Pieces, StepsTaken
 from ...system import System
 from ..equations.length import lever, scaled

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from typing import Any
 
 from ...linalg.threads import one_thread_if_small
-from ...model import reports_warnings
+from ...model.announcement import reports_warnings
 from ...results.maps.workspace import Workspace
 from ...system import System
 from ..arguments import refuse_other_system

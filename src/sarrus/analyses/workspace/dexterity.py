@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...linalg.svd import singular
 from ...linalg.threads import one_thread_if_small
-from ...model import SarrusError, reports_warnings
+from ...model import SarrusError
+from ...model.announcement import reports_warnings
 from ...results import ResultList
 from ...system import System
 from ..arguments import refuse_other_system

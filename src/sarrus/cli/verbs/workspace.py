@@ -95,7 +95,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Map and draw; 1 if the map, or what is drawn over it, is not complete."""
-    from ...model import announce
+    from ...model.announcement import announce
     from ...results.saving.exported_file import exporting
     from ...system import System
 

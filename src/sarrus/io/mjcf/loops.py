@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ...model import Fixed, Joint, Spherical
 from ...model.errors import ModelError
 from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
-from ...model.joints import Fixed, Joint, Spherical
 from ...model.quantity import Array, Vector
 from ...model.show import quote
 from ..robot import Mimic, Robot

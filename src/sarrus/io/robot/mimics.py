@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...model import Coupler
 from ...model.errors import ModelError
-from ...model.joints import Coupler
 from ...model.quantity import Array
 from ...model.show import quote
 from .description import Description, Edge

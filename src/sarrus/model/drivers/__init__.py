@@ -1,8 +1,6 @@
-"""The drivers: prescribed motions, one file each."""
+"""The drivers, prescribed motions. A file of this folder is found without a list: its classes register themselves."""
 
-from .coordinate import CoordinateDriver as CoordinateDriver
-from .distance import DistanceDriver as DistanceDriver
+from ...registration import import_modules
 from .driver import Driver as Driver
-from .joint import AngleDriver as AngleDriver
-from .joint import DisplacementDriver as DisplacementDriver
-from .point import PointDriver as PointDriver
+
+import_modules(__name__, __path__)

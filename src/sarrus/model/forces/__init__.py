@@ -1,18 +1,6 @@
-"""The forces: one file each."""
+"""The forces. A file of this folder is found without a list: its classes register themselves when they are made."""
 
-from .bushing import Bushing as Bushing
-from .contact import AngleStop as AngleStop
-from .contact import DisplacementStop as DisplacementStop
-from .contact import LengthStop as LengthStop
-from .contact import SphereContact as SphereContact
-from .drag import Drag as Drag
-from .drag import ViscousDrag as ViscousDrag
+from ...registration import import_modules
 from .force import Force as Force
-from .joint_friction import AngleFriction as AngleFriction
-from .joint_friction import DisplacementFriction as DisplacementFriction
-from .loads import PointForce as PointForce
-from .loads import Torque as Torque
-from .rsda import RSDA as RSDA
-from .tsda import TSDA as TSDA
-from .tyre import RoadTyre as RoadTyre
-from .tyre import Tyre as Tyre
+
+import_modules(__name__, __path__)

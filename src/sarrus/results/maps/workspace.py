@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...model import SarrusError, announce
+from ...model import SarrusError
+from ...model.announcement import announce
 from ...rendering import renderer
 from ..result import Result
 from ..saving.exported_file import exports

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model import Model, blueprint
-from ...model.blueprint import Blueprint, Placed
+from ...model import Model
+from ...model.blueprint import Blueprint, Placed, blueprint
 from ...model.words import global_point
 from .style import ORANGE, figure_of
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...model import SarrusError, blueprint
+from ...model import SarrusError
+from ...model.blueprint import blueprint
 from ...model.coordinates import WIDTH
 from ...model.geometry.rotation import matrix
 from ...model.show import quote, suggest

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import A
-from ...model import Model, ModelError, blueprint
-from ...model.blueprint import Blueprint
+from ...model import Model, ModelError
+from ...model.blueprint import Blueprint, blueprint
 from ...model.bodies.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.show import quote

@@ -10,7 +10,8 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.rank import unit_rows
-from ....model import SarrusError, blueprint
+from ....model import SarrusError
+from ....model.blueprint import blueprint
 from ....system import System
 from ...equations.normalizations import normalizations
 from .idle_freedoms import locks

@@ -14,7 +14,7 @@ from .... import elements
 from ....algebra import Array
 from ....euler import G
 from ....linalg.svd import singular
-from ....model import Placed
+from ....model.blueprint import Placed
 from ....model.coordinates import WIDTH
 from ....model.geometry.rotation import matrix
 from .measures import Measure

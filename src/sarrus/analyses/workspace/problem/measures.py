@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from .... import elements
-from ....model import Placed, SarrusError
+from ....model import SarrusError
+from ....model.blueprint import Placed
 from ....model.geometry.function import Function
 from ....outputs import Level, find_output
 from ....outputs.bodies import placed

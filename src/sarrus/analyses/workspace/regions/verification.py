@@ -12,7 +12,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
-from ....model import announce, reports_warnings
+from ....model.announcement import announce, reports_warnings
 from ....results.maps.workspace import Verification, Workspace
 from ....system import System
 from ...progress import Progress

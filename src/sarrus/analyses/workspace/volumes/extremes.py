@@ -10,7 +10,8 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
-from ....model import SarrusError, announce, reports_warnings
+from ....model import SarrusError
+from ....model.announcement import announce, reports_warnings
 from ....results.maps.workspace import Status
 from ....results.maps.workspace_range import CriticalValue, WorkspaceRange
 from ....system import System

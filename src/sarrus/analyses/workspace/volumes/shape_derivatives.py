@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from ....algebra import Array
 from ....elements.operators import Axis
 from ....linalg.threads import one_thread_if_small
-from ....model import SarrusError, reports_warnings
+from ....model import SarrusError
+from ....model.announcement import reports_warnings
 from ....model.show import suggest
 from ....results.maps.shape import ShapeDerivative
 from ....results.maps.workspace import Workspace, place_of

@@ -10,8 +10,8 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
-from ....model import SarrusError, announce, reports_warnings
-from ....model.announcement import collecting
+from ....model import SarrusError
+from ....model.announcement import announce, collecting, reports_warnings
 from ....results.maps.workspace import Status
 from ....results.maps.workspace_range import WorkspaceRange
 from ....results.maps.workspace_volume import Slice, WorkspaceVolume

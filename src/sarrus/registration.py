@@ -1,0 +1,15 @@
+"""Import of every module of a folder, whose classes and functions register themselves: no list of them is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import import_module
+from pkgutil import iter_modules
+
+
+def import_modules(package: str, folder: Iterable[str]) -> tuple[str, ...]:
+    """Import every module of a package, given by name and ``__path__``, and return their names."""
+    names = tuple(sorted(found.name for found in iter_modules(folder)))
+    for name in names:
+        import_module(f"{package}.{name}")
+    return names

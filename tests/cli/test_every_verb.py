@@ -45,21 +45,20 @@ parameters: {s1.k: {from: 8, to: 12}}
 minimize: integral(lower.y**2)
 analysis: {type: simulate, until: 0.05}
 """
-LINES = {  # a line for each verb, and the code that it ends with
-    "demo": ("demo --output plots", 0),
-    "run": ("run arm.yaml --until 0.05 --steps 5", 0),
-    "kinematics": ("kinematics driven.yaml --until 0.1 --steps 5", 0),
-    "statics": ("statics sprung.yaml", 0),
-    "modes": ("modes sprung.yaml", 0),
-    "workspace": ("workspace arm.yaml --output lower.x lower.y --limit q1=-1,1 q2=0.2,1 --samples 20", 0),
-    "view": ("view arm.yaml --output arm.html", 0),
-    "study": ("study study.yaml --workers 1", 0),
-    "sensitivity": ("sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k", 0),
-    "optimize": ("optimize best.yaml", 0),
-    "check": ("check arm.yaml", 0),
-    "paper": ("paper", 0),
-    "schema": ("schema", 0),
-    "completion": ("completion bash", 0),
+LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb that takes more than a model
+    "demo": "demo --output plots",
+    "run": "run arm.yaml --until 0.05 --steps 5",
+    "kinematics": "kinematics driven.yaml --until 0.1 --steps 5",
+    "statics": "statics sprung.yaml",
+    "modes": "modes sprung.yaml",
+    "workspace": "workspace arm.yaml --output lower.x lower.y --limit q1=-1,1 q2=0.2,1 --samples 20",
+    "view": "view arm.yaml --output arm.html",
+    "study": "study study.yaml --workers 1",
+    "sensitivity": "sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k",
+    "optimize": "optimize best.yaml",
+    "paper": "paper",
+    "schema": "schema",
+    "completion": "completion bash",
 }
 
 
@@ -72,21 +71,16 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_every_verb_has_a_line() -> None:
-    assert set(LINES) == set(VERBS)
-
-
 @pytest.mark.parametrize("verb", sorted(VERBS))
 def test_json_is_one_object(verb: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    line, code = LINES[verb]
-    found = main([*line.split(), "--json", "--quiet"])
+    found = main([*LINES[verb].split(), "--json", "--quiet"])
     told = capfd.readouterr()
     answer = json.loads(told.out)
     assert told.err == ""
     assert answer["verb"] == verb
     assert answer["exit_code"] == found
     assert answer["success"] == (found == 0)
-    assert found == code
+    assert found == 0
     assert verb in ("paper", "schema", "completion") or answer["message"]
 
 
@@ -105,7 +99,7 @@ def test_misuse_of_every_verb_is_one_sentence_and_code_2(
 def test_a_missing_file_is_code_2_in_words_and_in_json(
     verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = [word.replace(".yaml", "_none.yaml") for word in LINES[verb][0].split()]
+    words = [word.replace(".yaml", "_none.yaml") for word in LINES[verb].split()]
     assert main([*words, "--json"]) == 2
     told = capsys.readouterr()
     assert "does not exist" in told.err

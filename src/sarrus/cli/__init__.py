@@ -1,7 +1,6 @@
 """The command line: one verb, one analysis.
 
-A verb is a module with ``EXAMPLES``, lines for its help; ``arguments(parser)``; and ``run(chosen, answer)``, which
-prints and stores the results and returns the exit code. Slow imports are inside ``run``.
+A verb is a module of ``verbs/``, or of a user, see `extensions`.
 """
 
 from __future__ import annotations
@@ -13,9 +12,10 @@ import sys
 import time
 import traceback
 from collections.abc import Sequence
-from importlib import import_module
 
+from . import verbs  # which registers them
 from .answer import Answer
+from .extensions import load_extensions
 from .parser import VERBS as VERBS
 from .parser import Misuse, build
 from .terminal import listen, painted, warnings_to
@@ -29,6 +29,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb; 0 if all went well, 1 if an analysis failed, 2 for wrong input, 3 for a defect, 130 for Ctrl-C."""
     words = sys.argv[1:] if argv is None else argv
     try:
+        load_extensions()
         chosen = build([word for word in words if word in VERBS][:1]).parse_args(words)
     except Misuse as misuse:
         return _refuse(str(misuse), WRONG)
@@ -42,7 +43,7 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     try:
         with warnings_to(answer.warn):
-            code = int(import_module(f".verbs.{chosen.verb}", __name__).run(chosen, answer))
+            code = int(VERBS[chosen.verb].run(chosen, answer))
         if chosen.strict and answer.warnings and not code:
             code = _refuse(f"--strict does not allow warnings, and there are {len(answer.warnings)}", FAILED)
         log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)

@@ -1,28 +1,28 @@
-"""The command line's grammar: which verbs there are, and what all of them take."""
+"""The command line's grammar: its verbs, and the options that all of them take."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Container
-from importlib import import_module
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Protocol
 
-VERBS = {
-    "demo": "assemble, check, simulate and plot the shipped slider-crank",
-    "run": "assemble and simulate a model file",
-    "kinematics": "compute the motion that the drivers of a model file prescribe, and its forces",
-    "statics": "find an equilibrium of a model file, with its stability and joint reactions",
-    "modes": "print the vibration modes of a model file about its equilibrium",
-    "workspace": "map what two outputs of a model can reach, its boundary and barriers",
-    "view": "show a model file, or its motion, in the browser",
-    "study": "run a model for many values of its parameters, and tabulate the responses",
-    "sensitivity": "rank the parameters of a model by their influence on responses of its motion",
-    "optimize": "find the optimal parameters of a model, or estimate them from measurements",
-    "check": "describe a model in words, and compare every derivative with an independent one",
-    "paper": "print the numerical experiments of the paper, Tables 1 to 6",
-    "schema": "print the JSON Schema of the model file",
-    "completion": "print a script that completes verbs and options in a shell",
-}
+from .answer import Answer
+
+
+class Verb(Protocol):
+    """A module with these names is a verb; slow imports are inside ``run``."""
+
+    PURPOSE: str  # one line for the help
+    EXAMPLES: tuple[str, ...]
+
+    def arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Declare its arguments."""
+
+    def run(self, chosen: argparse.Namespace, answer: Answer) -> int:
+        """Print and store the results, and return the exit code."""
+
+
+VERBS: dict[str, Verb] = {}  # by name
 ENDING = """examples:
   sarrus demo
   sarrus run crank.yaml --until 5 --plot slider.x
@@ -56,7 +56,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def build(wanted: Container[str]) -> Parser:
-    """The parser, with the arguments of the verbs that are wanted: what they import is not paid for by others."""
+    """The parser of all verbs, with the arguments of those that are wanted: others cost no time."""
     from .. import __version__
 
     parser = Parser(
@@ -67,17 +67,16 @@ def build(wanted: Container[str]) -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"sarrus {__version__}")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    for verb, purpose in VERBS.items():
+    for name, verb in VERBS.items():
         child = verbs.add_parser(
-            verb,
-            help=purpose,
-            description=purpose.capitalize() + ".",
+            name,
+            help=verb.PURPOSE,
+            description=verb.PURPOSE.capitalize() + ".",
+            epilog="examples:\n" + "".join(f"  {line}\n" for line in verb.EXAMPLES),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if verb in wanted:
-            module = import_module(f".verbs.{verb}", __package__)
-            child.epilog = "examples:\n" + "".join(f"  {line}\n" for line in module.EXAMPLES)
-            module.arguments(child)
+        if name in wanted:
+            verb.arguments(child)
         _common(child)
     return parser
 

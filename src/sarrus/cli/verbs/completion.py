@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ..answer import Answer
 from ..parser import VERBS, build
 
+PURPOSE = "print a script that completes verbs and options in a shell"
 EXAMPLES = (
     'eval "$(sarrus completion bash)"                                # in ~/.bashrc',
     'eval "$(sarrus completion zsh)"                                 # in ~/.zshrc, after compinit',
@@ -86,7 +87,7 @@ complete -o default -F _sarrus sarrus"""
 
 
 def _zsh(options: dict[str, list[Option]]) -> str:
-    verbs = "\n".join(f"        {_quoted(f'{verb}:{VERBS[verb]}')}" for verb in options)
+    verbs = "\n".join(f"        {_quoted(f'{verb}:{VERBS[verb].PURPOSE}')}" for verb in options)
     cases = "\n".join(
         f"        {verb}) _arguments {' '.join(_zsh_option(option) for option in known)} ;;"
         for verb, known in options.items()
@@ -122,7 +123,7 @@ def _zsh_option(option: Option) -> str:
 
 def _fish(options: dict[str, list[Option]]) -> str:
     lines = [
-        f"complete -c sarrus -n __fish_use_subcommand -f -a {verb} -d {_quoted(VERBS[verb])}"
+        f"complete -c sarrus -n __fish_use_subcommand -f -a {verb} -d {_quoted(VERBS[verb].PURPOSE)}"
         for verb in options
     ]
     for verb, known in options.items():

@@ -12,6 +12,7 @@ from ..progress import Bar
 from ..values import refuse_unwritable
 
 UNTIL = 10.0
+PURPOSE = "assemble, check, simulate and plot the shipped slider-crank"
 EXAMPLES = ("sarrus demo", "sarrus demo --output plots")
 
 

@@ -13,6 +13,7 @@ from ..values import refuse_unwritable
 if TYPE_CHECKING:
     from ...results import Trajectory
 
+PURPOSE = "compute the motion that the drivers of a model file prescribe, and its forces"
 EXAMPLES = (
     "sarrus kinematics press.yaml --until 2 --steps 400",
     "sarrus kinematics press.yaml --reaction motor --figure motor.svg --csv press.csv",

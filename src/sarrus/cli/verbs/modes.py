@@ -8,6 +8,7 @@ from .. import model_file, shared
 from ..answer import Answer
 from ..values import refuse_unwritable
 
+PURPOSE = "print the vibration modes of a model file about its equilibrium"
 EXAMPLES = ("sarrus modes crank.yaml", "sarrus modes crank.yaml --figure modes.svg")
 
 

@@ -10,6 +10,7 @@ from ..answer import Answer
 from ..progress import Bar
 from ..values import refuse_unwritable
 
+PURPOSE = "find the optimal parameters of a model, or estimate them from measurements"
 EXAMPLES = (
     "sarrus optimize softest.yaml",
     "sarrus optimize softest.yaml --figure convergence.png --csv designs.csv",

@@ -9,6 +9,7 @@ from ..answer import Answer
 from ..progress import Bar
 
 MECHANISMS = ("slider_crank", "hmmwv")
+PURPOSE = "print the numerical experiments of the paper, Tables 1 to 6"
 EXAMPLES = ("sarrus paper", "sarrus paper --json --seed 7")
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ...system import System
 
 STILL = 1e-12  # [m, 1] less is round-off
+PURPOSE = "assemble and simulate a model file"
 EXAMPLES = (
     "sarrus run crank.yaml --until 5",
     "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",

@@ -6,6 +6,7 @@ import argparse
 
 from ..answer import Answer
 
+PURPOSE = "print the JSON Schema of the model file"
 EXAMPLES = ("sarrus schema > model-schema.json",)
 
 

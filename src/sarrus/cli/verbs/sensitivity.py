@@ -8,6 +8,7 @@ from .. import model_file, shared
 from ..answer import Answer
 from ..values import natural, refuse_unwritable
 
+PURPOSE = "rank the parameters of a model by their influence on responses of its motion"
 EXAMPLES = (
     "sarrus sensitivity crank.yaml --until 2 --response slider.x",
     "sarrus sensitivity crank.yaml --until 2 --response 'max(slider.x) - min(slider.x)' 'rms(spring.tension)' "

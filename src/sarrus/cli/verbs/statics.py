@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ...results import Equilibrium
     from ...system import System
 
+PURPOSE = "find an equilibrium of a model file, with its stability and joint reactions"
 EXAMPLES = ("sarrus statics crank.yaml", "sarrus statics crank.yaml --nearest --json")
 
 

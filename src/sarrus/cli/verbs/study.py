@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ...studies import StudyTable
     from ...studies.conduct import Asked
 
+PURPOSE = "run a model for many values of its parameters, and tabulate the responses"
 EXAMPLES = (
     "sarrus study springs.yaml",
     "sarrus study springs.yaml --workers 4 --csv springs.csv --figure springs.png",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ...system import System
     from ...views.browser import Page
 
+PURPOSE = "show a model file, or its motion, in the browser"
 EXAMPLES = (
     "sarrus view four_bar.yaml",
     "sarrus view four_bar.yaml --assemble --output four_bar.png",

@@ -30,6 +30,7 @@ KINDS = ("outer", "void", "barrier", "crossable")
 MOMENT = 1e-6  # s
 ENDED = ("time limit", "stopped")
 LOST: tuple[Lost, ...] = ("inputs", "outputs")
+PURPOSE = "map what two outputs of a model can reach, its boundary and barriers"
 EXAMPLES = (
     "sarrus workspace arm.yaml --output tool.x tool.y --limit q1=-60deg,60deg q2=-60deg,60deg",
     "sarrus workspace delta.yaml --output tool.x tool.y tool.z --rtol 1e-6 --view reach.html --netcdf reach.nc",

@@ -68,6 +68,9 @@ def typed(annotation: Any) -> Typed:
 
 @cache
 def measures(kind: type) -> dict[str, In]:
-    """Return what each field of a dataclass measures."""
-    hints = get_type_hints(kind, include_extras=True)
+    """Return what each field of a dataclass measures; of a user's class whose annotations cannot be read, nothing."""
+    try:
+        hints = get_type_hints(kind, include_extras=True)
+    except (NameError, TypeError):
+        return {}
     return {name: typed(hint).measure for name, hint in hints.items()}

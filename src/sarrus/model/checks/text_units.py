@@ -98,11 +98,7 @@ def check_texts(part: Any) -> None:
 
 def _laws(part: Any) -> dict[str, In]:
     """The fields of a part that may hold a formula in a variable, and what they measure."""
-    try:
-        declared = measures(part.__class__)
-    except (NameError, TypeError):  # the annotations of a user's class cannot be read
-        return {}
-    both: dict[str, In] = {**declared, **getattr(part, "law_measures", {})}
+    both: dict[str, In] = {**measures(part.__class__), **getattr(part, "law_measures", {})}
     return {field: measure for field, measure in both.items() if measure.over != "1"}
 
 

@@ -291,11 +291,18 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
 }
 
 
-def form_of(annotation: Any) -> Any:
-    """Return the file's form of a field's type; whether it may be left out is decided elsewhere."""
+def form_of(annotation: Any, field: str) -> Any:
+    """Return the file's form of a field's type; whether it may be left out is decided elsewhere.
+
+    Raises
+    ------
+    TypeError
+        If there is none.
+    """
     if get_origin(annotation) is Literal:
         return annotation
     members, measure = typed(annotation)
     if members not in _FORMS:
-        raise TypeError(f"a field of type {annotation} has no form in a model file; see {__name__}")
+        words = annotation.__name__ if isinstance(annotation, type) else annotation
+        raise TypeError(f"there is no form for the type {words} of its field {field}")
     return _FORMS[members](measure)

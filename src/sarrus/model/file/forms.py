@@ -18,7 +18,8 @@ from ..checks.origin import Path
 from ..errors import ModelError
 from ..expression import Expression
 from ..registry import kind_name
-from .entry import Entry
+from ..show import quote
+from .entry import Entry, invalid
 from .fields import Solids, form_of
 from .numbers import Computed
 
@@ -33,13 +34,18 @@ class Slot(NamedTuple):
     form: Any
     default: Any
 
+    @property
+    def attribute(self) -> str:
+        """Its name in the pydantic model, whose own attributes it does not hide."""
+        return f"{self.key}_" if hasattr(Entry, self.key) else self.key
+
     def definition(self) -> tuple[Any, Any]:
         """Return type and default as pydantic takes them; a key that is left out may not be empty."""
-        if self.default is MISSING:
-            return self.form, ...
+        default: dict[str, Any] = {} if self.default is MISSING else {"default": self.default}
         if self.default is None:
-            return self.form, pydantic.Field(default_factory=lambda: None)
-        return self.form, self.default
+            default = {"default_factory": lambda: None}
+        alias = {} if self.attribute == self.key else {"alias": self.key}
+        return self.form, pydantic.Field(**default, **alias)
 
 
 @cache
@@ -58,17 +64,46 @@ def slots(kind: type) -> list[Slot]:
 def entry_model(kind: type, *, tagged: bool) -> type[Entry]:
     """Return the pydantic model of the mapping, with the key ``type`` if it is ``tagged``."""
     definitions: dict[str, Any] = {"type": (Literal[kind_name(kind)], ...)} if tagged else {}
-    definitions |= {slot.key: slot.definition() for slot in slots(kind)}
-    doc = (kind.__doc__ or "").strip().splitlines()[0]
+    definitions |= {slot.attribute: slot.definition() for slot in slots(kind)}
+    doc = (kind.__doc__ or "").strip().partition("\n")[0]
     model: type[Entry] = create_model(kind.__name__, __base__=Entry, __doc__=doc, **definitions)
     return model
+
+
+def tagged_model(kind: type) -> type[Entry]:
+    """Return the pydantic model of a joint, driver or force; one that refuses every mapping if files cannot describe it.
+
+    So a user's class that only Python can build does not disturb files in which its type does not appear.
+    """
+    try:
+        if "__init__" in vars(kind) and "__dataclass_fields__" not in vars(kind):
+            raise TypeError("it has an __init__ of its own instead of the fields of a dataclass")
+        return entry_model(kind, tagged=True)
+    except (TypeError, NameError, AttributeError, pydantic.PydanticUserError) as error:
+        return _refusing(kind, str(error).partition("\n")[0])
+
+
+def _refusing(kind: type, reason: str) -> type[Entry]:
+    name = kind_name(kind)
+
+    def refuse(data: Any) -> Any:
+        raise invalid(
+            f"has the type {quote(name)}, which model files cannot describe: {reason}; build it in Python"
+        )
+
+    return create_model(
+        kind.__name__,
+        __base__=Entry,
+        __validators__={"refuse": pydantic.model_validator(mode="before")(refuse)},
+        type=(Literal[name], pydantic.Field(json_schema_extra={"not": {}})),  # type: ignore[valid-type]
+    )
 
 
 def build(kind: type, name: str, entry: Entry, solids: Solids) -> Any:
     """Return the object of ``kind`` that a mapping describes."""
     arguments: dict[str, Any] = {"name": name}
     for slot in slots(kind):
-        value = getattr(entry, slot.key)
+        value = getattr(entry, slot.attribute)
         if value is not None:
             values = value if len(slot.fields) == 2 else [value]
             arguments |= {f: _built(v, f, solids) for f, v in zip(slot.fields, values, strict=True)}
@@ -78,7 +113,8 @@ def build(kind: type, name: str, entry: Entry, solids: Solids) -> Any:
 def _slot(field: Field[Any], hint: Any) -> Slot:
     stem, _, side = field.name.rpartition("_")
     key = PLURAL[stem] if side in ("i", "j") and stem in PLURAL else field.name
-    return Slot(key, (field.name,), form_of(hint), field.default)
+    default = field.default if field.default_factory is MISSING else None
+    return Slot(key, (field.name,), form_of(hint, field.name), default)
 
 
 def _paired(i: Slot, j: Slot) -> Slot:

@@ -17,7 +17,7 @@ from ..forces import Force
 from ..joints import Joint
 from ..show import quote
 from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
-from .forms import entry_model
+from .forms import entry_model, tagged_model
 from .include import IncludeForm
 from .stated import list_in, number_in
 
@@ -68,7 +68,7 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
 
 
 def _any_of(kinds: tuple[type, ...]) -> Any:
-    models: list[Any] = [entry_model(kind, tagged=True) for kind in kinds]
+    models: list[Any] = [tagged_model(kind) for kind in kinds]
     return marked(reduce(or_, models), Field(discriminator="type"))
 
 

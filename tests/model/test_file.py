@@ -222,7 +222,8 @@ import sys
 from dataclasses import dataclass
 
 from sarrus import elements
-from sarrus.model import Force, ModelError, blueprint, load
+from sarrus.model import Force, ModelError, load
+from sarrus.model.blueprint import blueprint
 from sarrus.model.primitive import Primitive
 from sarrus.model.bodies.solid import Solid
 

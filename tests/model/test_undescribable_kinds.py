@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from sarrus import elements
-from sarrus.model import Force, Joint, ModelError, load
+from sarrus.model import Force, ModelError, load
 from sarrus.model.file import schema_text
 from sarrus.model.geometry.pose import Poses
 from sarrus.model.primitive import Primitive

@@ -291,7 +291,7 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
 }
 
 
-def form_of(annotation: Any, field: str) -> Any:
+def form_of(annotation: Any, field: str = "") -> Any:
     """Return the file's form of a field's type; whether it may be left out is decided elsewhere.
 
     Raises

@@ -71,7 +71,7 @@ def entry_model(kind: type, *, tagged: bool) -> type[Entry]:
 
 
 def tagged_model(kind: type) -> type[Entry]:
-    """Return the pydantic model of a joint, driver or force; one that refuses every mapping if files cannot describe it.
+    """Return the pydantic model of a joint, driver or force; or one that refuses it if files cannot.
 
     So a user's class that only Python can build does not disturb files in which its type does not appear.
     """

@@ -41,11 +41,12 @@ class Slot(NamedTuple):
 
     def definition(self) -> tuple[Any, Any]:
         """Return type and default as pydantic takes them; a key that is left out may not be empty."""
-        default: dict[str, Any] = {} if self.default is MISSING else {"default": self.default}
+        options: dict[str, Any] = {} if self.default is MISSING else {"default": self.default}
         if self.default is None:
-            default = {"default_factory": lambda: None}
-        alias = {} if self.attribute == self.key else {"alias": self.key}
-        return self.form, pydantic.Field(**default, **alias)
+            options = {"default_factory": lambda: None}
+        if self.attribute != self.key:
+            options["alias"] = self.key
+        return self.form, pydantic.Field(**options)
 
 
 @cache
@@ -91,12 +92,12 @@ def _refusing(kind: type, reason: str) -> type[Entry]:
             f"has the type {quote(name)}, which model files cannot describe: {reason}; build it in Python"
         )
 
-    return create_model(
-        kind.__name__,
-        __base__=Entry,
-        __validators__={"refuse": pydantic.model_validator(mode="before")(refuse)},
-        type=(Literal[name], pydantic.Field(json_schema_extra={"not": {}})),  # type: ignore[valid-type]
+    validators: dict[str, Any] = {"refuse": pydantic.model_validator(mode="before")(refuse)}
+    definition: Any = Literal[name], pydantic.Field(json_schema_extra={"not": {}})
+    model: type[Entry] = create_model(
+        kind.__name__, __base__=Entry, __validators__=validators, type=definition
     )
+    return model
 
 
 def build(kind: type, name: str, entry: Entry, solids: Solids) -> Any:

@@ -30,7 +30,7 @@ def mapped(feet: np.ndarray) -> sr.Workspace:
     }
     system = sr.System(sr.Model("platform", bodies=[plate], joints=[plane]))
     output = plate.point(0, 0, 0)["x", "y"]
-    return sr.workspace(system, output, limits=legs, fixed={sr.Turn(plate): 0.0}, verify=False)
+    return sr.workspace(system, output, limits=legs, fixed={sr.Rotation(plate): 0.0}, verify=False)
 
 
 def less_area(feet: np.ndarray) -> tuple[float, np.ndarray]:

@@ -92,7 +92,7 @@ class Case:
 
     def numbers(self) -> np.ndarray:
         """A direction of all numbers, but for those that only say where a motion's function is kept."""
-        names = self.system.number_names
+        names = self.system.parameter_names
         design = np.array([not name.endswith(".motion") for name in names])
         db = np.zeros(len(self.system.b))
         db[: len(names)] = 0.1 * design * self.random.normal(size=len(names))
@@ -161,7 +161,7 @@ def test_redundant_equations_must_stay_consistent() -> None:
     system = door()
     exact = sr.AssemblyDerivatives(system, sr.assemble(system))
     upper, lower = (
-        np.array([name == f"hinge_{n}[point].s_j.z" for name in system.number_names], dtype=float)
+        np.array([name == f"hinge_{n}[point].s_j.z" for name in system.parameter_names], dtype=float)
         for n in (2, 1)
     )
     rise = exact.q_b(upper + lower)
@@ -170,7 +170,7 @@ def test_redundant_equations_must_stay_consistent() -> None:
         exact.q_b(upper)
     columns = exact.columns()[0]
     assert np.all(np.isnan(columns[:, upper == 1]))
-    assert np.all(np.isfinite(columns[:, [name == "panel[inertia].mass" for name in system.number_names]]))
+    assert np.all(np.isfinite(columns[:, [name == "panel[inertia].mass" for name in system.parameter_names]]))
 
 
 def test_redundant_system_has_derivatives() -> None:
@@ -178,7 +178,7 @@ def test_redundant_system_has_derivatives() -> None:
     system = four_bar(1.0, 3.0, 2.5, 3.2, 0.9)
     guess = system.q0 + 0.02 * np.random.default_rng(2).normal(size=21)
     exact = sr.AssemblyDerivatives(system, sr.assemble(system, guess))
-    names = system.number_names
+    names = system.parameter_names
     db = np.array([name == "hinge_2[point].s_j.x" for name in names], dtype=float)
     q_dot = exact.q_b(db)
     assert abs(q_dot).max() > 0.1

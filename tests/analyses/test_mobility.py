@@ -31,10 +31,10 @@ def test_degrees_of_freedom(make: object) -> None:
     J = system.Phi_q(system.q0)
     assert np.allclose(J @ found.motions, 0, atol=1e-10)
     assert np.allclose(J.T @ found.null_vectors, 0, atol=1e-10)
-    kept = np.linalg.svd(rank.unit_rows(J)[found.kept].toarray(), compute_uv=False)
+    kept = np.linalg.svd(rank.unit_rows(J)[found.independent_rows].toarray(), compute_uv=False)
     assert len(kept) == found.rank
     assert kept[-1] > 0.2 * found.smallest
-    assert set(np.flatnonzero(normalizations(system))) <= set(found.kept)
+    assert set(np.flatnonzero(normalizations(system))) <= set(found.independent_rows)
 
 
 def test_redundancies_in_words() -> None:

@@ -78,7 +78,7 @@ def test_the_derivative_by_a_ratio_counts_all_turns(t: float) -> None:
     system = train()
     start = sr.assemble(system, sr.assemble(system, t=t).q, t=t)
     found = sr.AssemblyDerivatives(system, start)
-    place = system.number_names.index("g1[coupling].ratio")
+    place = system.parameter_names.index("g1[coupling].ratio")
     q_dot = found.q_b(np.eye(1, len(system.b), place)[0]).reshape(-1, 7)
     q = start.q.reshape(-1, 7)
     by_ratio = 2 * (q[:, 3] * q_dot[:, 6] - q[:, 6] * q_dot[:, 3])

@@ -40,13 +40,13 @@ def test_every_element_takes_part(system):
 
 def test_numbers_lie_where_they_are_named(system):
     """Two timed elements and curves: a field that holds no number shifts none."""
-    assert len(system.number_names) == len(set(system.number_names)) == system.nb
+    assert len(system.parameter_names) == len(set(system.parameter_names)) == system.nb
     timed = [p for p in system.populations if p.count and p.kind.timed and p.kind in OWN]
     assert len({p.kind for p in timed}) == 2
     for p in timed:
         fields = [field for field, kind in p.kind.fields.items() if kind != "Time"]
         for k in range(p.count):
-            place = system.number_names.index(f"{p.owners[k]}[{p.labels[k]}].k")
+            place = system.parameter_names.index(f"{p.owners[k]}[{p.labels[k]}].k")
             assert system.b[place] == p.values[k][fields.index("k")]
 
 

@@ -69,3 +69,13 @@ def test_model_files_and_coordinates(tmp_path: Path) -> None:
         run.output("slide.travel.rate")
     with pytest.raises(Exception, match="travle"):
         run.output("slide.travle")
+
+
+def test_names_of_outputs() -> None:
+    known = ["slide.displacement", "table.displacement_x.rate", "tool.rotation_z", "tool.turn_x", "travel.x"]
+    with pytest.warns(DeprecationWarning, match=r"tool\.turn_z is deprecated\. Use tool\.rotation_z\."):
+        assert deprecated.present_name("tool.turn_z", known) == "tool.rotation_z"
+    with pytest.warns(DeprecationWarning, match=r"table\.travel_x\.rate is deprecated"):
+        assert deprecated.present_name("table.travel_x.rate", known) == "table.displacement_x.rate"
+    for name in ("tool.turn_x", "travel.x", "slide.travels", "arm.travel"):  # without a warning
+        assert deprecated.present_name(name, known) == name

@@ -112,7 +112,7 @@ WANTED: dict[str, Callable[[], Any]] = {  # at the end, from the states and othe
     "crank.e0": lambda: body("crank").euler[-1, 0],
     "slider.velocity.x": lambda: body("slider").velocity[-1, 0],
     "slider.acceleration.x": lambda: run().a[-1, 14],
-    "crank.turn_x": lambda: 0.5 + run().joint("pin").angle[-1],
+    "crank.rotation_x": lambda: 0.5 + run().joint("pin").angle[-1],
     "rod(0, 0, 0).y": lambda: body("rod").position[-1, 1],
     "pin.angle": lambda: run().joint("pin").angle[-1],
     "pin": lambda: run().joint("pin").angle[-1],
@@ -173,7 +173,9 @@ POSITIONS: dict[str, Callable[[str], Any]] = {
     "rates": lambda name: sr.assemble(system(), rates={name: 0.1}),
 }
 FUNCTIONS = {
-    name for name in WANTED if name.partition(".")[2] in ("length", "angle", "distance", "r.x", "x", "turn_x")
+    name
+    for name in WANTED
+    if name.partition(".")[2] in ("length", "angle", "distance", "r.x", "x", "rotation_x")
 }
 FUNCTIONS |= {"rod(0, 0, 0).y", "pin"}
 
@@ -199,7 +201,9 @@ def test_functions_of_the_position_work_where_these_are_wanted(name: str, place:
             POSITIONS[place](name)
 
 
-@pytest.mark.parametrize("name", ["spring.length", "magnet.distance", "crank.turn_x", "rod(0.1, 0.2, 0.3).y"])
+@pytest.mark.parametrize(
+    "name", ["spring.length", "magnet.distance", "crank.rotation_x", "rod(0.1, 0.2, 0.3).y"]
+)
 def test_the_gradient_of_a_function_of_the_position_is_that_along_the_motion(name: str) -> None:
     rate = run().output(name, rate=True).values[-1]
     found = measured(system(), name, "a test")
@@ -237,7 +241,7 @@ def test_the_shell_takes_the_same_names(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_every_name_that_is_listed_has_a_value_and_a_unit() -> None:
     known = {one.name: one for one in outputs_of(system())}
-    assert {"magnet.distance", "magnet.approach.z", "spring.torque.y", "slider.turn_z"} < known.keys()
+    assert {"magnet.distance", "magnet.approach.z", "spring.torque.y", "slider.rotation_z"} < known.keys()
     for name in known:
         found = run().output(name)
         assert np.all(np.isfinite(found.values)), name

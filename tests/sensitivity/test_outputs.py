@@ -52,8 +52,8 @@ def run() -> sr.Trajectory:
 def pull(name: str) -> float:
     """The tension at the end, from what the generalized force is without the spring."""
     without, end = system().b.copy(), (run().q[-1], run().v[-1], run().t[-1])
-    own = [n for n, number in enumerate(system().number_names) if number.startswith(f"{name}[")]
-    scales = [n for n in own if system().number_names[n].rpartition(".")[2] in ("k", "c", "force")]
+    own = [n for n, number in enumerate(system().parameter_names) if number.startswith(f"{name}[")]
+    scales = [n for n in own if system().parameter_names[n].rpartition(".")[2] in ("k", "c", "force")]
     without[scales] = 0.0
     force = (system().Q(*end) - system().Q(*end, b=without))[system().coordinates_of("tip").start :][:3]
     line = np.array([0.2, 1.5, 0.1]) - run()["tip"].position[-1] - 0.1 * axis_of_tip()

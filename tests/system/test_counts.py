@@ -31,5 +31,5 @@ def test_names() -> None:
     assert system.row_names[:3] == ["pin: point x", "pin: point y", "pin: point z"]
     assert system.row_names[-1].startswith("slider:")
     assert system.coordinate_names[7] == f"{system.bodies[1]}.r.x"
-    assert len(system.number_names) == system.nb
-    assert system.b[system.number_names.index("spring[tsda].k")] == 10
+    assert len(system.parameter_names) == system.nb
+    assert system.b[system.parameter_names.index("spring[tsda].k")] == 10

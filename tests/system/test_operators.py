@@ -61,7 +61,7 @@ def test_wrong_shape_is_refused() -> None:
 def test_other_numbers_change_the_result() -> None:
     system = slider_crank()
     b = system.b.copy()
-    b[system.number_names.index("spring[tsda].k")] *= 3
+    b[system.parameter_names.index("spring[tsda].k")] *= 3
     v = np.zeros(system.nq)
     change = system.Q(system.q0, v, b=b) - system.Q(system.q0, v)
     expected = system.Q_b(system.q0, v) @ (b - system.b)

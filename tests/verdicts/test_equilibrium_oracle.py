@@ -12,7 +12,7 @@ UNITS = [(1e-6, 1e-9), (1e4, 1e6), (1e-6, 1e6), (1e4, 1e-9)]
 
 def minimized(made: Mechanism, system: sr.System, q: np.ndarray) -> float:
     """The least potential energy near q on the constraints, by sequential quadratic programming."""
-    rows = sr.mobility(system, q).kept
+    rows = sr.mobility(system, q).independent_rows
     closed = {
         "type": "eq",
         "fun": lambda x: system.Phi(x)[rows],

@@ -58,7 +58,7 @@ def test_areas(name: str) -> None:
 def test_a_platform_that_does_not_turn(degrees: float, area: float, perimeter: float) -> None:
     """Three annuli meet."""
     system, output, limits = platform_equilateral()
-    turn = {sr.Turn(system.model.bodies[0]): degrees * DEGREE}
+    turn = {sr.Rotation(system.model.bodies[0]): degrees * DEGREE}
     found = sr.workspace(system, output, limits=limits, fixed=turn, verify=False)
     assert found.success, found.message
     assert (found.area, found.perimeter) == pytest.approx((area, perimeter), rel=3e-7)

@@ -148,7 +148,7 @@ def test_manipulability_of_an_arm() -> None:
 def test_section_of_a_platform() -> None:
     """At a fixed orientation, the legs lose control where their lines meet in a point."""
     system, output, legs = platform_equilateral()
-    turn = sr.Turn(system.model.bodies[0])
+    turn = sr.Rotation(system.model.bodies[0])
     found = sr.input_singularities(system, output, legs, fixed={turn: 0.4})
     assert found.success
     assert found.curves

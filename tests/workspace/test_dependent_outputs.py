@@ -25,7 +25,7 @@ def arm() -> sr.System:
 @pytest.mark.parametrize(
     ("analysis", "output", "message"),
     [
-        (sr.workspace, ("lower.turn_y", "lower.y"), "lower.y does not change in any motion of arm"),
+        (sr.workspace, ("lower.rotation_y", "lower.y"), "lower.y does not change in any motion of arm"),
         (sr.WorkspaceMap, ("lower.y", "lower.z"), "lower.y does not change in any motion of arm"),
         (sr.workspace_range, "lower.y", "lower.y does not change in any motion of arm"),
         (sr.workspace_range, "upper.x", "upper.x does not change in any motion of arm"),

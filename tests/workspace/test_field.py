@@ -90,7 +90,7 @@ def test_range_of_orientation_of_a_platform() -> None:
     """All angles at which three lengths keep their limits, by trying them."""
     system, output, legs = platform_haug()
     found = sr.workspace(system, output, limits=legs, verify=False)
-    field = sr.workspace_field(found, turn="platform.turn_z", cells=20)
+    field = sr.workspace_field(found, turn="platform.rotation_z", cells=20)
     inside = np.isfinite(field.values["turn"])
     x, y = (a[inside][:, None] for a in np.meshgrid(field.x, field.y))
     phi = 2 * np.pi * np.arange(50_000) / 50_000
@@ -147,7 +147,7 @@ def test_report(arm: sr.WorkspaceField) -> None:
     ("inputs", "options", "told"),
     [
         (("q1",), {}, "has 2 degrees of freedom, but 1 input is given; give as many"),
-        ((), {"turn": "link_2.turn_z"}, "cannot turn while"),
+        ((), {"turn": "link_2.rotation_z"}, "cannot turn while"),
         ((), {"cells": 0}, "cells must be a whole number"),
         ((), {"cells": 1}, "no cell's centre lies inside; give more cells"),
     ],

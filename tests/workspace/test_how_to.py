@@ -22,7 +22,7 @@ def test_the_page(
     plt.close("all")
     told = capsys.readouterr().out
     assert "arm: the map is not complete. Go on with it" in told
-    assert "Range of orientation link_3.turn_z [rad]" in told
+    assert "Range of orientation link_3.rotation_z [rad]" in told
     assert names["wider"].success
     assert names["lost"].success
     assert {file.name for file in tmp_path.iterdir()} == {

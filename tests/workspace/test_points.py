@@ -193,7 +193,7 @@ def of_puma(height: float) -> list[float]:
 
 
 def planar(case: Case, off: Off, turn: float | None = None) -> tuple[Case, dict, Off]:
-    fixed = {} if turn is None else {sr.Turn(case[0].model.bodies[0]): turn}
+    fixed = {} if turn is None else {sr.Rotation(case[0].model.bodies[0]): turn}
     return case, fixed, off
 
 

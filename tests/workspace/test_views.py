@@ -224,7 +224,7 @@ def test_fields_and_singular_positions_in_the_shell(
     [
         (["--field", "conditioning"], "--field conditioning needs to know what drives it; add --inputs NAME"),
         (["--field", "turn"], "add --turn NAME"),
-        (["--turn", "x.turn_z"], "--turn is for --field turn; add it"),
+        (["--turn", "x.rotation_z"], "--turn is for --field turn; add it"),
         (["--singular", "x.png"], "add --inputs NAME"),
         (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1; leave it out"),
         (["--output", "tool.x", "--curves", "outer"], "--curves is for two outputs, not 1"),

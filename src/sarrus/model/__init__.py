@@ -35,7 +35,7 @@ from .forces.tyre import Tyre as Tyre
 from .geometry.frame import Frame as Frame
 from .geometry.function import Length as Length
 from .geometry.function import PointCoordinate as PointCoordinate
-from .geometry.function import Turn as Turn
+from .geometry.function import Rotation as Rotation
 from .geometry.orientation import AxisAngle as AxisAngle
 from .geometry.orientation import EulerAngles as EulerAngles
 from .geometry.point import Point as Point

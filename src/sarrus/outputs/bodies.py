@@ -1,4 +1,4 @@
-"""Outputs of bodies: ``slider.x``, ``crank.e0``, ``rod.velocity.x``, ``tool.turn_z``, and those of their points."""
+"""Outputs of bodies: ``slider.x``, ``crank.e0``, ``rod.velocity.x``, ``tool.rotation_z``, and those of their points."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from ..model.blueprint import Placed
 from ..model.bodies.solid import GROUND, Solid
-from ..model.geometry.function import AxisName, Function, PointCoordinate, Turn
+from ..model.geometry.function import AxisName, Function, PointCoordinate, Rotation
 from ..model.geometry.point import Point
 from ..model.geometry.pose import GROUND_POSE
 from ..model.show import quote, suggest
@@ -30,7 +30,9 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
         for n, axis in enumerate(AXES):
             for word in ("angular_velocity", "angular_velocity_body"):
                 yield Output(f"{body}.{word}.{axis}", "rad/s", calls(word, body, at=n), Level.VELOCITY)
-            yield Output(f"{body}.turn_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis))
+            yield Output(
+                f"{body}.rotation_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis)
+            )
 
 
 @provides
@@ -62,7 +64,7 @@ def _coordinate(body: str, s: tuple[float, ...], axis: AxisName) -> Callable[[Sy
 
 
 def _turn(body: str, axis: AxisName) -> Callable[[System], Placed]:
-    return lambda system: placed(system, Turn(_solid(system, body), axis))
+    return lambda system: placed(system, Rotation(_solid(system, body), axis))
 
 
 def _solid(system: System, name: str) -> Solid:

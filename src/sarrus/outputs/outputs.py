@@ -90,8 +90,8 @@ class Outputs(EnergyRecording):
 
     def parameter(self, name: str) -> Any:
         """A number of the model by name, for responses that depend on it themselves."""
-        if name in self.system.number_names:
-            return self.input("b", self.system.number_names.index(name))
+        if name in self.system.parameter_names:
+            return self.input("b", self.system.parameter_names.index(name))
         return self._parameters(name, self._variable)
 
     def _variable(self, name: str, value: float) -> Traced:

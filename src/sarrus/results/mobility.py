@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
+from ..model.checks.deprecated import accepts_deprecated_attributes
 from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]
@@ -36,6 +37,7 @@ class Repetition:
         return f"{self.joint} repeats {others}: {what}{_grouped(self.directions)}"
 
 
+@accepts_deprecated_attributes
 @dataclass(frozen=True)
 class Mobility(Result):
     """Degrees of freedom of a system at one position, and the equations that are dependent there.
@@ -50,7 +52,7 @@ class Mobility(Result):
         an instant only. "untested": too large for the test of second order.
     finite : degrees of freedom of motions that go on; None where they branch or were not tested
     repetitions : dependent equations by joint
-    kept : places in Φ of a well-conditioned choice of independent equations (rank,)
+    independent_rows : indices in Φ of a well-conditioned choice of independent equations (rank,)
     null_vectors : (equations, equations - rank) combinations of equations whose gradients vanish
     motions : (coordinates, degrees_of_freedom) an orthonormal basis of the possible velocities
     smallest : smallest singular value that counts, with every equation scaled to a unit gradient
@@ -64,7 +66,7 @@ class Mobility(Result):
     kind: Kind
     finite: int | None
     repetitions: tuple[Repetition, ...]
-    kept: Array = field(repr=False)
+    independent_rows: Array = field(repr=False)
     null_vectors: Array = field(repr=False)
     motions: Array = field(repr=False)
     smallest: float

@@ -137,7 +137,7 @@ def _unpacked(files: tuple[tuple[str, str], ...]) -> Path:
 def fingerprint(system: System) -> str:
     """Hash of all names and numbers of a system: the same for the same mechanism, however it was described."""
     digest = hashlib.sha256()
-    for names in (system.bodies, system.coordinate_names, system.row_names, system.number_names):
+    for names in (system.bodies, system.coordinate_names, system.row_names, system.parameter_names):
         digest.update(repr(list(names)).encode())
     for numbers in (system.q0, system.v0, system.b):
         digest.update(np.ascontiguousarray(numbers, dtype=float).tobytes())

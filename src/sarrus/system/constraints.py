@@ -174,7 +174,7 @@ class ConstraintOperators(Operators):
         return self._evaluate("gamma_v", out, b, q=q, v=v, t=t)
 
     def Phi_b(self, q: ArrayLike, t: float = 0.0, *, b: Any = None, out: Any = None) -> csr_array:
-        """Φ_b: derivative with respect to all parameters of all elements, in the order of `number_names`.
+        """Φ_b: derivative with respect to all parameters of all elements, in the order of `parameter_names`.
 
         Returns
         -------

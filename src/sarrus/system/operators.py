@@ -216,7 +216,7 @@ COMPONENTS = {
 }
 
 
-def _number_names(system: Any) -> list[str]:
+def _parameter_names(system: Any) -> list[str]:
     names: list[str] = []
     for p in system.populations:
         numbers = {f: kind for f, kind in p.kind.fields.items() if kind != "Time"}
@@ -226,4 +226,4 @@ def _number_names(system: Any) -> list[str]:
     return names
 
 
-_NAMES = {Axis.COORDINATES: _coordinate_names, Axis.ROWS: _row_names, Axis.PARAMETERS: _number_names}
+_NAMES = {Axis.COORDINATES: _coordinate_names, Axis.ROWS: _row_names, Axis.PARAMETERS: _parameter_names}

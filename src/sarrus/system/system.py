@@ -14,6 +14,7 @@ from ..elements import Normalization
 from ..elements.operators import Axis
 from ..model import Model
 from ..model.blueprint import blueprint
+from ..model.checks.deprecated import accepts_deprecated_attributes
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.geometry.marker import Marker, marker
 from .check import Report, check_derivatives
@@ -27,6 +28,7 @@ from .reactions import Wrench, wrench
 from .structure import structure_of
 
 
+@accepts_deprecated_attributes
 class System(ConstraintOperators, InertiaOperators, ForceOperators):
     """The equations of motion of a model and all their derivatives.
 
@@ -42,7 +44,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
-    b : the parameter vector: the parameters of all elements (nb,), named by `number_names`
+    b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`
     memory_places : indices in `b` of the elements' state variables between accepted states
     rows : joint or driver name -> its equations' rows in Φ
     joint_coordinates : angles and displacements of all joints, see `JointCoordinates`
@@ -188,7 +190,7 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         return bool(len(self.memory_places))
 
     @property
-    def number_names(self) -> list[str]:
+    def parameter_names(self) -> list[str]:
         """A name for every parameter in `b`, e.g. ``spring[tsda].k``."""
         return self.axis_names(Axis.PARAMETERS)
 

@@ -72,7 +72,7 @@ def mobility(
         system.name,
         *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
         repetitions=repetitions(system, at, J, found.null),
-        kept=independent_rows(found.null, normalizations(system)),
+        independent_rows=independent_rows(found.null, normalizations(system)),
         null_vectors=null,
         motions=np.linalg.qr(motions)[0],
         smallest=found.smallest,

@@ -109,7 +109,7 @@ class Parameters:
     @cached_property
     def _element_numbers(self) -> dict[str, int]:
         """Places of the numbers of elements in b, by name."""
-        return {name: n for n, name in enumerate(self.system.number_names)}
+        return {name: n for n, name in enumerate(self.system.parameter_names)}
 
     @cached_property
     def _tape(self) -> Tape:

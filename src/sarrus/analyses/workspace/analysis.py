@@ -51,8 +51,8 @@ def workspace(
     system : System
         Drivers are let go; redundant equations are allowed.
     output : two functions of the position
-        Names (``"slider.x"``, ``"pin.angle"``, ``"platform.turn_z"``) or functions of the model
-        (``tool.point(1, 0, 0)["x", "y"]``, `sarrus.Turn`).
+        Names (``"slider.x"``, ``"pin.angle"``, ``"platform.rotation_z"``) or functions of the model
+        (``tool.point(1, 0, 0)["x", "y"]``, `sarrus.Rotation`).
     limits : function -> (lowest, highest) [m] or [rad], None where there is none
         Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
         a robot description.

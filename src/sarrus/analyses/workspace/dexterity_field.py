@@ -56,7 +56,7 @@ def workspace_field(
         Two degrees of freedom are left beside what is fixed, or three, so that the mechanism can turn at a place.
     inputs : functions of the position, as many as there are degrees of freedom; without them, manipulability and
         conditioning are left out
-    turn : an angle whose range is told, such as ``"platform.turn_z"``, with three degrees of freedom
+    turn : an angle whose range is told, such as ``"platform.rotation_z"``, with three degrees of freedom
     cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these

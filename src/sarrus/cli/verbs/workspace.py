@@ -47,7 +47,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         required=True,
         metavar="NAME",
-        help="one to three functions, e.g. tool.x tool.y, 'tool(0.1, 0, 0).x', pin.angle, platform.turn_z",
+        help="one to three functions, e.g. tool.x tool.y, 'tool(0.1, 0, 0).x', pin.angle, platform.rotation_z",
     )
     parser.add_argument(
         "--limit",
@@ -156,7 +156,7 @@ def _refuse_options(chosen: argparse.Namespace) -> None:
         raise SarrusError("--turn is for --field turn; add it")
     if chosen.field == "turn" and not chosen.turn:
         raise SarrusError(
-            "--field turn needs the name of a rotation; add --turn NAME, e.g. --turn platform.turn_z"
+            "--field turn needs the name of a rotation; add --turn NAME, e.g. --turn platform.rotation_z"
         )
     if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
         raise SarrusError(f"--field {chosen.field} needs to know what drives it; add --inputs NAME ...")

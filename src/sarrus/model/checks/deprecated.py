@@ -15,12 +15,15 @@ C = TypeVar("C", bound=type)
 RENAMED = {"keep_steps": "store_steps"}  # old keyword: new keyword, in every function that has the new one
 CLASSES = {  # names of `sarrus`
     "Happened": "EventRecord",
+    "Turn": "Rotation",
     "TravelDriver": "DisplacementDriver",
     "TravelFriction": "DisplacementFriction",
     "TravelStop": "DisplacementStop",
 }
 ATTRIBUTES = {  # by class
     "JointMotion": {"travel": "displacement"},
+    "Mobility": {"kept": "independent_rows"},
+    "System": {"number_names": "parameter_names"},
     "SystemJoint": {"travel": "displacement"},
 }
 TYPES = {  # of the parts of a model file
@@ -28,7 +31,10 @@ TYPES = {  # of the parts of a model file
     "travel_friction": "displacement_friction",
     "travel_stop": "displacement_stop",
 }
-COORDINATES = re.compile(r"(?<![A-Za-z0-9_])travel(?=(_[xy])?(\.|$))"), "displacement"  # in names of outputs
+OUTPUTS = {  # words in names of outputs
+    re.compile(r"(?<![A-Za-z0-9_])travel(?=(_[xy])?(\.|$))"): "displacement",
+    re.compile(r"(?<=\.)turn(?=_[xyz](\.|$))"): "rotation",
+}
 
 
 def warn_deprecated(old: str, new: str, depth: int = 2) -> None:
@@ -76,7 +82,9 @@ def present_class(name: str) -> str:
 
 def present_name(name: str, known: Container[str]) -> str:
     """The present spelling of the name of a coordinate or output, if that one is known and the given one is not."""
-    present = COORDINATES[0].sub(COORDINATES[1], name)
+    present = name
+    for old, new in OUTPUTS.items():
+        present = old.sub(new, present)
     if name in known or present not in known:
         return name
     warn_deprecated(name, present, 3)

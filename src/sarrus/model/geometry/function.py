@@ -60,7 +60,7 @@ class PointCoordinate(Function):
 
 
 @dataclass(frozen=True, eq=False)
-class Turn(Function):
+class Rotation(Function):
     """The angle [rad] by which a ``body`` is turned about a global ``axis``: for planar mechanisms, its orientation.
 
     It is the angle of the body's next axis (x for z) in the plane normal to the global axis.
@@ -73,14 +73,14 @@ class Turn(Function):
     @property
     def label(self) -> str:
         """The name that was given, or the body's with the axis."""
-        return self.name or f"{self.body.name}.turn_{self.axis}"
+        return self.name or f"{self.body.name}.rotation_{self.axis}"
 
     def primitive(self, poses: Poses) -> Primitive:
         """Return the argument of a body axis in the plane of two global ones."""
         check_axis(self.axis)
         first, second = NEXT[self.axis]
         values = (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0)
-        return Primitive(elements.Angle, (GROUND, self.body.name), values, f"turn_{self.axis}")
+        return Primitive(elements.Angle, (GROUND, self.body.name), values, f"rotation_{self.axis}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ def test_the_model_file_of_the_guide_is_read(tmp_path: Path) -> None:
     assert type(force).__name__ == "Attraction"
 
 
-def test_only_Q_is_refused_with_the_sentence_of_the_guide() -> None:
+def test_only_Q_is_refused_with_the_message_of_the_guide() -> None:
     element = blocks("python")[0].replace(', derivatives="automatic"', "")
     with pytest.raises(ElementError) as caught:
         run(element)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...studies import StudyTable
-from .style import BLUE, GREY, ORANGE, _tidy, _window_axes, figure_of
+from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
 
 if TYPE_CHECKING:
     from ...results import Gradient, Optimum
@@ -45,7 +45,7 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     -------
     Matplotlib axes
     """
-    ax = _tidy(_window_axes() if ax is None else ax)
+    ax = plot_axes(ax)
     names = [name for name in found.ranked(response) if found.at[found.names.index(name)]][:most][::-1]
     influences = found.influences(response)
     changes = [influences[found.names.index(name)] for name in names]
@@ -94,7 +94,7 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     -------
     Matplotlib axes
     """
-    ax = _tidy(_window_axes() if ax is None else ax)
+    ax = plot_axes(ax)
     count, (values, sizes, short) = np.arange(1, len(found.history) + 1), found.history.T
     ax.plot(count, values, color=BLUE, linewidth=1.2)
     faces = [BLUE if gap <= HOLLOW else "white" for gap in short]
@@ -163,7 +163,7 @@ def _over(ax: Any, x: Any, y: Any, name: str) -> None:
     for value in x[~good]:
         ax.axvline(value, ymax=0.04, color=ORANGE, linewidth=1)
     ax.set_xlabel(name)
-    _tidy(ax)
+    tidied(ax)
 
 
 def _distribution(ax: Any, y: Any, name: str) -> None:
@@ -172,6 +172,5 @@ def _distribution(ax: Any, y: Any, name: str) -> None:
         ax.hist(y, bins=max(5, min(40, round(np.sqrt(len(y))))), color=BLUE, alpha=0.75)
         ax.axvline(y.mean(), color=ORANGE, linewidth=1.6)
         ax.axvspan(y.mean() - y.std(), y.mean() + y.std(), color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
-    ax.set_xlabel(name)
-    ax.set_ylabel("cases")
-    _tidy(ax)
+    ax.set(xlabel=name, ylabel="cases")
+    tidied(ax)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...results import Reaction, Trajectory
-from .style import BLUE, FLOOR, GREY, ORANGE, _tidy, _window_axes, figure_of
+from .style import BLUE, FLOOR, GREY, ORANGE, figure_of, plot_axes, tidied
 
 if TYPE_CHECKING:
     from ...results import StateDerivatives
@@ -35,7 +35,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
         If Matplotlib is not installed.
     """
     found = [run.output(name, rate=rates) for name in names or (f"{run.bodies[-1]}.x",)]
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     for one in found:
         ax.plot(run.t, one.values, linewidth=1.4, label=one.name)
     ax.set_xlabel("t [s]")
@@ -43,7 +43,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
     ax.set_ylabel(found[0].label if len(found) == 1 else ", ".join(units))
     if len(names) > 1:
         ax.legend(frameon=False)
-    return _tidy(ax)
+    return ax
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
@@ -70,13 +70,12 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     found, rate = run.output(name), run.output(name, rate=True)
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     ax.plot(found.values, rate.values, color=BLUE, linewidth=1.2)
     ax.plot(found.values[:1], rate.values[:1], "o", color=ORANGE, markersize=5, label="start")
-    ax.set_xlabel(found.label)
-    ax.set_ylabel(rate.label)
+    ax.set(xlabel=found.label, ylabel=rate.label)
     ax.legend(frameon=False)
-    return _tidy(ax)
+    return ax
 
 
 def plot_energies(run: Trajectory, ax: Any = None) -> Any:
@@ -104,14 +103,13 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     """
     if len(run.kinetic_energy) != len(run.t):
         raise ValueError(f"{run.name}: this trajectory was made without energies; simulate makes them")
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     ax.plot(run.t, run.kinetic_energy, color=ORANGE, linewidth=1.2, label="kinetic")
     ax.plot(run.t, run.potential_energy, color=GREY, linewidth=1.2, label="potential")
     ax.plot(run.t, run.total_energy, color=BLUE, linewidth=1.8, label="total")
-    ax.set_xlabel("t [s]")
-    ax.set_ylabel("energy [J]")
+    ax.set(xlabel="t [s]", ylabel="energy [J]")
     ax.legend(frameon=False)
-    return _tidy(ax)
+    return ax
 
 
 def plot_violation(run: Trajectory, ax: Any = None) -> Any:
@@ -134,15 +132,14 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     ax.semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=1.0, label="|Φ|")
     if len(run.velocity_violation) == len(run.t):
         rates = np.maximum(run.velocity_violation, FLOOR)
         ax.semilogy(run.t, rates, color=ORANGE, linewidth=1.0, label="|Φ_q v + Φ_t|")
-    ax.set_xlabel("t [s]")
-    ax.set_ylabel("largest violation [m], [1]; [m/s], [1/s]")
+    ax.set(xlabel="t [s]", ylabel="largest violation [m], [1]; [m/s], [1/s]")
     ax.legend(frameon=False)
-    return _tidy(ax)
+    return ax
 
 
 def plot_steps(run: Trajectory, ax: Any = None) -> Any:
@@ -169,14 +166,13 @@ def plot_steps(run: Trajectory, ax: Any = None) -> Any:
     """
     if not len(run.history):
         raise ValueError(f"{run.name}: this trajectory was not made by steps; simulate makes them")
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     ends, lengths = run.history[:, 0], run.history[:, 1]
     ax.step(ends, lengths, where="pre", color=BLUE, linewidth=1.1)
     ax.set_yscale("log")
-    ax.set_xlabel("t [s]")
-    ax.set_ylabel("step length [s]")
+    ax.set(xlabel="t [s]", ylabel="step length [s]")
     ax.set_title(f"{run.nsteps} steps, {run.nrejected} rejected", loc="left", fontsize=10)
-    return _tidy(ax)
+    return ax
 
 
 def plot_sensitivities(
@@ -208,14 +204,13 @@ def plot_sensitivities(
     """
     unit, curves = run.output(output).unit, found.output(output)
     sizes = abs(curves).max(axis=0)
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     for k in np.argsort(-sizes, kind="stable")[:most]:
         if sizes[k] > 0:
             ax.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
-    ax.set_xlabel("t [s]")
-    ax.set_ylabel(f"derivative of {output} [{unit} per unit of the parameter]")
+    ax.set(xlabel="t [s]", ylabel=f"derivative of {output} [{unit} per unit of the parameter]")
     ax.legend(frameon=False)
-    return _tidy(ax)
+    return ax
 
 
 def plot_reaction(found: Reaction, axes: Any = None) -> Any:
@@ -243,7 +238,7 @@ def plot_reaction(found: Reaction, axes: Any = None) -> Any:
     for ax, (label, values) in zip(axes, curves.items(), strict=True):
         for curve, name, colour in zip(values.T, "fgh", (BLUE, ORANGE, GREY), strict=True):
             ax.plot(found.t, curve, linewidth=1.4, label=name, color=colour)
-        _tidy(ax).set_ylabel(label)
+        tidied(ax).set_ylabel(label)
     axes[0].set_title(f"{found.joint}: on its second body, along the joint's axes", loc="left", fontsize=10)
     axes[0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
     axes[1].set_xlabel("t [s]")

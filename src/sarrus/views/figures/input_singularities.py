@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...model.show import quote, suggest
 from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
-from .style import BLUE, GREY, _tidy, _window_axes
+from .style import BLUE, GREY, plot_axes
 
 RED = "#c23b4e"
 STYLES: dict[Lost, dict[str, Any]] = {
@@ -48,9 +48,8 @@ def plot_input_singularities(
         If Matplotlib is not installed.
     """
     columns = _columns(found, axes) if over == "inputs" else [0, 1]
-    if ax is None:
-        ax = _window_axes()
-        ax.figure.set_size_inches(7.5, 7.0)
+    is_new, ax = ax is None, plot_axes(ax, 7.5, 7.0)
+    if is_new:
         _name(ax, found, over, columns)
         if over == "inputs":
             _limit(ax, found, columns)
@@ -63,7 +62,7 @@ def plot_input_singularities(
         ax.plot(*line.T, **style, label=label if n == 0 else None)
     if found.curves:
         ax.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2)
-    return _tidy(ax)
+    return ax
 
 
 def _columns(found: InputSingularities, axes: Sequence[str] | None) -> list[int]:
@@ -80,8 +79,10 @@ def _columns(found: InputSingularities, axes: Sequence[str] | None) -> list[int]
 
 def _name(ax: Any, found: InputSingularities, over: Lost, columns: list[int]) -> None:
     names, units = (found.inputs, found.input_units) if over == "inputs" else (found.outputs, found.units)
-    ax.set_xlabel(f"{names[columns[0]]} [{units[columns[0]]}]")
-    ax.set_ylabel(f"{names[columns[1]]} [{units[columns[1]]}]")
+    ax.set(
+        xlabel=f"{names[columns[0]]} [{units[columns[0]]}]",
+        ylabel=f"{names[columns[1]]} [{units[columns[1]]}]",
+    )
     if units[columns[0]] == units[columns[1]]:
         ax.set_aspect("equal", adjustable="datalim")
     ax.set_title(f"{found.name}: singular configurations", loc="left", fontsize=10)

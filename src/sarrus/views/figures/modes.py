@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...results import Modes
-from .style import BLUE, GREY, ORANGE, _tidy, _window_axes
+from .style import BLUE, GREY, ORANGE, plot_axes
 
 SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share
@@ -66,7 +66,7 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    ax = _window_axes() if ax is None else ax
+    ax = plot_axes(ax)
     decay, frequency = found.eigenvalues.real, found.frequencies
     free, grows = found.eigenvalues == 0, decay > found.round_off
     for chosen, colour, label in ((grows, ORANGE, "grows"), (free, GREY, "free"), (~grows & ~free, BLUE, "")):
@@ -75,7 +75,6 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     if np.any(free | grows):
         ax.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
     ax.axvline(0.0, color=GREY, linewidth=0.8)
-    ax.set_xlabel("decay (left) or growth (right), Re s [1/s]")
-    ax.set_ylabel("damped frequency [Hz]")
+    ax.set(xlabel="decay (left) or growth (right), Re s [1/s]", ylabel="damped frequency [Hz]")
     ax.set_title(f"{found.name}: eigenvalues of the vibration modes", loc="left", fontsize=10)
-    return _tidy(ax)
+    return ax

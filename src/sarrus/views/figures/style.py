@@ -27,16 +27,19 @@ def figure_of(width: float, height: float) -> Any:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def _window_axes() -> Any:
-    """Axes of a new figure of pyplot, so that ``plt.show()`` shows it."""
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError:
-        raise ImportError(MISSING) from None
-    return plt.subplots(figsize=(7, 3.2), layout="constrained")[1]
+def plot_axes(ax: Any, width: float = 7.0, height: float = 3.2) -> Any:
+    """The axes to draw into, or those of a new figure of pyplot, so that ``plt.show()`` shows it; tidied."""
+    if ax is None:
+        try:
+            import matplotlib.pyplot as plt
+        except ImportError:
+            raise ImportError(MISSING) from None
+        ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
+    return tidied(ax)
 
 
-def _tidy(ax: Any) -> Any:
+def tidied(ax: Any) -> Any:
+    """Axes without a frame above and on the right, with a faint grid."""
     ax.spines[["top", "right"]].set_visible(False)
     ax.grid(alpha=0.25, linewidth=0.6)
     return ax
@@ -54,11 +57,11 @@ def motion_figure(run: Trajectory, sliding: str, turning: str) -> Any:
     for ax, (label, curves) in zip(axes.flat, panels.items(), strict=False):
         for curve, name, style in zip(curves.T, "xyz", STYLES, strict=True):
             ax.plot(run.t, curve, label=name, **style)
-        _tidy(ax).set_title(label, loc="left", fontsize=10)
+        tidied(ax).set_title(label, loc="left", fontsize=10)
     lines = axes[0, 0].get_lines()
     figure.legend(handles=lines, frameon=False, ncols=3, loc="upper right", fontsize=10)
     axes[1, 1].semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=0.8)
-    _tidy(axes[1, 1]).set_title("largest constraint violation |Φ|", loc="left", fontsize=10)
+    tidied(axes[1, 1]).set_title("largest constraint violation |Φ|", loc="left", fontsize=10)
     for ax in axes[1]:
         ax.set_xlabel("t [s]")
     figure.suptitle(run.name, x=0.01, ha="left")
@@ -75,14 +78,13 @@ def check_figure(report: Any, tolerance: float) -> Any:
     ax.hlines(range(len(findings)), FLOOR, errors, color=colours, linewidth=1.2)
     ax.scatter(errors, range(len(findings)), color=colours, s=18, zorder=3)
     ax.axvline(tolerance, color=ORANGE, linestyle="--", linewidth=1.0)
-    ax.text(
-        tolerance * 0.7, len(findings) - 1, "tolerance", color=ORANGE, ha="right", va="center", fontsize=8
-    )
+    note = {"color": ORANGE, "ha": "right", "va": "center", "fontsize": 8}
+    ax.text(tolerance * 0.7, len(findings) - 1, "tolerance", **note)
     ax.set_xscale("log")
     ax.set_ylim(-0.7, len(findings) - 0.3)
     ax.set_xlim(FLOOR / 2, max(10 * tolerance, *errors))
     ax.set_yticks(range(len(findings)), [f.operator.name for f in findings], fontsize=8, family="monospace")
     ax.set_xlabel("largest relative difference from the independent value")
     ax.set_title(f"{report.system}: every operator, checked", loc="left", fontsize=10)
-    _tidy(ax)
+    tidied(ax)
     return figure

@@ -17,7 +17,7 @@ from ...model.geometry.rotation import matrix
 from ...model.show import quote, suggest
 from ...results.maps.polygons import inside
 from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
-from .style import BLUE, GREY, ORANGE, _tidy, _window_axes
+from .style import BLUE, GREY, ORANGE, plot_axes
 from .workspace_report import area_unit
 
 FILL, VOID = "#dbe7f3", "#8a4fa3"
@@ -70,9 +70,7 @@ def plot_workspace(
         If Matplotlib is not installed.
     """
     refuse_kinds(kinds)
-    if ax is None:
-        ax = _window_axes()
-        ax.figure.set_size_inches(7.5, 7.0)
+    ax = plot_axes(ax, 7.5, 7.0)
     _fill(ax, found)
     draw_curves(ax, found, kinds, arrows)
     _number(ax, found)
@@ -85,7 +83,7 @@ def plot_workspace(
     )
     title = f"{found.name}: {text}"
     ax.set_title(title, loc="left", fontsize=10)
-    return _tidy(ax)
+    return ax
 
 
 def refuse_kinds(kinds: Sequence[CurveKind]) -> None:
@@ -104,8 +102,7 @@ def draw_curves(
             ax.plot(*curve.u.T, **style, label=DESCRIPTIONS[kind] if n == 0 else None, solid_capstyle="round")
     if arrows and "barrier" in kinds:
         _arrows(ax, found)
-    ax.set_xlabel(f"{found.outputs[0]} [{found.units[0]}]")
-    ax.set_ylabel(f"{found.outputs[1]} [{found.units[1]}]")
+    ax.set(xlabel=f"{found.outputs[0]} [{found.units[0]}]", ylabel=f"{found.outputs[1]} [{found.units[1]}]")
     if found.units[0] == found.units[1]:
         ax.set_aspect("equal", adjustable="datalim")
     if ax.get_legend_handles_labels()[0]:

@@ -9,7 +9,7 @@ import numpy as np
 from ...algebra import Array
 from ...model import SarrusError
 from ...results.maps.workspace_field import Quantity, WorkspaceField
-from .style import GREY, _tidy, _window_axes
+from .style import GREY, plot_axes
 from .workspace import draw_curves, path_of
 
 MAPS: dict[str, Any] = {"solutions": "YlGnBu", "turn": "cividis"}
@@ -40,14 +40,12 @@ def plot_workspace_field(found: WorkspaceField, quantity: Quantity | None = None
     shown = quantity or ("conditioning" if "conditioning" in found.values else next(iter(found.values)))
     if shown not in found.values:
         raise SarrusError(f"{shown} was not computed; there are {', '.join(found.values)}")
-    if ax is None:
-        ax = _window_axes()
-        ax.figure.set_size_inches(7.5, 7.0)
+    ax = plot_axes(ax, 7.5, 7.0)
     image = _colours(ax, found, shown)
     _scale(ax, image, found, shown)
     draw_curves(ax, found.workspace)
     ax.set_title(f"{found.name}: {found.meaning(shown)}", loc="left", fontsize=10)
-    return _tidy(ax)
+    return ax
 
 
 def _colours(ax: Any, found: WorkspaceField, shown: Quantity) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ from ...model.geometry.marker import Framed
 from ...model.geometry.pose import GROUND_POSE, Poses
 from ...model.joints.couplings import Coupling
 from ...model.registry import kind_name
+from ..meshes.mesh import Mesh, along
+from .part import Grip, Kind, Part, Span
 
 ORIGIN = np.zeros(3)
 
@@ -28,6 +30,17 @@ class Anchor(NamedTuple):
     points: tuple[Array, Array]
     axes: tuple[Array, Array]
     part: Any
+    description: str
+
+    def held(self, kind: Kind, side: int, mesh: Mesh, color: str, opacity: float = 1.0) -> Part:
+        """A mesh in the part's axes on one of its bodies."""
+        placed = mesh.moved(self.points[side], self.axes[side])
+        return Part(self.name, kind, self.description, self.bodies[side], placed, color, opacity)
+
+    def spanned(self, kind: Kind, length: float, mesh: Mesh, color: str, grip: Grip = "both") -> Span:
+        """A mesh along z between the part's two points, made for a distance [m]."""
+        bodies, points = self.bodies, self.points
+        return Span(self.name, kind, self.description, bodies, points, length, mesh, color, grip)
 
 
 def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
@@ -44,44 +57,45 @@ def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
 
 
 def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Placed]) -> Anchor | None:
-    kind, name = kind_name(type(part)), part.name
-    if isinstance(part, Framed):
-        frames = part.frames(poses)
-        bodies = numbers[frames.i.body], numbers[frames.j.body]
-        axes = tuple(np.column_stack([frame.f, frame.g, frame.h]) for frame in frames)
+    kind = kind_name(type(part))
+
+    def anchor(bodies: Sequence[int], points: Sequence[Any], axes: tuple[Array, Array]) -> Anchor:
+        s_i, s_j = (np.array(point) for point in points)
         return Anchor(
-            kind, name, bodies, (np.array(frames.i.s), np.array(frames.j.s)), (axes[0], axes[1]), part
+            kind, part.name, (bodies[0], bodies[-1]), (s_i, s_j), axes, part, kind.replace("_", " ")
         )
+
+    if isinstance(part, Framed):
+        i, j = part.frames(poses)
+        axes_i, axes_j = (np.column_stack([frame.f, frame.g, frame.h]) for frame in (i, j))
+        return anchor([numbers[i.body], numbers[j.body]], [i.s, j.s], (axes_i, axes_j))
     for one in placed:
-        fields = _fields(one)
-        if "s" in fields:
-            points = (np.array(fields["s"]), np.array(fields["s"]))
-            return Anchor(kind, name, (one.bodies[0], one.bodies[0]), points, (np.eye(3), np.eye(3)), part)
-        if "s_i" in fields and "s_j" in fields:
-            points = (np.array(fields["s_i"]), np.array(fields["s_j"]))
-            return Anchor(kind, name, (one.bodies[0], one.bodies[1]), points, _axes(placed), part)
+        known = fields(one)
+        if "s" in known:
+            return anchor(one.bodies[:1], [known["s"]] * 2, (np.eye(3), np.eye(3)))
+        if "s_i" in known and "s_j" in known:
+            return anchor(one.bodies, [known["s_i"], known["s_j"]], _axes(placed))
     return None
 
 
 def _axes(placed: list[Placed]) -> tuple[Array, Array]:
     """Axes along the first vector of body i that the elements hold, if there is one."""
-    from ..meshes.mesh import along
-
     for one in placed:
-        a_i = _fields(one).get("a_i")
+        a_i = fields(one).get("a_i")
         if a_i is not None and len(one.bodies) == 2:
             return along(np.array(a_i)), np.eye(3)
     return np.eye(3), np.eye(3)
 
 
-def _fields(one: Placed) -> dict[str, Any]:
+def fields(one: Placed) -> dict[str, Any]:
+    """The values of an element by the names of its fields."""
     names = [name for name, kind in one.element.fields.items() if kind != "Time"]
     return dict(zip(names, one.values, strict=True))
 
 
 def centers(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
     """Mass [kg], inertia about the centre of mass (3, 3) and centre of mass in body axes, by number of the body."""
-    return {one.bodies[0]: _mass(_fields(one)) for one in plan.placed if one.label == "inertia"}
+    return {one.bodies[0]: _mass(fields(one)) for one in plan.placed if one.label == "inertia"}
 
 
 def _mass(fields: dict[str, Any]) -> tuple[float, Array, Array]:

@@ -28,13 +28,10 @@ class DrawingScale(NamedTuple):
 
 def joint_parts(anchor: Anchor, scale: DrawingScale) -> Iterator[Part | Span]:
     """Yield what a joint looks like; a kind that is not known is a small ball."""
-    description = anchor.kind.replace("_", " ")
     for side, mesh, color in _LOOKS.get(anchor.kind, _point)(anchor, scale):
-        place = mesh.moved(anchor.points[side], anchor.axes[side])
-        glass = 0.45 if anchor.kind in TABLES and side == 0 else 1.0
-        yield Part(anchor.name, "joint", description, anchor.bodies[side], place, color, glass)
+        yield anchor.held("joint", side, mesh, color, 0.45 if anchor.kind in TABLES and side == 0 else 1.0)
     if anchor.kind in LINKS:
-        yield from _link(anchor, scale, description)
+        yield from _link(anchor, scale)
     if 0 in anchor.bodies and anchor.kind not in (*RAILS, *TABLES):
         yield mount(anchor, scale)
 
@@ -42,6 +39,7 @@ def joint_parts(anchor: Anchor, scale: DrawingScale) -> Iterator[Part | Span]:
 Look = Iterator[tuple[int, Mesh, str]]
 LINKS = ("distance", "revolute_revolute", "revolute_spherical", "revolute_cylindrical")
 TABLES = ("planar", "point_on_plane")
+WITHOUT = ("parallel_axes", "constant_angle", "distance", "revolute_revolute", "revolute_spherical")
 RAILS = ("translational", "cylindrical", "screw", "point_on_line")
 
 
@@ -102,10 +100,6 @@ def _weld(anchor: Anchor, scale: DrawingScale) -> Look:
     yield 1, box((1.8 * scale.unit,) * 3), DARK
 
 
-def _nothing(anchor: Anchor, scale: DrawingScale) -> Look:
-    yield from ()
-
-
 _LOOKS: dict[str, Callable[[Anchor, DrawingScale], Look]] = {
     "revolute": _pin,
     "spherical": _ball,
@@ -117,11 +111,7 @@ _LOOKS: dict[str, Callable[[Anchor, DrawingScale], Look]] = {
     "planar": _table,
     "point_on_plane": _table,
     "fixed": _weld,
-    "parallel_axes": _nothing,
-    "constant_angle": _nothing,
-    "distance": _nothing,
-    "revolute_revolute": _nothing,
-    "revolute_spherical": _nothing,
+    **dict.fromkeys(WITHOUT, lambda anchor, scale: iter(())),
 }
 
 
@@ -131,14 +121,13 @@ def _reach(anchor: Anchor, scale: DrawingScale) -> tuple[float, float]:
     return low - spare, high + spare
 
 
-def _link(anchor: Anchor, scale: DrawingScale, description: str) -> Iterator[Part | Span]:
+def _link(anchor: Anchor, scale: DrawingScale) -> Iterator[Part | Span]:
     """A rod of constant length, with balls at its ends."""
     length = max(getattr(anchor.part, "length", None) or 0.0, scale.unit)
     z = np.array([0.0, 0.0, 1.0])
-    mesh = rod(0 * z, length * z, 0.45 * scale.unit)
-    yield Span(anchor.name, "joint", description, anchor.bodies, anchor.points, length, mesh, STEEL)
+    yield anchor.spanned("joint", length, rod(0 * z, length * z, 0.45 * scale.unit), STEEL)
     for body, point in zip(anchor.bodies, anchor.points, strict=True):
-        yield Part(anchor.name, "joint", description, body, ball(0.9 * scale.unit, point), DARK)
+        yield Part(anchor.name, "joint", anchor.description, body, ball(0.9 * scale.unit, point), DARK)
 
 
 def mount(anchor: Anchor, scale: DrawingScale) -> Part:

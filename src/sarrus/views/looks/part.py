@@ -10,7 +10,7 @@ from ..meshes.mesh import Mesh
 Kind = Literal["body", "joint", "force", "ground"]
 Grip = Literal["both", "start", "end"]
 
-PALETTE = (
+PALETTE = [
     "#3b76b5",
     "#e08a3c",
     "#4f9d69",
@@ -21,16 +21,9 @@ PALETTE = (
     "#8c6d4f",
     "#a39a35",
     "#6b7a8f",
-)
-STEEL, DARK, SPRING, DAMPER, GROUND, RUBBER, MOTOR = (
-    "#c3c8ce",
-    "#4a5058",
-    "#c2410c",
-    "#7c8794",
-    "#9aa1a9",
-    "#33373c",
-    "#d97706",
-)
+]
+STEEL, DARK, SPRING, DAMPER = "#c3c8ce", "#4a5058", "#c2410c", "#7c8794"
+GROUND, RUBBER, MOTOR = "#9aa1a9", "#33373c", "#d97706"
 
 
 class Part(NamedTuple):

@@ -72,8 +72,8 @@ def test_arrows_are_reactions() -> None:
     parts = page(count=41, reactions=("pin",), forces=False)
     (force,) = [arrow for arrow in told["arrows"] if not arrow["turning"]]
     expected = run().reaction("pin")
-    assert parts.array(force["d"]) == pytest.approx(expected.force, rel=1e-5, abs=1e-4)
-    assert parts.array(force["p"]) == pytest.approx(expected.point, abs=ROUNDED)
+    assert parts.array(force["ways"]) == pytest.approx(expected.force, rel=1e-5, abs=1e-4)
+    assert parts.array(force["points"]) == pytest.approx(expected.point, abs=ROUNDED)
 
 
 def test_arrows_are_applied_forces() -> None:
@@ -81,7 +81,7 @@ def test_arrows_are_applied_forces() -> None:
     (spring,) = [arrow for arrow in parts.told["runs"][0]["arrows"] if not arrow["turning"]]
     x, v = run()["slider"].position[:, 0], run()["slider"].velocity[:, 0]
     tension = 10 * (x - 5) + v
-    assert parts.array(spring["d"])[:, 0] == pytest.approx(-tension, rel=1e-5, abs=1e-4)
+    assert parts.array(spring["ways"])[:, 0] == pytest.approx(-tension, rel=1e-5, abs=1e-4)
     assert spring["description"] == "force of spring on slider"
 
 
@@ -94,8 +94,8 @@ def test_weights_are_arrows_on_request(tmp_path: Path) -> None:
         assert len(found) == count
     (rod,) = [one for one in found if one["name"] == "rod"]
     mass = next(body.mass for body in system.model.bodies if body.name == "rod")
-    assert parts.array(rod["d"])[:, 2] == pytest.approx(-10 * mass, rel=1e-6)
-    assert parts.array(rod["p"]) == pytest.approx(moved["rod"].position, abs=ROUNDED)
+    assert parts.array(rod["ways"])[:, 2] == pytest.approx(-10 * mass, rel=1e-6)
+    assert parts.array(rod["points"]) == pytest.approx(moved["rod"].position, abs=ROUNDED)
 
 
 def test_all_names_are_there() -> None:

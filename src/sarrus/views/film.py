@@ -14,12 +14,11 @@ import numpy as np
 
 from ..algebra import Array
 from ..analyses.progress import monitor
-from ..euler import A
 from ..results.saving.exported_file import exporting
 from .browser import Shown
 from .browser.page import GHOSTS, front, pace
-from .looks import Part, Span
-from .meshes.mesh import along
+from .looks import Part, Span, body_frame, place_of
+from .meshes.mesh import along, upright
 from .raster import Camera, Canvas, camera
 
 SIZE = (720, 450)  # [pixels] of a film
@@ -108,22 +107,8 @@ def _gif(images: Iterator[Any], file: Path) -> None:
 
 
 def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
-    size, rate = f"{SIZE[0]}x{SIZE[1]}", str(RATE[".mp4"])
-    command = [
-        ffmpeg,
-        "-y",
-        "-loglevel",
-        "error",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-s",
-        size,
-        "-r",
-        rate,
-    ]
-    command += ["-i", "-", "-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
+    raw = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {SIZE[0]}x{SIZE[1]} -r {RATE['.mp4']} -i -"
+    command = [ffmpeg, *raw.split(), *["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart"], str(file)]
     process = subprocess.Popen(command, stdin=subprocess.PIPE)
     with suppress(BrokenPipeError), process:
         assert process.stdin is not None  # the pipe breaks where ffmpeg cannot go on
@@ -198,7 +183,7 @@ class _Studio:
 
     def _traces(self, pen: Any, run: Shown, t: float) -> None:
         for body, point in run.traces:
-            path = _path(run, body, point)
+            path = place_of(run.frames.q, body, point)
             seen = self.camera.seen(path)[:, :2] / FINER
             past = seen[run.frames.t <= t]
             if len(past) > 1:
@@ -222,28 +207,14 @@ def _state(run: Shown, t: float) -> Array:
     return np.asarray((1 - s) * at.q[k - 1] + s * at.q[k])
 
 
-def _frame(q: Array, body: int) -> tuple[Array, Array]:
-    if not body:
-        return np.zeros(3), np.eye(3)
-    p = q[7 * body - 4 : 7 * body]
-    return q[7 * body - 7 : 7 * body - 4], np.asarray(A(p / np.linalg.norm(p)), dtype=float)
-
-
 def _moved(run: Shown, q: Array) -> Iterator[tuple[Array, Part | Span]]:
     """Yield the vertices of every part in space."""
     for part in run.sketch.parts:
-        r, axes = _frame(q, part.body)
-        yield part.mesh.moved(r, axes).vertices, part
+        yield part.mesh.moved(*body_frame(q, part.body)).vertices, part
     for span in run.sketch.spans:
-        start, end = (
-            r + axes @ s
-            for (r, axes), s in ((_frame(q, b), s) for b, s in zip(span.bodies, span.points, strict=True))
-        )
-        way = end - start
-        length = float(np.linalg.norm(way)) or 1e-9
-        place = end - span.length * way / length if span.grip == "end" else start
-        scale = length / span.length if span.grip == "both" else 1.0
-        yield span.mesh.stretched((1, 1, scale)).moved(place, along(way)).vertices, span
+        ends = (place_of(q, body, point) for body, point in zip(span.bodies, span.points, strict=True))
+        place, way, (stretch,) = span.placed(*ends)
+        yield span.mesh.stretched((1, 1, stretch)).moved(place, along(way)).vertices, span
 
 
 def _places(run: Shown) -> Array:
@@ -257,15 +228,9 @@ def _places(run: Shown) -> Array:
     return np.array(found)
 
 
-def _path(run: Shown, body: int, point: Array) -> Array:
-    return np.array([r + axes @ point for r, axes in (_frame(q, body) for q in run.frames.q)])
-
-
 def _grid(places: Array, up: Array, level: float, half: float) -> Array:
     """Triangles (n, 3, 3) of the lines of a square grid at a height around places."""
-    side = np.eye(3)[0] if abs(up[0]) < 0.9 else np.eye(3)[1]
-    side = (side - (side @ up) * up) / np.linalg.norm(side - (side @ up) * up)
-    ahead = np.cross(up, side)
+    side, ahead, _ = upright(up).T
     reach = 1.2 * float(np.linalg.norm(np.ptp(places, axis=0)))
     step = 10.0 ** np.floor(np.log10(reach / 3))
     center = places.mean(axis=0)

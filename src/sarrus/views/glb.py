@@ -10,15 +10,13 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..euler import A
 from ..results.saving.exported_file import exporting
 from .browser import Shown
-from .looks import Part, Span
+from .looks import Part, Span, place_of
 from .meshes.mesh import normals
 
 FLOAT, UINT = 5126, 5125  # component types of glTF
 VERTICES, INDICES = 34962, 34963  # targets of buffer views
-LEAST = 1e-6  # glTF wants scales that are not 0
 
 
 def write_glb(shown: Shown, file: Path) -> Path:
@@ -112,20 +110,11 @@ class _Writer:
                 self.channels.append({"sampler": len(self.samplers) - 1, "target": target})
 
     def _stretched(self, span: Span) -> dict[str, Array]:
-        ends = [self._path(body, point) for body, point in zip(span.bodies, span.points, strict=True)]
-        way = ends[1] - ends[0]
-        length = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), LEAST)
-        start = ends[1] - span.length * way / length if span.grip == "end" else ends[0]
-        scale = np.ones((len(way), 3))
-        if span.grip == "both":
-            scale[:, 2:] = length / span.length
-        return {"translation": start, "rotation": _along(way / length), "scale": scale}
-
-    def _path(self, body: int, point: Array) -> Array:
-        if not body:
-            return np.tile(point, (len(self.shown.frames.q), 1))
-        q = self.shown.frames.q[:, 7 * body - 7 : 7 * body]
-        return np.array([x[:3] + A(x[3:]) @ point for x in q])
+        q = self.shown.frames.q
+        ends = (place_of(q, body, point) for body, point in zip(span.bodies, span.points, strict=True))
+        place, way, stretch = span.placed(*ends)
+        scale = np.column_stack([np.ones((len(way), 2)), stretch])
+        return {"translation": place, "rotation": _along(way), "scale": scale}
 
     def _mesh(self, part: Part | Span) -> int:
         look = (part.color, getattr(part, "opacity", 1.0))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..algebra import Array
+from .meshes.mesh import upright
 
 FAR = np.inf
 
@@ -137,7 +138,7 @@ def camera(points: Array, up: Array, view: str, width: int, height: int) -> Came
     low, high = points.min(axis=0), points.max(axis=0)
     center = (low + high) / 2
     back = _direction(up, view)
-    above = up if abs(back @ up) < 0.99 else _ahead(up)
+    above = up if abs(back @ up) < 0.99 else upright(up)[:, 1]
     right = np.cross(above, back)
     right = right / np.linalg.norm(right)
     axes = np.column_stack([right, np.cross(back, right), back])
@@ -148,21 +149,10 @@ def camera(points: Array, up: Array, view: str, width: int, height: int) -> Came
     return Camera(center + distance * back, axes, height / (2 * slope), width, height)
 
 
-def _side(up: Array) -> Array:
-    """To the right of who looks at a mechanism."""
-    side = np.eye(3)[0] if abs(up[0]) < 0.9 else np.eye(3)[1]
-    side = side - (side @ up) * up
-    return np.asarray(side / np.linalg.norm(side))
-
-
-def _ahead(up: Array) -> Array:
-    return np.asarray(np.cross(up, _side(up)))
-
-
 def _direction(up: Array, view: str) -> Array:
     """From the mechanism to the camera."""
     straight = {"x": np.eye(3)[0], "y": -np.eye(3)[1], "z": np.eye(3)[2]}
     if view in straight:
         return np.asarray(straight[view])
-    back = 0.62 * _side(up) - _ahead(up) + 0.5 * up
+    back = upright(up) @ [0.62, -1.0, 0.5]
     return np.asarray(back / np.linalg.norm(back))

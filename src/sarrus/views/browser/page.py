@@ -122,7 +122,7 @@ def write_page(
     description = {
         "title": first.sketch.name,
         "subtitle": _subtitle(shown),
-        "up": _plain(first.sketch.up),
+        "up": first.sketch.up,
         "size": max(sketch.size for sketch in sketches),
         "low": min(sketch.low for sketch in sketches),
         "floor": first.sketch.floor,
@@ -140,7 +140,9 @@ def write_page(
 
 def _filled(title: str, description: dict[str, Any], numbers: Numbers) -> str:
     """The template with everything in its place; text that could end a script is written differently."""
-    words = json.dumps(description, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    words = json.dumps(description, separators=(",", ":"), allow_nan=False, default=_plain).replace(
+        "<", "\\u003c"
+    )
     places = {
         "TITLE": html.escape(title),
         "STYLE": _file("page.css"),
@@ -203,40 +205,21 @@ def _round(value: float) -> float:
 
 def _sketch(sketch: Sketch, numbers: Numbers) -> dict[str, Any]:
     return {
-        "unit": sketch.unit,
-        "bodies": list(sketch.bodies),
-        "colors": list(sketch.colors),
-        "centers": _plain(sketch.centers),
-        "parts": [
-            {"body": part.body, "opacity": part.opacity, **_mesh(part, numbers)} for part in sketch.parts
-        ],
-        "spans": [_span(span, numbers) for span in sketch.spans],
+        **{name: getattr(sketch, name) for name in ("unit", "bodies", "colors", "centers")},
+        "parts": [_drawn(part, numbers) for part in sketch.parts],
+        "spans": [_drawn(span, numbers) for span in sketch.spans],
     }
 
 
-def _mesh(part: Part | Span, numbers: Numbers) -> dict[str, Any]:
-    wide = len(part.mesh.vertices) > 65535
-    return {
-        "name": part.name,
-        "kind": part.kind,
-        "description": part.description,
-        "color": part.color,
+def _drawn(one: Part | Span, numbers: Numbers) -> dict[str, Any]:
+    """A part or a span; its mesh is in the block of numbers."""
+    wide = len(one.mesh.vertices) > 65535
+    mesh = {
         "wide": wide,
-        "v": numbers.add(part.mesh.vertices),
-        "f": numbers.add(part.mesh.faces, np.uint32 if wide else np.uint16),
+        "v": numbers.add(one.mesh.vertices),
+        "f": numbers.add(one.mesh.faces, np.uint32 if wide else np.uint16),
     }
-
-
-def _span(span: Span, numbers: Numbers) -> dict[str, Any]:
-    return {
-        "body": 0,
-        "opacity": 1.0,
-        "bodies": span.bodies,
-        "points": [_plain(point) for point in span.points],
-        "length": span.length,
-        "grip": span.grip,
-        **_mesh(span, numbers),
-    }
+    return {"body": 0, "opacity": 1.0} | {k: v for k, v in one._asdict().items() if k != "mesh"} | mesh
 
 
 def _run(run: Shown, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
@@ -248,18 +231,9 @@ def _run(run: Shown, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[s
         "step": run.frames.step,
         "count": len(run.frames.t),
         "q": numbers.add(run.frames.q),
-        "traces": [{"body": body, "point": _plain(point)} for body, point in run.traces],
-        "arrows": [_arrow(arrow, numbers) for arrow in run.arrows],
-    }
-
-
-def _arrow(arrow: Arrow, numbers: Numbers) -> dict[str, Any]:
-    return {
-        "name": arrow.name,
-        "kind": arrow.kind,
-        "description": arrow.description,
-        "turning": arrow.turning,
-        "most": arrow.most,
-        "p": numbers.add(arrow.points),
-        "d": numbers.add(arrow.ways),
+        "traces": [{"body": body, "point": point} for body, point in run.traces],
+        "arrows": [
+            one._asdict() | {"points": numbers.add(one.points), "ways": numbers.add(one.ways)}
+            for one in run.arrows
+        ],
     }

@@ -576,7 +576,7 @@ class Actor {
       mesh.userData = { actor: this, name: data.name, description: data.description, body: 0, glow: false };
       this.viewer.clickable.push(mesh);
     }
-    return { data, group, shaft, heads, radius, points: this.viewer.array(data.p), ways: this.viewer.array(data.d) };
+    return { data, group, shaft, heads, radius, points: this.viewer.array(data.points), ways: this.viewer.array(data.ways) };
   }
 
   showArrows(kind, on) {

@@ -3,7 +3,7 @@
 Pages, pictures and GLB files draw what is returned here; nothing here knows a run or a file format of pictures.
 """
 
-from .part import Part, Span
+from .part import Part, Span, body_frame, place_of
 from .sketch import Sketch, sketch
 
-__all__ = ["Part", "Sketch", "Span", "sketch"]
+__all__ = ["Part", "Sketch", "Span", "body_frame", "place_of", "sketch"]

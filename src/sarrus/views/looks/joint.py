@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ..meshes.mesh import Mesh, joined
+from ..meshes.mesh import Mesh, joined, upright
 from ..meshes.solids import ball, box, coil, cone, disc, ring, rod
 from .anchors import Anchor
 from .part import DARK, GROUND, STEEL, Part, Span
@@ -141,13 +141,5 @@ def mount(anchor: Anchor, scale: DrawingScale) -> Part:
         cone(1.9 * u, 0.9 * u, -3.3 * u, -0.6 * u),
         box((5 * u, 3.4 * u, 0.45 * u)).moved(np.array([0, 0, -3.5 * u])),
     ]
-    mesh = joined([*foot, *slants]).moved(anchor.points[side], _upright(scale.up))
+    mesh = joined([*foot, *slants]).moved(anchor.points[side], upright(scale.up))
     return Part(anchor.name, "ground", "held by the ground", 0, mesh, GROUND)
-
-
-def _upright(up: Array) -> Array:
-    """Axes with z up and x, where that can be, along global x."""
-    across = np.eye(3)[0] if abs(up[0]) < 0.9 else np.eye(3)[1]
-    f = across - (across @ up) * up
-    f = f / np.linalg.norm(f)
-    return np.column_stack([f, np.cross(up, f), up])

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from ...algebra import Array
+from ...euler import A
 from ..meshes.mesh import Mesh
+
+LEAST = 1e-6  # [m] a span is no shorter: formats of files want scales that are not 0
 
 Kind = Literal["body", "joint", "force", "ground"]
 Grip = Literal["both", "start", "end"]
@@ -54,3 +59,27 @@ class Span(NamedTuple):
     mesh: Mesh
     color: str
     grip: Grip = "both"
+
+    def placed(self, start: Array, end: Array) -> tuple[Array, Array, Array]:
+        """Between points (..., 3): the place of its mesh (..., 3), a unit vector along it, and its stretch (..., 1)."""
+        way = end - start
+        distance = np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), LEAST)
+        place = end - self.length * way / distance if self.grip == "end" else start
+        stretch = distance / self.length if self.grip == "both" else np.ones_like(distance)
+        return place, way / distance, stretch
+
+
+def body_frame(q: Array, body: int) -> tuple[Array, Array]:
+    """The origin and the axes, as columns, of a body by its number; those of the ground are global."""
+    if not body:
+        return np.zeros(3), np.eye(3)
+    p = q[7 * body - 4 : 7 * body]
+    return q[7 * body - 7 : 7 * body - 4], np.asarray(A(p / np.linalg.norm(p)), dtype=float)
+
+
+def place_of(q: Array, body: int, point: Array) -> Array:
+    """A point of a body in space (3,), or for positions (n, nq) its path (n, 3)."""
+    if q.ndim > 1:
+        return np.array([place_of(row, body, point) for row in q])
+    r, axes = body_frame(q, body)
+    return np.asarray(r + axes @ point)

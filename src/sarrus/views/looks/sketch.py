@@ -10,21 +10,20 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...euler import A
 from ...model import Model, ModelError
 from ...model.blueprint import Blueprint, blueprint
 from ...model.bodies.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.show import quote
 from ..meshes import Colored, MeshError
-from ..meshes.mesh import Mesh
+from ..meshes.mesh import Mesh, upright
 from ..meshes.read import given_meshes
 from .anchors import Anchor, anchors, centers, points_of
 from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
 from .joint import RAILS, DrawingScale, joint_parts
-from .part import PALETTE, STEEL, Part, Span
+from .part import PALETTE, STEEL, Part, Span, body_frame, place_of
 
 SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
 THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
@@ -183,7 +182,7 @@ class _Drawing:
         """Where a joint holds its second body, or its first if the second is the ground."""
         side = 1 if anchor.bodies[1] else 0
         body, point = anchor.bodies[side], anchor.points[side]
-        origin, axes = self._global(body, np.zeros(3), self.plan.q), self._axes(body, self.plan.q)
+        origin, axes = body_frame(self.plan.q, body)
 
         def local(mesh: Mesh) -> Mesh:
             return mesh.moved(-origin).moved(np.zeros(3), axes.T)
@@ -203,8 +202,7 @@ class _Drawing:
                 near = np.linalg.norm(joint.points[side] - place) < self.unit
                 if number == body and near and joint.kind == "revolute":
                     return joint.axes[side][:, 2]
-        across = np.cross(self.up, [1.0, 0.0, 0.0] if abs(self.up[0]) < 0.9 else [0.0, 1.0, 0.0])
-        return np.asarray(self._axes(body, self.plan.q).T @ across)
+        return np.asarray(body_frame(self.plan.q, body)[1].T @ upright(self.up)[:, 1])
 
     def _road(self) -> float | None:
         roads = [getattr(anchor.part, "road", None) for anchor in self.forces if anchor.kind in TYRES]
@@ -219,24 +217,15 @@ class _Drawing:
 
     def _displacement(self, anchor: Anchor, q: Array) -> float:
         i, j = self._places(anchor, q)
-        return float((j - i) @ self._axes(anchor.bodies[0], q) @ anchor.axes[0][:, 2])
+        return float((j - i) @ body_frame(q, anchor.bodies[0])[1] @ anchor.axes[0][:, 2])
 
     def _distance(self, anchor: Anchor) -> float:
         i, j = self._places(anchor, self.positions[0])
         return float(np.linalg.norm(j - i))
 
     def _places(self, anchor: Anchor, q: Array) -> tuple[Array, Array]:
-        i, j = (
-            self._global(body, point, q) for body, point in zip(anchor.bodies, anchor.points, strict=True)
-        )
+        i, j = (place_of(q, body, point) for body, point in zip(anchor.bodies, anchor.points, strict=True))
         return i, j
-
-    def _global(self, body: int, point: Array, q: Array) -> Array:
-        origin = q[7 * body - 7 : 7 * body - 4] if body else np.zeros(3)
-        return np.asarray(origin + self._axes(body, q) @ point)
-
-    def _axes(self, body: int, q: Array) -> Array:
-        return np.asarray(A(q[7 * body - 4 : 7 * body]), dtype=float) if body else np.eye(3)
 
     def _extent(self) -> tuple[float, float]:
         """Size of the drawing in its first position, and the lowest height in all of them."""
@@ -247,7 +236,7 @@ class _Drawing:
         return (size if size > SMALLEST else _lonely(self.masses)), low
 
     def _all_places(self, q: Array) -> Array:
-        found = [self._global(n, center, q) for n, (_, _, center) in self.masses.items()]
+        found = [place_of(q, n, center) for n, (_, _, center) in self.masses.items()]
         for anchor in (*self.joints, *self.forces):
             found += self._places(anchor, q)
             if anchor.kind in TYRES:

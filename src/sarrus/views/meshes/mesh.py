@@ -35,6 +35,14 @@ class Mesh(NamedTuple):
 EMPTY = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
 
 
+def upright(up: Array) -> Array:
+    """A rotation matrix whose third column is ``up``, the first, where that can be, along x."""
+    across = np.eye(3)[0] if abs(up[0]) < 0.9 else np.eye(3)[1]
+    f = across - (across @ up) * up
+    f = f / np.linalg.norm(f)
+    return np.column_stack([f, np.cross(up, f), up])
+
+
 def affine(A: Array, r: Any = (0.0, 0.0, 0.0)) -> Array:
     """The map A x + r. (4, 4)"""
     return np.block([[np.asarray(A, dtype=float), np.reshape(r, (3, 1))], [np.zeros((1, 3)), np.eye(1)]])

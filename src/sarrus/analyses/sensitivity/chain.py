@@ -182,7 +182,7 @@ class Chain:
         sweep = Sweep(record, db.shape[1], db)
         a, lam = self.start.along(q, v, db)
         first = {"q": q, "v": v, "a": a, "lam": lam}
-        for name, by in record.description.extra.items():
+        for name, by in record.extra.items():
             first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
         return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
 
@@ -222,7 +222,7 @@ class BackwardState:
         """Gradients by q, v, a and λ of the first state."""
         assert self.state is not None
         found = {name: self.sweep.block(self.state, name) + getattr(given, name)[0] for name in FIELDS[:4]}
-        for name, by in self.sweep.record.description.extra.items():
+        for name, by in self.sweep.record.extra.items():
             for own, factor in by.items():
                 found[own] = found[own] + factor * self.sweep.block(self.state, name)
         return found

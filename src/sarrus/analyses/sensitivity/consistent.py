@@ -19,70 +19,31 @@ from ...algebra import Array
 from ...outputs.recording import Key, States
 from ...results import Pieces, StepsTaken
 from ...system import System
-from ...system.curve_derivatives import CurveDerivatives, Entries
-from ...system.time_derivatives import TimeDerivatives, timed
+from ...system.time_derivatives import timed
 from ..dynamics.nodes import Nodes as NodesOfRun
 from ..dynamics.sampler import Sampler
 from ..equations.minimum_norm import MinimumNorm
 from ..redundancy.redundant_constraints import Independence
-from . import consistent_loop as loop
 from .chain import Nodes
-from .consistent_sweep import ConsistentSweep
+from .consistent_states import Back, ConsistentStates, ConsistentSweep
 from .curve_lagrangian import CurveLagrangian
-from .node_loop import Given
 from .pieces import PieceSampling
 from .reported import Changes, Place, Reported
 from .sampling import Sampling, apart
+from .steps.second_order import changes_along
+from .steps.sweep import PerOperation
+from .steps.sweep_loop import Nodes as Ends
 
 READ = ("q", "v", "a", "lam")
 
 
-class Operator(NamedTuple):
-    """The derivatives by numbers of curves of an operator of an equation: of `equation` from row `first` on."""
-
-    equation: str
-    first: int
-    height: int
-    sign: float
-    by: Entries
-
-
 class Motion(NamedTuple):
-    """How states change: given ones and consistent ones; what was solved for; changes of the numbers and the times."""
+    """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times."""
 
-    given: Given
-    found: Given
-    solved: loop.Solved
+    found: Ends
+    stages: PerOperation
     b: Array
     t: Array
-
-
-class LagrangianChanges:
-    """The changes of the gradients of ℓ (`shares`) at all times along a motion.
-
-    Attributes
-    ----------
-    b, t : those by the parameters and by the times, summed over all that were evaluated
-    """
-
-    def __init__(
-        self, sweep: ConsistentSweep, curves: CurveLagrangian, motion: Motion, memory: Mapping[int, Array]
-    ) -> None:
-        self._sweep, self._curves, self._motion, self._memory = sweep, curves, motion, memory
-        self.b, self.t = np.zeros(len(motion.b)), np.zeros(len(motion.t))
-
-    def __call__(self, kind: str, **given: Array) -> loop.Changes:
-        """Those by the states and the multipliers; `given` as for `ConsistentSweep.changes`."""
-        found, by_b = self._sweep.changes(kind, self._motion.b, **given)
-        self.b += by_b
-        if not self._curves:
-            return found
-        times = {"t": self._sweep.record.t, "t_dot": self._motion.t}
-        added = self._curves.change(kind, self._sweep.b, self._motion.b, self._memory, **times, **given)
-        self.b += added.b
-        self.t += added.t
-        rows = {name: getattr(found, name) + getattr(added, name) for name in ("q", "v", "a", "lam")}
-        return found._replace(**rows | {"lam": rows["lam"] * (1.0 - self._sweep.record.left_out)})
 
 
 class Chosen(Independence):
@@ -150,7 +111,7 @@ class ConsistentSampling(Sampling):
         return [(piece, rows) for piece, rows in found if len(rows)]
 
     @cached_property
-    def _record(self) -> loop.Record:
+    def _record(self) -> ConsistentStates:
         """The consistent states, and what they are made of."""
         before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
         q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
@@ -170,11 +131,11 @@ class ConsistentSampling(Sampling):
                 )
                 q[own], v[own], a[own], lam[own] = found.q, found.v, found.a, found.lam
         dq = (q - before.q) * between[:, None]
-        defined = np.isfinite(a).all(axis=1) & np.isfinite(lam).all(axis=1)
-        return loop.Record(
-            t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
-            sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between.astype(float),
-            defined=defined.astype(float), left_out=left_out, places=first.places, memory=memory,
+        defined = np.isfinite(np.concatenate([a, lam], axis=1)).all(axis=1)
+        return ConsistentStates(
+            b=self._run.b, t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
+            sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between, defined=defined,
+            left_out=left_out, places=first.places, memory=memory,
         )  # fmt: skip
 
     @cached_property
@@ -184,12 +145,17 @@ class ConsistentSampling(Sampling):
         return States(record.t, record.q, record.v, record.a, lambda: record.lam)
 
     @cached_property
-    def _sweep(self) -> ConsistentSweep:
+    def _solved(self) -> ConsistentStates:
+        """With the multipliers that the operations solve for."""
         record = self._record
         lam = record.lam.copy()
         for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
             lam[row] = self._of_choice(row)
-        return ConsistentSweep(self._system, self._run.b, record._replace(lam=lam))
+        return replace(record, lam=lam).with_multipliers(self._system)
+
+    @cached_property
+    def _sweep(self) -> ConsistentSweep:
+        return ConsistentSweep(self._system, self._solved, self._moving)
 
     def _of_choice(self, row: int) -> Array:
         """The multipliers of independent equations (m,) with the constraint forces of those reported."""
@@ -203,7 +169,7 @@ class ConsistentSampling(Sampling):
     @cached_property
     def _minimum(self) -> Reported:
         """The least multipliers at the times."""
-        record, steps = self._sweep.record, self._pieces[0][0]
+        record, steps = self._solved, self._pieces[0][0]
         there = {name: getattr(record, name) for name in ("t", "q", "v", "a", "lam", "memory")}
         left_out = record.left_out.astype(bool)
         alone = replace(steps, h=np.zeros(len(record.t)), left_out=left_out, **there)
@@ -214,67 +180,21 @@ class ConsistentSampling(Sampling):
         """Whether events move times, on which the system depends by itself."""
         return self.moves and timed(self._system)
 
-    @cached_property
-    def _memory(self) -> dict[int, Array]:
-        """What elements remember at the times, by place in b."""
-        return dict(zip(self._record.places.tolist(), self._record.memory.T, strict=True))
-
-    @cached_property
-    def _second(self) -> CurveLagrangian:
-        """Second derivatives by the parameters of curves, and by the times."""
-        return CurveLagrangian(self._system, True, self._moving)
-
-    @cached_property
-    def _curves(self) -> list[Operator]:
-        """What depends on numbers of curves, and on times that move."""
-        of = TimeDerivatives(self._system) if self._moving else CurveDerivatives(self._system)
-        if not of:
-            return []
-        record, nq, m, memory = self._sweep.record, self._system.nq, self._system.m, self._memory
-
-        def part(equation: str, first: int, sign: float, name: str, q: Array, **given: Array) -> Operator:
-            by = of(name, self._run.b, memory, q=q, t=record.t, **given)
-            return Operator(equation, first, m if first else nq, sign, by)
-
-        q0, q, v = record.q0, record.q, record.v
-        return [
-            part("node", 0, 1.0, "Phi_qT_lam", q, lam=record.lam),
-            part("node", 0, -1.0, "Q", q, v=v),
-            part("node", nq, 1.0, "Phi_q_xi", q, xi=record.a),
-            part("node", nq, -1.0, "gamma", q, v=v),
-            part("velocity", 0, 1.0, "Phi_qT_lam", q0, lam=record.rho),
-            part("velocity", nq, 1.0, "Phi_q_xi", q, xi=v),
-            part("velocity", nq, 1.0, "Phi_t", q),
-            part("position", 0, 1.0, "Phi_qT_lam", q0, lam=record.sigma),
-            part("position", nq, 1.0, "Phi", q),
-        ]
-
     def along(self, dots: Nodes, b: Array, column: int) -> Motion:
         """The changes of the states with those of the nodes in one column, and of the numbers (len(b), 1)."""
-        sweep, of = self._sweep, self._of
-        given = sweep.states()
-        for kind in ("q", "v"):
+        sweep, of, record = self._sweep, self._of, self._record
+        q, v = np.zeros((2, *record.q.shape, 1))
+        for kind, x in {"q": q, "v": v}.items():
             for n in range(self._system.nq):
-                getattr(given, kind)[:, n, 0] = of.gathered(kind, n, dots, column)
+                x[:, n, 0] = of.gathered(kind, n, dots, column)
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
-        found, solved = sweep.forward(given, b[: len(self._run.b)], self._sources(b, t_dot))
-        for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
+        found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
+        for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
             slopes = self._minimum.slopes(Place(0, row))
             if slopes is not None:
                 change = Changes(found.q[row], b, t_dot[row : row + 1])
                 found.lam[row] = slopes.along(change, found.lam[row])
-        return Motion(given, found, solved, b[:, 0], t_dot)
-
-    def _sources(self, b: Array, t_dot: Array) -> loop.Solved | None:
-        """The changes of the equations with numbers of curves, and with the times."""
-        if not self._curves:
-            return None
-        found, size = self._sweep.solved(), len(self._run.b)
-        own = np.append(b[:size], np.zeros((1, b.shape[1])), axis=0)
-        for equation, first, height, sign, by in self._curves:
-            moved = by.along(own, height)[:, :, 0] + by.along_column(size, t_dot, height)
-            getattr(found, equation)[:, first : first + height, 0] += sign * moved
-        return found
+        return Motion(found, stages, b[:, 0], t_dot)
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """See `Sampling`."""
@@ -282,39 +202,32 @@ class ConsistentSampling(Sampling):
         return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}
 
     def spread_all(
-        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: loop.Turned | None = None
+        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, sources: PerOperation | None = None
     ) -> Array:
-        """See `Sampling`; `turned` is what the change of an adjoint takes."""
+        """See `Sampling`; `sources` are what the change of an adjoint takes."""
         given = self._given(bars)
         t_bar, by_b = self._through_minimum(given)
-        kept = self._sweep.solved()
-        found, by_own = self._sweep.backward(given, kept, turned)
-        for (kind, n), bar in self._by_places(found).items():
+        motion = sources is not None or given.a.any() or given.lam.any()
+        found = (self._sweep if motion else self._of_velocities).back(given, sources)
+        for (kind, n), bar in _by_places(found).items():
             self._of.spread(kind, n, bar, nodes, column)
-        size = len(self._run.b)
-        for equation, first, height, sign, by in self._curves:
-            weights = sign * getattr(kept, equation)[:, first : first + height]
-            by_own = by_own - by.gradient(weights, size + 1)[:size]
-            t_bar = t_bar - by.by_column(size, weights[:, :, 0])
         if self._moving:
-            self._of.spread_time(t_bar, nodes, column)
-        return by_own + by_b
+            self._of.spread_time(t_bar + found.t, nodes, column)
+        return found.b + by_b
 
-    def _given(self, bars: Mapping[Key, Array]) -> Given:
+    @cached_property
+    def _of_velocities(self) -> ConsistentSweep:
+        """Without accelerations and multipliers."""
+        return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
+
+    def _given(self, bars: Mapping[Key, Array]) -> Ends:
         """Gradients by coordinates as arrays."""
-        given = self._sweep.states()
+        given = self._sweep.nodes()
         for (kind, n), bar in bars.items():
             getattr(given, kind)[:, n, 0] += bar
         return given
 
-    def _by_places(self, given: Given) -> dict[Key, Array]:
-        """Gradients by q₀ and v₀ as those by their coordinates."""
-        pairs = [(kind, getattr(given, kind)) for kind in ("q", "v")]
-        return {
-            (kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()
-        }
-
-    def _through_minimum(self, given: Given) -> tuple[Array, Array]:
+    def _through_minimum(self, given: Ends) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
         t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
         dependent = self._record.left_out.any(axis=1) & given.lam.any(axis=(1, 2))
@@ -327,46 +240,23 @@ class ConsistentSampling(Sampling):
 
     def turned(
         self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
-    ) -> tuple[loop.Turned, Array]:
+    ) -> tuple[PerOperation, Array]:
         """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
 
         `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
         """
-        sweep, record = self._sweep, self._sweep.record
-        kept = sweep.solved()
-        given, _ = sweep.backward(self._given(bars), kept)
+        back, curves = self._sweep.back(self._given(bars)), CurveLagrangian(self._system, True, self._moving)
         if self.moves:
-            self._of.spread_along(self._by_places(given), dots, nodes)
-        nq = self._system.nq
-        (y, z), (w, zeta), (w2, zeta2) = (
-            (x[:, :nq, 0], x[:, nq:, 0]) for x in (kept.node, kept.velocity, kept.position)
-        )
-        dots_of = {f"{name}_dot": getattr(motion.found, name)[:, :, 0] for name in READ}
-        q_dot, v_dot = dots_of["q_dot"], dots_of["v_dot"]
-        q0_dot, v0_dot = motion.given.q[:, :, 0], motion.given.v[:, :, 0]
-        rho_dot, sigma_dot = motion.solved.velocity[:, nq:, 0], motion.solved.position[:, nq:, 0]
-        changes = LagrangianChanges(sweep, self._second, motion, self._memory)
-        node = changes("motion", q=record.q, v=record.v, a=record.a, lam=record.lam, xi=y, nu=z, **dots_of)
-        rate = {"q": record.q0, "q_dot": q0_dot}
-        moved = changes(
-            "impulse", **rate, xi=w, lam=record.rho, lam_dot=rho_dot, a=record.dv, a_dot=v_dot - v0_dot
-        )
-        drift = changes("rate", q=record.q, q_dot=q_dot, nu=-zeta, v=record.v, v_dot=v_dot)
-        put = changes(
-            "impulse", **rate, xi=w2, lam=record.sigma, lam_dot=sigma_dot, a=record.dq,
-            a_dot=(q_dot - q0_dot) * record.between[:, None],
-        )  # fmt: skip
-        place = changes("place", q=record.q, q_dot=q_dot, nu=zeta2)
+            self._of.spread_along(_by_places(back), dots, nodes)
+        found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
-            self._of.spread_time(-changes.t, nodes, 0)
-        found = loop.Turned(
-            node=np.concatenate([node.a, node.lam], axis=1),
-            node_q=node.q,
-            node_v=node.v,
-            velocity=np.concatenate([moved.a + drift.v, moved.lam], axis=1),
-            position=np.concatenate([put.a + place.q, put.lam], axis=1),
-            q=drift.q,
-            q0=moved.q + put.q - put.a,
-            v0=-moved.a,
-        )
-        return loop.Turned._make(np.ascontiguousarray(x)[:, :, None] for x in found), changes.b
+            self._of.spread_time(-found.t, nodes, 0)
+        return found.sources, found.b
+
+
+def _by_places(found: Back) -> dict[Key, Array]:
+    """Gradients by what states are made of as those by coordinates."""
+    pairs = ("q", found.q), ("v", found.v)
+    return {
+        (kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()
+    }

@@ -10,18 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..._jit.link import link
-from ..._jit.vector import LANES
 from ...algebra import Array
 from ...results import StepsTaken
-from ...system.lane_room import room
 from .chain import BackwardState, Chain, Nodes
 from .curve_lagrangian import CurveLagrangian
-from .lagrangian import Change, change_at, lagrangian
-from .steps import second_order_loop as loop
-from .steps.blocks import Blocks, run_of
-from .steps.changes import joined
-from .steps.layout import kinds_of
+from .lagrangian import Change, change_at
+from .steps.second_order import changes_along
 from .steps.sweep import PerOperation, Sweep
 
 
@@ -95,51 +89,13 @@ class CurvedSteps:
 
         With the changes of the numbers, of the nodes and of the stages, and the adjoint variables.
         """
-        system, record, size = self._system, self._chain.record, len(self._system.b)
-        structures = [one.tables.structure for one in record.operations if len(one)]
-        entries = [lagrangian(system, kind) for kind in kinds_of(structures, system)]
-        ends = np.cumsum([0, *(len(entry.addresses) for entry in entries)]).astype(np.int64)
-        sizes = {"lam_dot": system.m, "nu": system.m, "by_lam": system.m, "by_b": size}
-        work = loop.Operands._make(room(sizes.get(name, system.nq)) for name in loop.Operands._fields)
-        blocks, found = Blocks(record, 0, None), self._sweep.stages()
-        link(loop.change)(
-            blocks.layout, joined(entries), ends, self._steps.b.copy(), b_dot[:size].copy(), run_of(record, 0),
-            stages.series, adjoint.operations.series, blocks.block, work, found.series,
-        )  # fmt: skip
+        record, size = self._chain.record, len(self._system.b)
+        t_dot = np.full(len(self._steps), b_dot[size:].sum())
+        found = changes_along(record, b_dot[:size], stages, adjoint.operations, self._curves, t_dot)
         start, by_b = self._start(b_dot, moved, adjoint.start), np.zeros(len(b_dot))
-        by_b[:size] = work.by_b.reshape(-1, LANES).sum(axis=1) + start.b
-        by_b[size:] += start.t
-        for n in [n for n, one in enumerate(record.operations) if self._curves and len(one)]:
-            self._add_curves(
-                n, b_dot, stages.parts[n][:, :, 0], adjoint.operations.parts[n][:, :, 0], found, by_b
-            )
-        return Turned(found, start, by_b)
-
-    def _add_curves(
-        self, n: int, b_dot: Array, stages: Array, mu: Array, found: PerOperation, by_b: Array
-    ) -> None:
-        """Add what parameters of curves and the time do in all occurrences of an operation."""
-        record, system, size = self._chain.record, self._system, len(self._system.b)
-        one = record.operations[n]
-        sizes, t_dot = {"lam": system.m}, np.full(len(one), b_dot[size:].sum())
-        for group in one.tables.groups:
-            s, kind = group.stage, group.kind
-            names = {"q": "q", "v": "v", "a": kind.acceleration or "", "lam": kind.multipliers}
-            given = {x: one.sources[s, of].all(len(one)) for x, of in names.items() if (s, of) in one.sources}
-            at = {x: one.tables.stages[s, of] for x, of in names.items() if (s, of) in one.tables.stages}
-            rows = {x: slice(first, first + sizes.get(x, system.nq)) for x, first in at.items()}
-            given |= {f"{x}_dot": stages[:, own] for x, own in rows.items()}
-            if group.xi >= 0:
-                given["xi"] = mu[:, group.xi : group.xi + system.nq] * one.scales[:, group.xi_equation, None]
-            if group.nu >= 0:
-                scale = kind.sign * one.scales[:, group.nu_equation, None]
-                given["nu"] = mu[:, group.nu : group.nu + system.m] * scale
-            given |= {"t": one.times[:, s], "t_dot": t_dot}
-            added = self._curves.change(kind.kind, self._steps.b, b_dot[:size], record.memory(one), **given)
-            for x, own in rows.items():
-                found.parts[n][:, own, 0] += getattr(added, x)
-            by_b[:size] += added.b
-            by_b[size:] += added.t.sum()
+        by_b[:size] = found.b + start.b
+        by_b[size:] += start.t + found.t.sum()
+        return Turned(found.sources, start, by_b)
 
     def _start(self, b_dot: Array, moved: Nodes, adjoint: tuple[Array, Array]) -> Change:
         """The changes of the equations of motion at the start."""

@@ -18,7 +18,6 @@ from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .consistent import READ, ConsistentSampling
-from .consistent_loop import Turned
 from .fine import PARTS, Fine, fine
 from .kinks import layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
@@ -27,6 +26,7 @@ from .pieces import Course, PieceSampling, Where, angles_of, at_event, course_of
 from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
+from .steps.sweep import PerOperation
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 ONE_SIDED = (
@@ -296,7 +296,7 @@ class Evaluation:
         return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
 
     def _collected(
-        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: Turned
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *sources: PerOperation
     ) -> tuple[Nodes, Explicit]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
@@ -306,6 +306,6 @@ class Evaluation:
             bar = bars[variable.at]
             if kind in ("b", "c"):
                 (by_b if kind == "b" else by_c)[place, 0] += bar
-        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
+        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *sources)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return nodes, Explicit(by_b, by_c, [named])

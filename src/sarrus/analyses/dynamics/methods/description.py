@@ -140,3 +140,19 @@ def accelerations(state: Mapping[str, str]) -> Operation:
     equations = (Equation("motion"), Equation("acceleration"))
     update = {"a": {"a_end": 1.0}, "lam": {"lam_end": 1.0}}
     return Operation(state, {"a_end": COORDINATES, "lam_end": CONSTRAINTS}, Step((stage,), equations, update))
+
+
+def placement(state: Mapping[str, str]) -> Operation:
+    """The nearest q on the constraints, in the metric of M at q0: M (q - q0) + Φ_q(q0)ᵀσ = 0, Φ(q) = 0."""
+    before = Stage(q={"q0": 1.0}, a={"Q": 1.0, "q0": -1.0}, lam={"sigma": 1.0})
+    stages, equations = (before, Stage(q={"Q": 1.0})), (Equation("impulse", 0), Equation("position", 1))
+    step = Step(stages, equations, {"q": {"Q": 1.0}})
+    return Operation(state, {"Q": COORDINATES, "sigma": CONSTRAINTS}, step)
+
+
+def compatible_velocity(state: Mapping[str, str]) -> Operation:
+    """The nearest v that the constraints permit at q: M(q0) (V - v) + Φ_q(q0)ᵀρ = 0, Φ_q(q) V + Φ_t = 0."""
+    before = Stage(q={"q0": 1.0}, a={"V": 1.0, "v": -1.0}, lam={"rho": 1.0})
+    stages = (before, Stage(q={"q": 1.0}, v={"V": 1.0}))
+    step = Step(stages, (Equation("impulse", 0), Equation("velocity", 1)), {"v": {"V": 1.0}})
+    return Operation(state, {"V": COORDINATES, "rho": CONSTRAINTS}, step)

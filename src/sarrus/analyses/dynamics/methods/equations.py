@@ -88,8 +88,10 @@ LAGRANGIANS = (
     Lagrangian("motion", "motion", "acceleration", 1.0, "a", "lam"),
     Lagrangian("step", "motion", "position", 1.0, "a", "lam"),
     Lagrangian("impulse", "impulse", "velocity", -1.0, "a", "lam"),
+    Lagrangian("place", "", "position", 1.0, None, "lam"),
     Lagrangian("rate", "kinematic", "velocity", -1.0, None, "mu"),
 )
+NEEDED = {"motion": {"motion", "acceleration"}, "step": {"motion"}, "impulse": {"impulse"}}  # equations
 
 
 def lagrangians(kinds: set[str]) -> list[Lagrangian]:
@@ -97,7 +99,7 @@ def lagrangians(kinds: set[str]) -> list[Lagrangian]:
     found, left = [], set(kinds)
     for one in LAGRANGIANS:
         own = {one.xi, one.nu} & left
-        if own and not (one.kind in ("motion", "impulse") and len(own) < 2):
+        if own and NEEDED.get(one.kind, set()) <= left:
             found.append(one)
             left -= own
     return found

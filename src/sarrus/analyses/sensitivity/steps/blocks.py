@@ -25,11 +25,11 @@ from ..step_matrix import unsigned
 from .block_loop import UNKNOWN, Block, Kernels, Matrices, Run
 from .changes import UNCHANGED, changes, joined
 from .layout import drivers_of, kinds_of, layout_of
-from .record import Record
+from .record import Operations
 from .stacked import Ragged, ragged, series
 
 OPERATIONS = 3  # see `record`
-SOURCES = 10  # different arrays of recorded values, at most
+SOURCES = 13  # different arrays of recorded values, at most
 # Relative change of a solution by its refinement up to which the others of a block are not refined, where round-off in
 # multipliers decays
 PLAIN = 1e-12
@@ -82,7 +82,7 @@ class Blocks:
     block : see `block_loop`
     """
 
-    def __init__(self, record: Record, columns: int, b_dot: Array | None) -> None:
+    def __init__(self, record: Operations, columns: int, b_dot: Array | None) -> None:
         system = record.system
         self._system, self._columns = system, columns
         tables = [one.tables if len(one) else None for one in record.operations]
@@ -97,7 +97,7 @@ class Blocks:
         self.kernels = _kernels(system, present, b_dot is not None)
         self.block = self._block(record, b_dot)
 
-    def _block(self, record: Record, b_dot: Array | None) -> Block:
+    def _block(self, record: Operations, b_dot: Array | None) -> Block:
         layout, system = self.layout, self._system
         columns = 0 if b_dot is not None else self._columns
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
@@ -107,7 +107,7 @@ class Blocks:
                 first = redundant + tables.m
                 values[first * LANES : (first + tables.nq) * LANES] = 1.0
         refined = np.ones((OPERATIONS, 3))
-        refined[:, 2] = PLAIN if record.description.damps else 0.0
+        refined[:, 2] = PLAIN if record.damps else 0.0
         moved = UNCHANGED
         if b_dot is not None:
             moved = changes(system, self.tables, np.ascontiguousarray(b_dot.T), self.width)
@@ -159,7 +159,7 @@ def _kernels(system: System, structures: tuple[Structure, ...], forward: bool) -
     return Kernels(**operators, gradient=joined(gradients), gradients=ends)
 
 
-def run_of(record: Record, first: int) -> Run:
+def run_of(record: Operations, first: int) -> Run:
     """The run as compiled code takes it, from step `first` on."""
     steps, operations = record.steps, record.operations
     tables = [one.tables for one in operations]
@@ -188,7 +188,7 @@ def run_of(record: Record, first: int) -> Run:
         coefficients=coefficients, unknowns=unknowns, weights=series(weights), product_weights=series(product),
         scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
         sources=sources, pieces=ragged(pieces), bounds=np.array(bounds, np.int64), memory=steps.memory,
-        places=steps.places, left_out=steps.left_out.astype(float), **integers,
+        places=steps.places, left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
     )  # fmt: skip
 
 

@@ -17,8 +17,8 @@ from ....algebra import Array
 from ....system.curve_derivatives import CurveDerivatives, Entries
 from ....system.time_derivatives import TimeDerivatives
 from ...dynamics.methods.equations import KINDS
-from .record import Occurrences, Record
-from .sweep import PerOperation
+from .record import Occurrences, Operations
+from .sweep import PerOperation, unknowns_of
 
 
 class _Term(NamedTuple):
@@ -44,7 +44,7 @@ class Curves:
     of : the derivatives of the operators
     """
 
-    def __init__(self, record: Record, moving: bool = False) -> None:
+    def __init__(self, record: Operations, moving: bool = False) -> None:
         self._record = record
         self.of = TimeDerivatives(record.system) if moving else CurveDerivatives(record.system)
 
@@ -60,23 +60,35 @@ class Curves:
         """Whether changes of the numbers (len(b), k) change a curve."""
         return bool(self.of) and bool(np.any(db[self._record.system.nb :]))
 
-    def sources(self, db: Array) -> PerOperation:
-        """The changes of the equations of all operations."""
-        sizes = [(len(one), one.tables.n, db.shape[1]) for one in self._record.operations]
-        found = PerOperation.of([np.zeros(size) for size in sizes])
+    def sources(self, db: Array, dt: Array | None = None) -> PerOperation:
+        """The changes of the equations of all operations; dt (steps,) are those of the times of each step."""
+        found = unknowns_of(self._record, db.shape[1])
         for term in self._terms:
-            rows = slice(term.row, term.row + term.height)
-            moved = term.weights[:, None, None] * term.entries.along(db, term.height)
-            found.parts[term.operation][:, rows] += moved
+            rows, moved = slice(term.row, term.row + term.height), term.entries.along(db, term.height)
+            if dt is not None:
+                own = dt[self._record.operations[term.operation].steps]
+                moved = moved + term.entries.along_column(self.width - 1, own, term.height)[:, :, None]
+            found.parts[term.operation][:, rows] += term.weights[:, None, None] * moved
         return found
 
     def gradient(self, solved: PerOperation) -> Array:
         """What the adjoint variables of all operations give for the gradients by the numbers (len(b), k)."""
-        total = np.zeros((self.width, solved.parts[1].shape[2]))
+        total = np.zeros((self.width, solved.parts[0].shape[2]))
         for term in self._terms:
-            mu = solved.parts[term.operation][:, term.row : term.row + term.height]
-            total -= term.entries.gradient(term.weights[:, None, None] * mu, self.width)
+            total -= term.entries.gradient(self._weighed(term, solved), self.width)
         return total
+
+    def by_times(self, solved: PerOperation) -> Array:
+        """The same for the gradient by the times of each step (steps,), of a single column."""
+        total = np.zeros(len(self._record.steps))
+        for term in self._terms:
+            own = term.entries.by_column(self.width - 1, self._weighed(term, solved)[:, :, 0])
+            np.subtract.at(total, self._record.operations[term.operation].steps, own)
+        return total
+
+    def _weighed(self, term: _Term, solved: PerOperation) -> Array:
+        mu = solved.parts[term.operation][:, term.row : term.row + term.height]
+        return np.asarray(term.weights[:, None, None] * mu)
 
     @cached_property
     def _terms(self) -> list[_Term]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ....results import AlphaSteps, RadauSteps, StabilizedSteps, Steps, StepsTak
 from ....system import System
 from ...dynamics.methods.collocation import radau
 from ...dynamics.methods.description import (
+    Affine,
     Description,
     Operation,
     accelerations,
@@ -133,71 +134,55 @@ def _stages_of(steps: StepsTaken) -> dict[Quantity, Source]:
     return found
 
 
-class Record:
-    """A run as sweeps take it.
+class Remembered(Protocol):
+    """What all operations of a record share: parameters, what elements store, and which equations are redundant.
 
-    Parameters
-    ----------
-    system : System
-    steps : of the run
-    nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
-        of the steps; by default at all ends of steps
+    memory, left_out : per state, or none; `places` are those of what is stored among the parameters
     """
 
-    def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
-        self.system, self.steps = system, steps
-        self.description = description_of(steps)
-        self.state = self.description.state
-        self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
+    @property
+    def b(self) -> Array: ...
+    @property
+    def memory(self) -> Array: ...
+    @property
+    def places(self) -> Array: ...
+    @property
+    def left_out(self) -> Array: ...
+    def __len__(self) -> int: ...
 
-    def _steps(self) -> Occurrences:
-        steps, h = self.steps, self.steps.h
-        ratio = np.append(1.0, h[1:] / h[:-1])
-        operation = self.description.operation(h, ratio)
-        ends = {0.0: steps.t[:-1], 1.0: steps.t[1:]}
-        times = [ends.get(one.time, steps.t[:-1] + one.time * h) for one in operation.step.stages]
-        every = np.arange(len(steps))
-        tables = tables_of(self.system, structure_of(operation))
-        found = _stages_of(steps)
-        sources = {key: found[key] for key in tables.recorded}
-        return Occurrences(operation, tables, every, every + 1, np.stack(times, axis=1), sources)
 
-    def very_short(self) -> Occurrences:
-        """The last step, if it were very short."""
-        last, own = self.operations[STEP], self.operations[STEP].steps[-1:]
-        operation = self.description.operation(VERY_SHORT * self.steps.h[-1:], np.ones(1))
-        sources = {key: Source(x.all(len(last))[-1:]) for key, x in last.sources.items()}
-        return Occurrences(operation, last.tables, own, own + 1, last.times[-1:], sources)
+class Operations:
+    """Operations as sweeps take them.
 
-    def _projections(self) -> Occurrences:
-        steps = self.steps
-        if self.description.projects:
-            assert isinstance(steps, Steps)
-            at = np.flatnonzero(steps.removed)
-            s, sigma, removed = steps.correction[at], steps.impulse[at], steps.removed[at]
-        else:
-            at, s, sigma, removed = np.zeros(0, np.int64), steps.q[:0], steps.lam[:0], np.zeros(0)
-        operation = projection(self.state, removed)
-        values = {"q": steps.q[at], "v": steps.v[at] - s, "a": s, "lam": sigma}
-        return self._at_nodes(operation, at, at, at + 1, values)
+    Attributes
+    ----------
+    system : System
+    steps : what operations remember, row by row
+    operations : in the order in which those of one step occur
+    extra : blocks of the state besides q, v, a and λ: how each begins, by these
+    damps : whether round-off in the multipliers decays from step to step
+    alone : whether the operations of one step do not depend on those of another
+    """
 
-    def _accelerations(self, nodes: Array | None) -> Occurrences:
-        steps, operation = self.steps, accelerations(self.state)
-        given = "a" in self.operations_update()
-        at = np.zeros(0, np.int64) if given else np.arange(1, len(steps) + 1) if nodes is None else nodes
-        values = {name: getattr(steps, name)[at] for name in ("q", "v", "a", "lam")}
-        return self._at_nodes(operation, at - 1, at, at, values)
+    alone = False
+    damps = False
+    extra: Mapping[str, Affine] = {}
 
-    def operations_update(self) -> Mapping[str, Any]:
-        """What a step sets."""
-        return self.description.step(1.0, 1.0).update
+    def __init__(self, system: System, steps: Remembered, operations: list[Occurrences]) -> None:
+        self.system, self.steps, self.operations = system, steps, operations
 
-    def _at_nodes(
-        self, operation: Operation, own: Array, at: Array, nodes: Array, values: dict[str, Array]
+    def typical(self) -> list[tuple[Occurrences, int]]:
+        """For each operation an occurrence at which pivots are chosen that serve most."""
+        return [(one, len(one) - 1) for one in self.operations]
+
+    def at_states(
+        self, operation: Operation, steps: Array, nodes: Array, times: Array, values: Mapping[Quantity, Array]
     ) -> Occurrences:
+        """Occurrences of an operation whose stages' quantities are given, at times of all stages."""
         tables = tables_of(self.system, structure_of(operation))
-        sources = {(0, name): Source(np.ascontiguousarray(x)) for name, x in values.items()}
-        return Occurrences(operation, tables, own, nodes, self.steps.t[at][:, None], sources)
+        sources = {key: Source(np.ascontiguousarray(values[key])) for key in tables.recorded}
+        stages = np.repeat(times[:, None], len(tables.structure.stages), axis=1)
+        return Occurrences(operation, tables, steps, nodes, stages, sources)
 
     @cached_property
     def alike(self) -> list[Array]:
@@ -226,3 +211,67 @@ class Record:
         b = self.steps.b.copy()
         b[self.steps.places] = self.steps.memory[n]
         return b
+
+
+class Record(Operations):
+    """A run as sweeps take it.
+
+    Parameters
+    ----------
+    system : System
+    steps : of the run
+    nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
+        of the steps; by default at all ends of steps
+    """
+
+    def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
+        super().__init__(system, steps, [])
+        self.steps: StepsTaken = steps
+        self._description = own = description_of(steps)
+        self.extra, self.damps = own.extra, own.damps
+        self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
+
+    def _steps(self) -> Occurrences:
+        steps, h = self.steps, self.steps.h
+        ratio = np.append(1.0, h[1:] / h[:-1])
+        operation = self._description.operation(h, ratio)
+        ends = {0.0: steps.t[:-1], 1.0: steps.t[1:]}
+        times = [ends.get(one.time, steps.t[:-1] + one.time * h) for one in operation.step.stages]
+        every = np.arange(len(steps))
+        tables = tables_of(self.system, structure_of(operation))
+        found = _stages_of(steps)
+        sources = {key: found[key] for key in tables.recorded}
+        return Occurrences(operation, tables, every, every + 1, np.stack(times, axis=1), sources)
+
+    def typical(self) -> list[tuple[Occurrences, int]]:
+        """The last of each operation, and a very short step."""
+        found = super().typical()
+        found[STEP] = self._very_short(), 0
+        return found
+
+    def _very_short(self) -> Occurrences:
+        """The last step, if it were very short."""
+        last, own = self.operations[STEP], self.operations[STEP].steps[-1:]
+        operation = self._description.operation(VERY_SHORT * self.steps.h[-1:], np.ones(1))
+        sources = {key: Source(x.all(len(last))[-1:]) for key, x in last.sources.items()}
+        return Occurrences(operation, last.tables, own, own + 1, last.times[-1:], sources)
+
+    def _projections(self) -> Occurrences:
+        steps = self.steps
+        if self._description.projects:
+            assert isinstance(steps, Steps)
+            at = np.flatnonzero(steps.removed)
+            s, sigma, removed = steps.correction[at], steps.impulse[at], steps.removed[at]
+        else:
+            at, s, sigma, removed = np.zeros(0, np.int64), steps.q[:0], steps.lam[:0], np.zeros(0)
+        operation = projection(self._description.state, removed)
+        values = {"q": steps.q[at], "v": steps.v[at] - s, "a": s, "lam": sigma}
+        of_stage = {(0, name): x for name, x in values.items()}
+        return self.at_states(operation, at, at + 1, steps.t[at], of_stage)
+
+    def _accelerations(self, nodes: Array | None) -> Occurrences:
+        steps, operation = self.steps, accelerations(self._description.state)
+        given = "a" in self._description.step(1.0, 1.0).update
+        at = np.zeros(0, np.int64) if given else np.arange(1, len(steps) + 1) if nodes is None else nodes
+        values = {(0, name): getattr(steps, name)[at] for name in ("q", "v", "a", "lam")}
+        return self.at_states(operation, at - 1, at, steps.t[at], values)

@@ -10,7 +10,6 @@ import numpy as np
 from ...._jit.link import link
 from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
-from ....results import StepsTaken
 from ....system.lane_room import aligned
 from ..panel_loop import Factors
 from ..stages_matrix import StagesMatrix
@@ -19,15 +18,16 @@ from .block_loop import Matrices
 from .blocks import OPERATIONS, Blocks, run_of
 from .maps import maps_of
 from .matrix import OperationMatrix
-from .record import STEP, Occurrences, Record
+from .record import Occurrences, Operations, Remembered
 from .stacked import Series, parts_of, series
 
 # Last relative change of a solution up to which pivots are kept: those of a very short step, those chosen for this one
 TRUSTED = (1e-8, 1e-3)
 Order = tuple[list[Factors | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
-ORDERS: WeakKeyDictionary[StepsTaken, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
+ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
+NO_STATES = np.zeros((0, 0, 0))
 NO_NODES = loop.Nodes._make(np.zeros((0, 0, 0)) for _ in loop.Nodes._fields)
 NOT_WEIGHED = loop.Weighed(
     NO_NODES, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
@@ -47,6 +47,17 @@ class PerOperation(NamedTuple):
         return cls(parts_of(stacked, [x.shape for x in parts]), stacked)
 
 
+def unknowns_of(record: Operations, columns: int) -> PerOperation:
+    """Zeros for the unknowns of all operations."""
+    return PerOperation.of([np.zeros((len(one), one.tables.n, columns)) for one in record.operations])
+
+
+def stages_of(record: Operations, columns: int) -> PerOperation:
+    """Zeros for the stages' quantities of all operations."""
+    sizes = [(len(one), one.tables.stage_size, columns) for one in record.operations]
+    return PerOperation.of([np.zeros(size) for size in sizes])
+
+
 class Sweep:
     """The derivatives of the operations of one run.
 
@@ -57,7 +68,7 @@ class Sweep:
     b_dot : (len(system.b), k) changes of the numbers, for `forward`
     """
 
-    def __init__(self, record: Record, columns: int, b_dot: Array | None = None) -> None:
+    def __init__(self, record: Operations, columns: int, b_dot: Array | None = None) -> None:
         self.record, self.columns = record, columns
         self.b = record.steps.b.copy()
         self._blocks = Blocks(record, columns, b_dot)
@@ -67,7 +78,7 @@ class Sweep:
         self._order: Order | None = None
         self._inherited: list[Factors | None] = []
 
-    def over(self, record: Record) -> Sweep:
+    def over(self, record: Operations) -> Sweep:
         """Go on with other steps of the same run, those before; the sweep for them."""
         if [len(one) > 0 for one in record.operations] != [one is not None for one in self._blocks.tables]:
             found = Sweep(record, self.columns)
@@ -97,13 +108,11 @@ class Sweep:
 
     def unknowns(self) -> PerOperation:
         """Room for the adjoint variables of all operations."""
-        sizes = [(len(one), one.tables.n, self.columns) for one in self.record.operations]
-        return PerOperation.of([np.zeros(size) for size in sizes])
+        return unknowns_of(self.record, self.columns)
 
     def stages(self) -> PerOperation:
         """Room for changes of the stages' quantities of all operations."""
-        sizes = [(len(one), one.tables.stage_size, self.columns) for one in self.record.operations]
-        return PerOperation.of([np.zeros(size) for size in sizes])
+        return stages_of(self.record, self.columns)
 
     def backward(
         self,
@@ -112,6 +121,7 @@ class Sweep:
         first: int = 0,
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
+        begun: Array | None = None,
     ) -> Array:
         """From the end to the start of step `first`, in place; the gradient by the numbers of the elements (nb, k).
 
@@ -121,8 +131,10 @@ class Sweep:
         given : gradients of responses by the ends of the steps from `first` on
         stored : takes the adjoint variables
         sources : changes of the gradients of the Lagrangians by the stages' quantities, where an adjoint changes
+        begun : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
+            do not depend on each other
         """
-        timeline, run = self._timeline(first), run_of(self.record, first)
+        timeline, run = self._timeline(first, None, begun), run_of(self.record, first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0
         arrays = (
             state,
@@ -149,13 +161,15 @@ class Sweep:
         sources: PerOperation | None = None,
         first: int = 0,
         last: int | None = None,
+        begun: Array | None = None,
     ) -> None:
         """Through the steps first:last, in place; derivatives at their ends are written to `given`.
 
         `sources` are changes of the equations besides those by the numbers of elements; `stored` takes the changes of
-        the stages' quantities.
+        the stages' quantities. `begun` are those of the states before the steps (steps, entries, 1), if these are
+        states that do not depend on each other.
         """
-        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last)
+        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last, begun)
 
     def weighed(
         self,
@@ -173,13 +187,15 @@ class Sweep:
         width, panels = self._blocks.width, -(-self.columns // self._blocks.width)
         ends, rows = (np.zeros(n, np.uint64) for n in (count + 1, count * size))
         weighed = loop.Weighed(by, ends, rows, np.zeros(count * size), aligned(panels, count * width))
-        self._forward(state, NO_NODES, weighed, None, sources, first, last)
+        self._forward(state, NO_NODES, weighed, None, sources, first, last, None)
         return self._from_panels(weighed.total)
 
     def _forward(
-        self, state: Array, given: Any, weighed: Any, stored: Any, sources: Any, first: int, last: int | None
-    ) -> None:
-        timeline, run, e = self._timeline(first, last), run_of(self.record, first), 0
+        self, state: Array, given: loop.Nodes, weighed: loop.Weighed, stored: PerOperation | None,
+        sources: PerOperation | None, first: int, last: int | None, begun: Array | None,
+    ) -> None:  # fmt: skip
+        states = None if begun is None else begun.reshape(len(begun), 1, -1)
+        timeline, run, e = self._timeline(first, last, states), run_of(self.record, first), 0
         panels, tried = self._in_panels(state), (-1, 0)
         self._work.done[0] = 0
         beside = (stored.series if stored else NOTHING), (sources.series if sources else NOTHING)
@@ -193,7 +209,7 @@ class Sweep:
                 tried = self._choose_pivots(timeline, e, tried)
         state[:] = self._from_panels(panels)
 
-    def _timeline(self, first: int, last: int | None = None) -> loop.Timeline:
+    def _timeline(self, first: int, last: int | None = None, states: Array | None = None) -> loop.Timeline:
         """The operations of some steps."""
         end = len(self.record.steps) if last is None else last
         operations = np.concatenate([np.full(len(one), n) for n, one in enumerate(self.record.operations)])
@@ -202,8 +218,14 @@ class Sweep:
         order = np.argsort(steps * OPERATIONS + operations, kind="stable")
         order = order[(steps[order] >= first) & (steps[order] < end)]
         own = steps[order]
-        nodes = np.where(np.append(own[1:] != own[:-1], True)[-len(own) :], own - first, -1)
-        return loop.Timeline(operations[order], occurrences[order], nodes)
+        ends = np.append(own[1:] != own[:-1], True)[-len(own) :]
+        nodes = np.where(ends, own - first, -1)
+        begun = np.full(len(own), -1)
+        if states is not None:
+            begun[np.append(True, ends[:-1])[: len(own)]] = nodes[ends]
+        return loop.Timeline(
+            operations[order], occurrences[order], nodes, begun, NO_STATES if states is None else states
+        )
 
     def _in_panels(self, state: Array) -> Array:
         """The derivatives of the state of a panel one after another; those missing in the last are zero."""
@@ -227,8 +249,7 @@ class Sweep:
             orders = ORDERS.setdefault(self.record.steps, {})
             known = None if self._inherited else orders.get((*present, self._blocks.panels))
             if known is None:
-                factors = [self._pivots(n, one, len(one) - 1) for n, one in enumerate(self.record.operations)]
-                factors[STEP] = self._pivots(STEP, self.record.very_short(), 0)
+                factors = [self._pivots(n, *one) for n, one in enumerate(self.record.typical())]
                 pairs = zip(factors, self._inherited, strict=False)
                 factors[: len(self._inherited)] = [own and (before or own) for own, before in pairs]
                 known = orders[*present, self._blocks.panels] = factors, self._blocks.matrices(factors)
@@ -242,7 +263,7 @@ class Sweep:
         op, k = int(timeline.operations[e]), int(timeline.occurrences[e])
         one = self.record.operations[op]
         if times > 1:
-            t = self.record.steps.t[one.steps[k] + 1]
+            t = one.times[k].max()
             raise SingularMatrix(f"the equations of the step to t = {t:.6g} s are singular")
         assert self._order is not None
         factors = [

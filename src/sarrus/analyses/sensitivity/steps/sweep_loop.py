@@ -36,11 +36,18 @@ LARGER = 1e2  # times the squares of L may be those of factors with which a solu
 
 
 class Timeline(NamedTuple):
-    """The operations of a sweep in their order: which each is, its occurrence, and the node that it ends at, or -1."""
+    """The operations of a sweep in their order.
+
+    operations, occurrences, nodes : which each is, its occurrence, and the node that it ends at, or -1
+    states : derivatives of states that do not depend on each other, or by these, one for each node; or none
+    begun : the state with which each operation begins, or -1
+    """
 
     operations: Any
     occurrences: Any
     nodes: Any
+    begun: Any
+    states: Any
 
 
 class Work(NamedTuple):
@@ -309,6 +316,15 @@ def add_rows(x: Any, first: Any, out: Any) -> None:
             out[first + k, c] += x[k, c]
 
 
+@compiled
+def exchange(bars: Any, out: Any) -> None:
+    """Out = bars, which begin with zero again."""
+    for k in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[k, c] = bars[k, c]
+            bars[k, c] = 0.0
+
+
 @compiled(entry=True)
 def backward(
     layout: Any, kernels: Any, b: Any, run: Any, timeline: Any, e: Any, last: Any, matrices: Any, block: Any, work: Any,
@@ -326,6 +342,8 @@ def backward(
             linearize(layout, kernels, b, run, op, k, -1, matrices, block)
         if not backward_operation(layout, run, op, k, matrices, block, work, bars, stored, sources):
             break
+        if timeline.begun[e] >= 0:
+            exchange(bars, timeline.states[timeline.begun[e]])
         work.done[0] = 0
         e -= 1
     for op in range(len(block.used)):
@@ -437,6 +455,8 @@ def forward(
         op, k = timeline.operations[e], timeline.occurrences[e]
         if block.used[op, 1] == block.used[op, 0]:
             linearize(layout, kernels, b, run, op, k, 1, matrices, block)
+        if timeline.begun[e] >= 0 and work.done[0] == 0:
+            state[:] = timeline.states[timeline.begun[e]]
         if not forward_panels(layout, run, op, k, columns, matrices, block, work, state, stored, sources):
             break
         if timeline.nodes[e] >= 0:

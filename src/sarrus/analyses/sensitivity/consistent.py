@@ -124,7 +124,8 @@ class ConsistentSampling(Sampling):
             memory[rows] = piece.memory[steps]
             if len(piece.left_out):
                 left_out[rows] = piece.left_out[steps + 1]
-            for choice in np.unique(left_out[rows], axis=0):
+            choices = np.unique(left_out[rows], axis=0) if len(piece.left_out) else left_out[rows[:1]]
+            for choice in choices:
                 own = rows[(left_out[rows] == choice).all(axis=1)]
                 found = Sampler(system, Chosen(system, choice), piece.b, apart=apart(piece)).states(
                     nodes, t[own]

@@ -89,7 +89,7 @@ class ConsistentStates:
         if not self.defined.any():
             return self
         none = replace(self, dq=np.zeros_like(self.dq), dv=np.zeros_like(self.dv))
-        sweep = ConsistentSweep(system, none, False)
+        sweep = ConsistentSweep(system, none, moving=False, motion=False)
         begun = {"q0": -self.dq[:, :, None], "v": -self.dv[:, :, None]}
         stages = sweep.along(begun, np.zeros((len(self.b), 1)))[1]
         found = [self.sigma.copy(), self.rho.copy()]

@@ -258,6 +258,4 @@ class ConsistentSampling(Sampling):
 def _by_places(found: Back) -> dict[Key, Array]:
     """Gradients by what states are made of as those by coordinates."""
     pairs = ("q", found.q), ("v", found.v)
-    return {
-        (kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()
-    }
+    return {(kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()}

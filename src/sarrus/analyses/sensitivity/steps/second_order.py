@@ -63,7 +63,9 @@ def changes_along(
     by_b = work.by_b.reshape(-1, LANES).sum(axis=1)
     whole = ChangesAlong(found, by_b, np.zeros(len(record.steps)))
     for n in [n for n, one in enumerate(record.operations) if curves and len(one)]:
-        _add_curves(n, record, b_dot, stages.parts[n][:, :, 0], adjoint.parts[n][:, :, 0], curves, t_dot, whole)
+        _add_curves(
+            n, record, b_dot, stages.parts[n][:, :, 0], adjoint.parts[n][:, :, 0], curves, t_dot, whole
+        )
     return whole
 
 

@@ -173,3 +173,23 @@ def test_a_notebook_shows_it_in_a_closed_frame(browser: Any, tmp_path: Path) -> 
     opened.wait("document.documentElement.dataset.ready === 'yes'", frame)
     assert opened.complaints == []
     opened.tab.close()
+
+
+def test_curves_of_outputs_have_the_present_value(browser: Any, tmp_path: Path, pictures: Path) -> None:
+    names = ["spring.tension", "pin.angle"]
+    options = {"outputs": names, "beside": [run()], "labels": ["one", "two"]}
+    opened = Opened(browser, run().animate(tmp_path / "curves.html", play=False, **options))
+    wanted = {name: run().output(name) for name in names}
+    for time_ in (0.0, 1.0, 2.0):
+        opened.tab.evaluate(f"sarrus.show({time_})")
+        lines = opened.tab.inner_text("#curves").split("\n")
+        for name, line in zip(names, filter(None, lines), strict=True):
+            shown, unit = line.removeprefix(f"{name} = ").split(" ")
+            assert unit == wanted[name].unit
+            there = np.interp(time_, wanted[name].t, wanted[name].values)
+            assert float(shown) == pytest.approx(there, rel=1e-3, abs=1e-6)
+    before = opened.shot(pictures / "curves.png")
+    opened.tab.evaluate("sarrus.show(0.3)")
+    assert abs(opened.shot(pictures / "curves_early.png") - before)[100:240, 14:240].max() > 50
+    assert opened.complaints == []
+    opened.tab.close()

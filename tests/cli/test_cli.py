@@ -70,7 +70,24 @@ def test_view(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_view_of_a_motion(tmp_path: Path) -> None:
     page = tmp_path / "crank.html"
-    assert main(["view", SLIDER_CRANK, "--until", "0.2", "--trace", "rod", "--output", str(page)]) == 0
+    assert (
+        main(
+            [
+                "view",
+                SLIDER_CRANK,
+                "--until",
+                "0.2",
+                "--trace",
+                "rod",
+                "--plot",
+                "spring.tension",
+                "--output",
+                str(page),
+            ]
+        )
+        == 0
+    )
+    assert '"curves":[{"name":"spring.tension","unit":"N"' in page.read_text()
     assert '"traces":[{"body":2' in page.read_text()
 
 
@@ -109,6 +126,8 @@ MISUSE = [
         "x.gif: a film needs a motion; give its duration with --until",
     ),
     ("view {} --until 1 --trace rope", "no body 'rope' in slider-crank"),
+    ("view {} --until 1 --plot slider.w", "slider-crank has no output 'slider.w'; did you mean"),
+    ("view {} --plot slider.x", "--plot needs a motion. Give its duration with --until."),
     ("demo --output {}", "is a file, not a folder; choose another --output"),
 ]
 

@@ -157,3 +157,21 @@ def test_misuse_is_told(tmp_path: Path) -> None:
         empty.animate(tmp_path / "motion.html")
     with pytest.raises(KeyError, match="no joint or driver 'pim'"):
         run().animate(tmp_path / "motion.html", reactions=["pim"])
+
+
+def test_curves_are_outputs(tmp_path: Path) -> None:
+    names = ("rod(0.1, 0, 0).y", "pin.force.z", "energy.total")
+    parts = page(count=41, outputs=names)
+    curves = parts.told["runs"][0]["curves"]
+    assert [one["name"] for one in curves] == list(names)
+    assert [one["unit"] for one in curves] == ["m", "N", "J"]
+    for one in curves:
+        wanted = run().output(one["name"]).values
+        assert parts.array(one["values"], 1)[:, 0] == pytest.approx(wanted, rel=1e-5, abs=1e-5)
+    assert page(traces=("rod(0.1, 0, 0)",)).told["runs"][0]["traces"] == [{"body": 2, "point": [0.1, 0, 0]}]
+    with pytest.raises(KeyError, match=r"no output 'rod\.w'; did you mean"):
+        run().animate("x.html", outputs=["rod.w"])
+    with pytest.raises(ValueError, match="only pages show curves"):
+        run().animate(tmp_path / "x.gif", outputs=["rod.x"])
+    with pytest.raises(KeyError, match=r"rod\(1, 2\) is no point"):
+        run().animate("x.html", traces=["rod(1, 2)"])

@@ -38,15 +38,27 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
 @provides
 def points(system: System, part: str | None) -> Iterator[Output]:
     """Position, velocity and acceleration of a point of a body: ``rod(0.1, 0, 0).x``."""
-    found = POINT.fullmatch(part or "")
-    if not found or found["body"] not in system.bodies:
-        return
+    if part and (found := point_of(system, part)):
+        yield from _of_point(part, *found)
+
+
+def point_of(system: System, name: str) -> tuple[str, tuple[float, float, float]] | None:
+    """Body and coordinates of a point ``rod(0.1, 0, 0)``; None for any other name.
+
+    Raises
+    ------
+    UnknownOutput
+        If its coordinates are not three numbers.
+    """
+    found = POINT.fullmatch(name)
+    if not found or found["rest"] or found["body"] not in system.bodies:
+        return None
     try:
         x, y, z = (float(number) for number in found["place"].split(","))
     except ValueError:
-        message = f"{system.name}: {part} is no point. Give three numbers, as in body(0.1, 0, 0).x."
+        message = f"{system.name}: {name} is no point. Give three numbers, as in {found['body']}(0.1, 0, 0)."
         raise UnknownOutput(message) from None
-    yield from _of_point(str(part), found["body"], (x, y, z))
+    return found["body"], (x, y, z)
 
 
 def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = None) -> Iterator[Output]:

@@ -12,10 +12,11 @@ from ..algebra import Array
 from ..model import Model, Point
 from ..model.blueprint import blueprint
 from ..model.coordinates import number_of
+from ..outputs.bodies import point_of
 from ..results import Modes, Trajectory
 from ..system import System
 from .browser import Page, Shown, write_page
-from .browser.page import in_notebook
+from .browser.page import Curve, in_notebook
 from .film import write_film, write_picture
 from .glb import write_glb
 from .looks import Sketch, sketch
@@ -92,6 +93,7 @@ def animate(
     beside: Iterable[Trajectory] = (),
     labels: Sequence[str] = (),
     traces: Iterable[Trace] = (),
+    outputs: Iterable[str] = (),
     reactions: Sequence[str] | bool | None = None,
     forces: bool = True,
     weights: bool = False,
@@ -111,7 +113,9 @@ def animate(
         film; left out, a notebook shows the page, and elsewhere it is opened in the browser
     beside : further runs, drawn over the first, each in one colour
     labels : names of all runs, the first one's too
-    traces : bodies, by name (their centres of mass), and points whose paths are drawn
+    traces : bodies, by name (their centres of mass), and points, also by name, ``"rod(0.1, 0, 0)"``, whose paths are
+        drawn
+    outputs : names of outputs, ``"spring.tension"``, whose curves over time a page shows beside the mechanism
     reactions : names of joints and drivers whose reactions are arrows, or whether all; left out, all if they are few
     forces : whether springs, loads, tyres and contacts are arrows
     weights : whether the weights of bodies are arrows too
@@ -130,17 +134,22 @@ def animate(
     Raises
     ------
     KeyError
-        If there is no such body, joint or driver.
+        If there is no such body, joint, driver or output.
     ValueError
         If the file has an ending that cannot be written, or a run holds no states or does not know its system.
     """
-    ending = _ending(file, (".html", ".glb", ".gif", ".mp4"))
+    ending, curves = _ending(file, (".html", ".glb", ".gif", ".mp4")), tuple(outputs)
+    if curves and ending != ".html":
+        raise ValueError(f"{file}: only pages show curves of outputs. Write .html, or leave out `outputs`.")
     runs = [run, *beside]
     titles = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
     if len(titles) != len(runs):
         raise ValueError(f"there are {len(runs)} runs, but {len(titles)} labels; give one for each")
     wanted = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
     shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, titles, strict=True)]
+    shown = [
+        one._replace(curves=_curves(of, curves, one.frames)) for one, of in zip(shown, runs, strict=True)
+    ]
     if ending == ".glb":
         return _glb(shown[0], file)
     if ending in (".gif", ".mp4"):
@@ -162,12 +171,20 @@ def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, cou
     return Shown(name, drawn, at, arrows(run, at, *wanted), [_place(trace, run, drawn) for trace in traces])
 
 
+def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
+    """Outputs at the times of the frames."""
+    found = [run.output(name) for name in names]
+    return [Curve(one.name, one.unit, np.interp(at.t, one.t, one.values)) for one in found]
+
+
 def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
     """Number of the body, and the point in its axes."""
     if isinstance(trace, Point):
         poses = {body.name: body.pose() for body in run.system.model.bodies}
         local = trace.resolve(poses, "traces")
         return run.bodies.index(local.body) + 1, np.array(local.s)
+    if point := point_of(run.system, trace):
+        return number_of(point[0], run.bodies, run.name) + 1, np.array(point[1])
     number = number_of(trace, run.bodies, run.name)
     return number + 1, drawn.centers[number]
 

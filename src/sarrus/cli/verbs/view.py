@@ -35,7 +35,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--until", type=positive, metavar="T", help="simulate to this time [s] and play the motion"
     )
     parser.add_argument(
-        "--trace", nargs="+", default=[], metavar="BODY", help="draw the paths of these bodies"
+        "--trace",
+        nargs="+",
+        default=[],
+        metavar="POINT",
+        help="draw the paths of these bodies and points, e.g. rod 'rod(0.1, 0, 0)'",
+    )
+    parser.add_argument(
+        "--plot",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="outputs whose curves the page of a motion shows",
     )
     parser.add_argument("--names", action="store_true", help="begin with the names of bodies shown")
     parser.add_argument(
@@ -53,6 +64,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.output])
     if chosen.output and chosen.output.suffix.lower() in FILMS and not chosen.until:
         raise SarrusError(f"{chosen.output}: a film needs a motion; give its duration with --until")
+    if chosen.plot and not chosen.until:
+        raise SarrusError("--plot needs a motion. Give its duration with --until.")
     model = model_file.read(chosen)
     return _motion(model, chosen, answer) if chosen.until else _still(model, chosen, answer)
 
@@ -77,7 +90,7 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     from ...views import animate
 
     system = System(model)
-    _refuse_unknown(chosen.trace, system)
+    _refuse_unknown(chosen, system)
     start = assemble(system)
     answer.show(start.message)
     answer.put(model=system.name, message=start.message)
@@ -87,17 +100,23 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
         motion = simulate(system, start, until=chosen.until, progress=bar.reach)
     answer.show(named(system.name, motion.message))
     answer.put(message=motion.message)
-    _report(animate(motion, chosen.output, traces=chosen.trace, names=chosen.names), answer)
+    _report(
+        animate(motion, chosen.output, traces=chosen.trace, outputs=chosen.plot, names=chosen.names), answer
+    )
     return 0 if motion.success else 1
 
 
-def _refuse_unknown(names: list[str], system: System) -> None:
-    """Raise a SarrusError for a body that is not there, before anything is simulated."""
+def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
+    """Raise a SarrusError for a body or output that is not there, before anything is simulated."""
     from ...model.errors import SarrusError
+    from ...outputs import find_output
+    from ...outputs.bodies import point_of
 
-    for name in names:
+    for name in chosen.plot:
+        find_output(system, name)
+    for name in chosen.trace:
         try:
-            system.coordinates_of(name)
+            system.coordinates_of((point_of(system, name) or (name,))[0])
         except KeyError as unknown:
             raise SarrusError(unknown.args[0]) from None
 

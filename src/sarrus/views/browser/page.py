@@ -65,14 +65,23 @@ SHORT = 2.0  # [s] a run that is shorter is slowed down
 FLAT = 0.02  # of the largest extent: a mechanism that is thinner is first seen from the front
 
 
+class Curve(NamedTuple):
+    """An output at the times of the frames."""
+
+    name: str
+    unit: str
+    values: Array
+
+
 class Shown(NamedTuple):
-    """A run as it is shown: its name, its sketch, frames, arrows, and traces as (body number, point in its axes)."""
+    """A run as it is shown: name, sketch, frames, arrows, traces as (body number, point in its axes), and curves."""
 
     name: str
     sketch: Sketch
     frames: Frames
     arrows: Sequence[Arrow] = ()
     traces: Sequence[tuple[int, Array]] = ()
+    curves: Sequence[Curve] = ()
 
 
 class Numbers:
@@ -236,4 +245,5 @@ def _run(run: Shown, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[s
             one._asdict() | {"points": numbers.add(one.points), "ways": numbers.add(one.ways)}
             for one in run.arrows
         ],
+        "curves": [one._asdict() | {"values": numbers.add(one.values)} for one in run.curves],
     }

@@ -195,6 +195,7 @@ class Viewer {
     this.makeSwitches();
     this.makeTime();
     this.makeHover();
+    this.curves = this.data.runs[0].curves.map((_, n) => new Curve(this, n));
     $("photo").onclick = () => this.photo();
     $("film").onclick = () => this.film();
     $("film").hidden = !this.moves || !window.MediaRecorder;
@@ -359,6 +360,7 @@ class Viewer {
   show(time) {
     this.time = time;
     for (const actor of this.actors) actor.show(time);
+    for (const curve of this.curves) curve.show(time);
     $("slider").value = time;
     $("clock").textContent = `${time.toFixed(this.data.digits)} s`;
   }
@@ -612,6 +614,46 @@ class Actor {
       one.position.y = length - 0.75 * n * head;
       one.scale.setScalar(head / (7 * arrow.radius));
     });
+  }
+}
+
+// An output over time, of all runs, with a mark at the present time.
+class Curve {
+  constructor(viewer, n) {
+    this.viewer = viewer;
+    this.data = viewer.data.runs[0].curves[n];
+    this.lines = viewer.actors.map((actor) => ({ actor, values: viewer.array(actor.data.curves[n].values) }));
+    [this.low, this.high] = [Infinity, -Infinity];
+    for (const { values } of this.lines)
+      for (const value of values) [this.low, this.high] = [Math.min(this.low, value), Math.max(this.high, value)];
+    this.words = document.createElement("div");
+    this.canvas = document.createElement("canvas");
+    [this.canvas.width, this.canvas.height] = [440, 112];
+    $("curves").append(this.words, this.canvas);
+  }
+
+  show(time) {
+    const { from, until } = this.viewer;
+    const { width, height } = this.canvas;
+    const pen = this.canvas.getContext("2d");
+    const x = (t) => ((t - from) / (until - from || 1)) * width;
+    const y = (value) => height - 6 - (this.high > this.low ? (value - this.low) / (this.high - this.low) : 0.5) * (height - 12);
+    const line = (color, points) => {
+      pen.strokeStyle = color;
+      pen.beginPath();
+      for (const [a, b] of points) pen.lineTo(a, b);
+      pen.stroke();
+    };
+    pen.clearRect(0, 0, width, height);
+    pen.lineWidth = 3;
+    for (const { actor, values } of this.lines)
+      line(actor.data.color || "#23282e", Array.from(values, (value, k) => [x(actor.start + k * actor.data.step), y(value)]));
+    line("#c2410c", [[x(time), 0], [x(time), height]]);
+    const { actor, values } = this.lines[0];
+    const place = Math.min(Math.max((time - actor.start) / actor.data.step, 0), values.length - 1);
+    const k = Math.floor(place);
+    const value = values[k] + (place - k) * (values[Math.min(k + 1, values.length - 1)] - values[k]);
+    this.words.textContent = `${this.data.name} = ${+value.toPrecision(4)} ${this.data.unit}`;
   }
 }
 

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 import sarrus as sr
-from sarrus.io.robot.names import legal
+from sarrus.io.robot.description import legal
 from sarrus.model.file import include
 
 HEAD = "name: large\nbodies:\n  a: {mass: 1, inertia: [1, 1, 1]}\n"

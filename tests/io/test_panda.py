@@ -125,5 +125,5 @@ def _potential(robot: sr.Robot, system: sr.System, q: Any) -> float:
     heights = 0.0
     for body in robot.bodies:
         r, p = np.split(q[system.coordinates_of(body.name)], [3])
-        heights += body.mass * (r + sr.model.rotation.matrix(p) @ np.array(body.center_of_mass))[2]
+        heights += body.mass * (r + sr.model.geometry.rotation.matrix(p) @ np.array(body.center_of_mass))[2]
     return 9.81 * heights

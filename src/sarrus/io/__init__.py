@@ -1,4 +1,8 @@
-"""Reading mechanisms that were written for other programs."""
+"""Reading mechanisms that were written for other programs: URDF, MJCF, and their side files.
+
+`urdf` and `mjcf` each make a description of a file, `robot` a model of a description. Sarrus' own model files are read
+by `sarrus.model.file`.
+"""
 
 from .by_ending import load_any as load_any
 from .mjcf import load_mjcf as load_mjcf

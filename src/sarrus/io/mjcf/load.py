@@ -7,17 +7,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...model.checks.arguments import checked
 from ...model.errors import ModelError
 from ...model.quantity import triple
 from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import InertiaOption, MimicOption
-from .bodies import edges_of, links_of, visuals_of
+from .bodies import edges_of, limits_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
-from .joints import limits_of, zeros_of
 from .loops import closing_joints, mimics_of
-from .notes import notes
 
 
 @checked
@@ -82,3 +82,24 @@ def _description(read: Any, path: Path) -> Description:
         notes=notes(read),
         zero=zeros_of(read),
     )
+
+
+PER_FREEDOM = {
+    "dof_damping": "damping of {n} joint freedoms is left out",
+    "dof_frictionloss": "dry friction of {n} joint freedoms is left out",
+    "dof_armature": "armature of {n} joint freedoms is left out: the mass matrix is that of the bodies",
+}
+COUNTS = {
+    "nu": "{n} actuators are left out",
+    "ntendon": "{n} tendons are left out",
+    "ngeom": "{n} shapes are used for drawing only: there is no contact",
+}
+
+
+def notes(compiled: Any) -> list[str]:
+    """Return one message for each kind of thing that is left out."""
+    counts = {message: int(np.count_nonzero(getattr(compiled, key))) for key, message in PER_FREEDOM.items()}
+    counts["springs of {n} joints are left out"] = int(np.count_nonzero(compiled.jnt_stiffness))
+    counts["limits of {n} joints are stored, not enforced"] = int(np.count_nonzero(compiled.jnt_limited))
+    counts |= {message: int(getattr(compiled, key)) for key, message in COUNTS.items()}
+    return [message.format(n=n) for message, n in counts.items() if n]

@@ -14,10 +14,9 @@ from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
 from ...model.show import quote
 from ..robot import Mimic, Robot
-from ..robot.names import legal
-from .bodies import names_of
+from ..robot.description import legal
+from .bodies import joint_names, names_of
 from .compiled import mujoco
-from .joints import joint_names
 
 CONNECT, WELD, JOINT = range(3)  # mjtEq
 BODY = 1  # mjtObj

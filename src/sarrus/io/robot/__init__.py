@@ -4,9 +4,9 @@ from .build import build as build
 from .description import Description as Description
 from .description import Edge as Edge
 from .description import Inertial as Inertial
+from .description import Limit as Limit
 from .description import Link as Link
+from .description import Mimic as Mimic
 from .description import Visual as Visual
 from .options import ImportOptions as ImportOptions
-from .robot import Limit as Limit
-from .robot import Mimic as Mimic
 from .robot import Robot as Robot

@@ -1,15 +1,19 @@
-"""The bodies of a robot: body frames are link frames, so the centre of mass is elsewhere."""
+"""The bodies of a robot: body frames are link frames, and an inertia may be taken as it is given."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from ...model.bodies.body import Body
+import numpy as np
+
+from ...algebra import Array
+from ...model.bodies.body import Body, MassProperties
 from ...model.errors import ModelError
 from ...model.geometry.pose import Pose
+from ...model.quantity import positive, vector
 from ...model.show import quote
 from .description import Description, Edge, Inertial
-from .given_body import GivenBody
 from .merge import Merged
 from .options import InertiaOption
 
@@ -58,3 +62,37 @@ def _inertial(merged: Merged, edge: Edge) -> Inertial:
         remedy = f"give it an inertial, or stop the joint that moves it, lock=[{quote(edge.name)}]"
         raise ModelError(f"moves, but neither it nor what is fixed to it has mass; {remedy}", field="mass")
     return inertial
+
+
+ROUND_OFF = 1e-9  # of the largest moment: a negative moment that comes from rounded numbers
+
+
+@dataclass(frozen=True, eq=False)
+class GivenBody(Body):
+    """A body whose inertia need not be that of a distribution of mass, but may not be negative about any axis."""
+
+    def mass_properties(self) -> MassProperties:
+        """Return the mass, inertia and centre of mass.
+
+        Raises
+        ------
+        ModelError
+            If a principal moment is negative or no number: some rotation would have a negative kinetic energy.
+        """
+        mass = positive(self.mass, "mass", "give the mass in kg")
+        J = np.array(self.inertia, dtype=float)
+        _check_not_negative(J)
+        xx, yy, zz, xy, xz, yz = (float(J[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+        center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
+        return MassProperties(mass, (xx, yy, zz, xy, xz, yz), vector(center, "center_of_mass"))
+
+
+def _check_not_negative(J: Array) -> None:
+    moments = np.linalg.eigvalsh(J) if np.all(np.isfinite(J)) else np.full(3, np.nan)
+    if not moments[0] >= -ROUND_OFF * abs(moments).max():
+        message = ", ".join(f"{moment:.6g}" for moment in moments)
+        raise ModelError(
+            f"inertia has the principal moments {message}, but a negative one gives a negative kinetic energy. "
+            "Correct the inertia.",
+            field="inertia",
+        )

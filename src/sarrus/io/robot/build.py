@@ -18,15 +18,12 @@ from ...model.quantity import Array
 from ...model.show import quote
 from .bodies import bodies_of
 from .carried import Carried
-from .chains import fold
-from .description import WORLD, Description, Edge, Link
+from .description import WORLD, Description, Edge, Link, legal
 from .joints import Hinge, joint
-from .merge import Merged, lock, merge
+from .merge import Merged, fold, merge, stopped
 from .mimics import couplers, followers, freed, standing
-from .names import legal
-from .options import ImportOptions
+from .options import ImportOptions, known, values_of
 from .robot import Robot
-from .values import known, values_of
 
 BASE = "base"  # the motion of a floating root
 
@@ -50,7 +47,9 @@ def build(description: Description, options: ImportOptions) -> Robot:
         locked = standing(description.mimics, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
     notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
-    description = replace(description, edges=lock(description.edges, stops), notes=notes)
+    description = replace(
+        description, edges=[stopped(edge, stops) for edge in description.edges], notes=notes
+    )
     merged = fold(merge(description, keep_fixed=options.keep_fixed))
     return _robot(description, options, merged, values)
 

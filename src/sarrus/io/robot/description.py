@@ -1,17 +1,19 @@
-"""A robot description without its format: links, and edges that attach each link to its parent."""
+"""A robot description without its format: links, edges that attach each link to its parent, and names for a model."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...model.bodies.solid import GROUND
 from ...model.geometry.motion import Motion
 from ...model.geometry.pose import Pose
 from ...model.quantity import Array, Vec3
-from .robot import Limit, Mimic
 
 WORLD = ""  # the name of no link: the ground
 
@@ -43,6 +45,23 @@ def combined(parts: Iterable[Inertial]) -> Inertial:
         return parts[0]
     center = sum((part.mass / mass * part.center for part in parts), np.zeros(3))
     return Inertial(mass, center, sum((part.about(center) for part in parts), np.zeros((3, 3))))
+
+
+class Limit(NamedTuple):
+    """The range, speed and effort of a joint in the description, in SI units; None if not given. Not enforced."""
+
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    velocity: float | None = None
+
+
+class Mimic(NamedTuple):
+    """A joint that follows another: its value is ``multiplier`` times the other's plus ``offset``."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
 
 
 class Visual(NamedTuple):
@@ -100,3 +119,25 @@ class Description:
     def where(self, line: int) -> str:
         """Return ``file:line``, or the file alone if the format has no lines."""
         return f"{self.file}:{line}" if line else self.file
+
+
+def legal(names: Iterable[str], taken: set[str], ending: str) -> dict[str, str]:
+    """Return a name of letters, digits, _ and - for each name; one that is ``taken`` gets the ending, then numbers."""
+    found: dict[str, str] = {}
+    tried: dict[str, Iterator[str]] = {}
+    for name in names:
+        plain = _plain(name)
+        tries = tried.setdefault(plain, _tries(plain, ending))
+        found[name] = next(one for one in tries if one not in taken and one != GROUND)
+        taken.add(found[name])
+    return found
+
+
+def _plain(name: str) -> str:
+    plain = re.sub(r"[^\w-]", "_", name)
+    return plain if re.match(r"[^\W\d]", plain) else f"_{plain}"
+
+
+def _tries(name: str, ending: str) -> Iterator[str]:
+    yield from (name, f"{name}{ending}")
+    yield from (f"{name}{ending}{n}" for n in count(2))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -54,12 +54,7 @@ def merge(description: Description, *, keep_fixed: bool) -> Merged:
     return merged
 
 
-def lock(edges: Iterable[Edge], values: Mapping[str, Array]) -> list[Edge]:
-    """Return the edges with the named motions stopped at the given values."""
-    return [_stopped(edge, values) for edge in edges]
-
-
-def _stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
+def stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
     """Return the edge with a constant displacement in place of each stopped motion, before those that are left."""
     pose, left = edge.pose, list[Motion]()
     for motion in edge.motions:
@@ -93,3 +88,47 @@ def _can_stand_alone(merged: Merged, description: Description, edge: Edge) -> bo
     inertial, head = description.links[edge.child].inertial, merged.places[edge.parent].head
     heavy = head == WORLD or (head in merged.inertials and merged.inertials[head].mass > 0)
     return inertial is not None and inertial.mass > 0 and heavy
+
+
+def fold(merged: Merged) -> Merged:
+    """Return what is left when every link without mass that carries just one other is taken out.
+
+    Such a link has no place of its own afterwards; one that carries none, or several, stays.
+    """
+    above = {edge.child: edge for edge in merged.edges}
+    below: dict[str, set[str]] = {}
+    for edge in merged.edges:
+        below.setdefault(edge.parent, set()).add(edge.child)
+    for edge in merged.edges:
+        if not _has_mass(edge.child, merged) and len(below.get(edge.child, ())) == 1:
+            _take_out(edge.child, above, below)
+    heads = {WORLD, *above}
+    places = {name: place for name, place in merged.places.items() if place.head in heads}
+    return Merged(places, list(above.values()), merged.inertials)
+
+
+def _has_mass(link: str, merged: Merged) -> bool:
+    inertial = merged.inertials.get(link)
+    return inertial is not None and inertial.mass > 0
+
+
+def _take_out(link: str, above: dict[str, Edge], below: dict[str, set[str]]) -> None:
+    """Join the edge above a link with the one below it, if one joint can have the motions of both."""
+    (child,) = below[link]
+    one = _in_one(above[link], above[child])
+    if one is not None:
+        above[child] = one
+        del above[link]
+        below[one.parent] ^= {link, child}
+
+
+def _in_one(above: Edge, below: Edge) -> Edge | None:
+    """Return both edges as one, or None if the motions of the first cannot be expressed in the axes of the second."""
+    motions: list[Motion] = []
+    for motion in above.motions:
+        converted = motion.expressed_in(below.pose)
+        if converted is None:
+            return None
+        motions.append(converted)
+    pose = compose(above.pose, below.pose)
+    return Edge(below.name, above.parent, below.child, pose, (*motions, *below.motions), below.line)

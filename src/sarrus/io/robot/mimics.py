@@ -10,11 +10,9 @@ from ...model import Coupler
 from ...model.errors import ModelError
 from ...model.quantity import Array
 from ...model.show import quote
-from .description import Description, Edge
+from .description import Description, Edge, Mimic, legal
 from .joints import coordinate_of
 from .merge import Merged
-from .names import legal
-from .robot import Mimic
 
 
 def followers(description: Description, values: Mapping[str, Array]) -> dict[str, Array]:

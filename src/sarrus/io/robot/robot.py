@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
 
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
@@ -15,28 +14,8 @@ from ...model.geometry.tree import TreeModel
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
-from .carried import Carried
-from .looks import look_of
-
-if TYPE_CHECKING:
-    from .description import Visual
-
-
-class Limit(NamedTuple):
-    """The range, speed and effort of a joint in the description, in SI units; None if not given. Not enforced."""
-
-    lower: float | None = None
-    upper: float | None = None
-    effort: float | None = None
-    velocity: float | None = None
-
-
-class Mimic(NamedTuple):
-    """A joint that follows another: its value is ``multiplier`` times the other's plus ``offset``."""
-
-    joint: str
-    multiplier: float = 1.0
-    offset: float = 0.0
+from .carried import Carried, look_of
+from .description import Limit, Mimic, Visual
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,12 +9,9 @@ from ...model.quantity import Vec3
 from ...model.show import quote, suggest
 from ..robot import Description, Edge, Limit, Link, Visual
 from .element import Element, read_xml
-from .joint import read_joint, read_limit
+from .joint import read_joint, read_limit, read_mimics
 from .link import read_link, read_visuals
-from .mimics import read_mimics
-from .notes import notes
-from .part import Part, named
-from .reader import Reader
+from .reader import Part, Reader, named
 from .tree import in_order, root_of
 
 MOST_LINKS = 10_000
@@ -78,3 +75,23 @@ def _limits(parts: Mapping[str, Part]) -> dict[str, Limit]:
 
 def _visuals(parts: Mapping[str, Part], wrong: list[str]) -> list[Visual]:
     return [v for name, part in parts.items() for v in read_visuals(part.element, name, part.reader, wrong)]
+
+
+def notes(root: Element) -> list[str]:
+    """Return one message for each kind of thing that is left out."""
+    joints = [*root.all("joint")]
+    counts = {
+        "{n} transmissions are left out": len([*root.all("transmission")]),
+        "{n} <gazebo> extensions are left out": len([*root.all("gazebo")]),
+        "{n} collision shapes are left out: there is no contact": len(
+            [shape for link in root.all("link") for shape in link.all("collision")]
+        ),
+        "damping or friction of {n} joints is left out": sum(map(_lossy, joints)),
+        "limits of {n} joints are stored, not enforced": sum(any(joint.all("limit")) for joint in joints),
+    }
+    return [message.format(n=n) for message, n in counts.items() if n]
+
+
+def _lossy(joint: Element) -> bool:
+    given = (d.attributes.get(key, "0") for d in joint.all("dynamics") for key in ("damping", "friction"))
+    return any(value.strip().strip("0.") for value in given)

@@ -1,11 +1,11 @@
-"""Readers of the attributes of a URDF element: numbers, vectors, poses; errors name the line."""
+"""The named parts of a URDF file, and their attributes as numbers, vectors and poses; errors name the line."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -126,3 +126,23 @@ class Reader:
     def _spelling(self, message: str, given: str, known: Sequence[str], line: int) -> None:
         if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
             raise self.refusal(f"{message} {quote(given)}; {suggest(given, known)}", line)
+
+
+class Part(NamedTuple):
+    """A link or joint, and the reader that names it in errors."""
+
+    element: Element
+    reader: Reader
+
+
+def named(root: Element, tag: str, reader: Reader) -> dict[str, Part]:
+    """Return the children with a tag by their names, which must be different."""
+    found: dict[str, Part] = {}
+    for element in root.all(tag):
+        name = Reader(reader.file, tag).text(element, "name")
+        if name in found:
+            first = found[name].element.line
+            message = f"the {tag} {quote(name)} is there twice, the first time on line {first}"
+            raise reader.refusal(f"{message}; rename one of them", element.line)
+        found[name] = Part(element, Reader(reader.file, f"{tag} {quote(name)}"))
+    return found

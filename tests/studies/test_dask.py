@@ -13,7 +13,7 @@ from tests.studies.test_study_file import STUDY, written
 from sarrus.cli import main
 from sarrus.model import Model
 from sarrus.studies import Simulation, study
-from sarrus.studies.cluster import dask_executor
+from sarrus.studies.workers import dask_executor
 
 pytest.importorskip("distributed")
 ROOT = Path(__file__).parent.parent.parent
@@ -82,6 +82,6 @@ def test_from_the_command_line(tmp_path: Path, address: str, capsys: pytest.Capt
 def test_nobody_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sarrus.studies.cluster.WAIT", 0.5)
+    monkeypatch.setattr("sarrus.studies.workers.WAIT", 0.5)
     assert main(["study", str(written(tmp_path, STUDY)), "--dask", "tcp://127.0.0.1:9"]) == 2
     assert "no Dask scheduler answers at tcp://127.0.0.1:9" in capsys.readouterr().err

@@ -3,7 +3,7 @@
 import pytest
 
 import sarrus as sr
-from sarrus.studies.units import unit_of_number
+from sarrus.studies.file import unit_of_number
 
 ARM = sr.Body("arm", mass=1.0, inertia=(1, 1, 1))
 MODEL = sr.Model(

@@ -1,4 +1,8 @@
-"""Studies: one analysis for many values of a model's parameters, on one machine or many."""
+"""Studies: one analysis for many values of a model's parameters, on one machine or many.
+
+Files of studies and of optimizations are read here too, and formulas of responses. The analyses themselves, and the
+search for an optimum, are in `sarrus.analyses`; pictures are in `sarrus.views`.
+"""
 
 from .conduct import study as study
 from .first_order import Uncertainty as Uncertainty

@@ -1,23 +1,27 @@
-"""A study in a file: the model, what is varied, how, and what is asked; every error with file and line."""
+"""A study in a file, and the checked entries and units of such files; every error with file and line."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
 
-from ..model import Model
+from ..model import Model, ModelError, SarrusError, parse_expression
+from ..model.expression.dimensions import fits, unit_of
+from ..model.expression.units import unit_text
 from ..model.file.load import read
+from ..model.file.text.document import Document
+from ..model.measure import measures
+from ..model.show import suggest
 from ..system import System
 from .conduct import Asked, ask
-from .entries import Entries
 from .parameters import parameter_of, seconds
 from .responses import responses_of
 from .runs import run_of
 from .samples import sample_of
-from .units import refuse_other_units
 
 KEYS = ("name", "model", "parameters", "responses", "analysis", "sample", "time_limit")
 NEEDED = ("model", "parameters", "responses", "analysis")
@@ -63,3 +67,86 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
     for changed in parameters:
         file.part(partial(refuse_other_units, model, changed), "parameters", changed)
     return found
+
+
+def refuse_other_units(model: Model, name: str, given: Any) -> None:
+    """Raise a SarrusError for a text among the values of a number, ``5 kN/m``, that is in another unit than it."""
+    unit = unit_of_number(model, name)
+    for text in _texts(given) if unit else ():
+        powers = unit_of(parse_expression(text), {})
+        if not fits(powers, unit):
+            expected = "a plain number" if unit == "1" else unit
+            message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
+            raise SarrusError(f"{message}; give it in {expected}, or leave the unit away")
+
+
+def unit_of_number(model: Model, name: str) -> str:
+    """The unit of a number of the model, as its part declares it; none for parameters, and numbers in functions."""
+    part, *path = name.split(".")
+    if part == "gravity":
+        return "m/s^2"
+    parts = [one for section in model.sections().values() for one in section if one.name == part]
+    kind: Any = type(parts[0]) if parts else Model
+    measure = measures(kind).get(path[0]) if parts and path else None
+    if measure is None or (measure.over != "1" and len(path) > 1):
+        return ""
+    return measure.unit
+
+
+def _texts(given: Any) -> Iterator[str]:
+    """The texts of a value, a list of values, or the limits of a range; not the name of a distribution."""
+    if isinstance(given, str):
+        yield given
+    elif isinstance(given, Mapping):
+        yield from (value for key, value in given.items() if key != "distribution" and isinstance(value, str))
+    elif isinstance(given, list | tuple):
+        yield from (value for value in given if isinstance(value, str))
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The content of a file.
+
+    Attributes
+    ----------
+    document : as it was read
+    what : is described by it, "a study"
+    kind : precedes the names of keys in errors, "study, "
+    """
+
+    document: Document
+    what: str
+    kind: str = ""
+
+    def part(self, reader: Callable[[Any], Any], *path: str | int) -> Any:
+        """What the reader makes of an entry; errors name the file and the line."""
+        given: Any = self.document.data
+        for step in path:
+            given = given[step]
+        try:
+            return reader(given)
+        except (SarrusError, ValueError) as wrong:
+            where, part = self.document.origin.where(path), ".".join(map(str, path))
+            raise ModelError(str(wrong), where=where, part=self.kind + part) from None
+
+    def refused(self, message: str, *path: str | int) -> ModelError:
+        """An error with the line of an entry, or the name of the file."""
+        origin = self.document.origin
+        return ModelError(message, where=origin.where(path) if path else origin.file)
+
+    def check_keys(self, keys: Sequence[str], needed: Sequence[str]) -> None:
+        """Refuse unknown and missing keys."""
+        data: Any = self.document.data
+        if not isinstance(data, dict):
+            raise self.refused("the file is a mapping with the keys " + ", ".join(keys))
+        for key in data:
+            if key not in keys:
+                raise self.refused(f"{self.what} has no key {key!r}; {suggest(str(key), keys)}", key)
+        for key in needed:
+            if key not in data:
+                raise self.refused(f"the file lacks the key {key!r}; give it")
+
+    def check_kind(self, key: str, kind: type, wanted: str) -> None:
+        """Refuse an entry of another kind."""
+        if key in self.document.data and not isinstance(self.document.data[key], kind):
+            raise self.refused(f"{key} must be {wanted}", key)

@@ -21,8 +21,8 @@ from ..model.announcement import announce, reports_warnings
 from ..results.result import Result
 from ..system import System
 from .conduct import Asked, ask
-from .differentiable import differentiable
 from .parameters import Array, Distribution, Parameter, Range, Values
+from .responses import differentiable
 from .runs import Simulation
 from .samples import Listed
 
@@ -118,9 +118,8 @@ def uncertainty_of(
     if run.start is not None:
         run.start.refuse_moved(system, Variables(system, names))
     begin = run.assembled(system, start)
-    steps = {name: getattr(run, name) for name in ("method", "rtol", "atol", "max_step")}
     watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
-    motion = simulate(system, begin, until=run.until, store_steps=True, **steps, **watched)
+    motion = simulate(system, begin, until=run.until, store_steps=True, **run.settings, **watched)
     if motion.status == "stopped":
         raise KeyboardInterrupt
     if not motion.success:

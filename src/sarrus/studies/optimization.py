@@ -17,13 +17,11 @@ from ..model.file.load import read
 from ..model.show import suggest
 from ..results import Optimum
 from ..system import System
-from .differentiable import differentiable
-from .entries import Entries
+from .file import Entries, refuse_other_units
 from .parameters import number, seconds, whole
-from .responses import Response
+from .responses import Response, differentiable
 from .runs import Simulation, run_of
 from .source import Source
-from .units import refuse_other_units
 
 KEYS = (
     "name", "model", "parameters", "minimize", "fit", "noise", "constraints", "analysis", "solver", "starts", "seed",
@@ -61,9 +59,15 @@ class Sought:
         self, progress: Callable[[int, float], None] | None = None, total_time_limit: float | None = None
     ) -> Optimum:
         """The optimum, or the best design by a time limit."""
-        settings = {n: getattr(self.run, n) for n in ("until", "start", "method", "rtol", "atol", "max_step")}
-        common: dict[str, Any] = {**settings, **self.options, "bounds": self.bounds, "progress": progress}
-        common["total_time_limit"] = total_time_limit
+        common: dict[str, Any] = {
+            **self.run.settings,
+            **self.options,
+            "until": self.run.until,
+            "start": self.run.start,
+            "bounds": self.bounds,
+            "progress": progress,
+            "total_time_limit": total_time_limit,
+        }
         if self.objective is None:
             return fit(self.system, self.misfits, list(self.bounds), **common)
         return optimize(

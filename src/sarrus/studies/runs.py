@@ -159,6 +159,11 @@ class Simulation(Run):
         """The time of its start [s]."""
         return self.start.t if isinstance(self.start, DesignStart) else 0.0
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The options of `simulate`."""
+        return {name: getattr(self, name) for name in ("method", "rtol", "atol", "max_step")}
+
     def started(self, system: System) -> Simulation:
         """With its start for the nominal system, and for cases."""
         if self.start is None:
@@ -178,9 +183,8 @@ class Simulation(Run):
         """The trajectory."""
         _refuse_late(times, self.until, self.begin)
         grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
-        given = {n: getattr(self, n) for n in ("method", "rtol", "atol", "max_step")}
         begin = self.assembled(system, start)
-        return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **given)
+        return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **self.settings)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
         """The warnings of the assembly; the cases report its failures."""

@@ -97,7 +97,7 @@ def _executor(address: str | None) -> AbstractContextManager[Any]:
     """The cluster's executor, if one is wanted."""
     if address is None:
         return nullcontext()
-    from ...studies.cluster import dask_executor
+    from ...studies.workers import dask_executor
 
     return dask_executor(address)
 

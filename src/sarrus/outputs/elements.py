@@ -30,7 +30,8 @@ def elements(system: System, part: str | None) -> Iterator[Output]:
         for one in p.kind.outputs.values():
             name = f"{p.owners[k]}.{one.word}" + f".{number}" * (several[p.owners[k], one.word] > 1)
             for n, axis in enumerate(one.axes or ("",)):
-                element = partial(_placed, p, k, one, n) if one.arguments == 1 else None
+                of_position = one.arguments == 1 and not p.kind.timed
+                element = partial(_placed, p, k, one, n) if of_position else None
                 full, level = f"{name}.{axis}".rstrip("."), LEVELS[one.arguments]
                 yield Output(full, one.unit, partial(_record, p, k, one, n), level, element=element)
 

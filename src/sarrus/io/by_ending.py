@@ -1,4 +1,4 @@
-"""Choice of the reader of a model by the file extension."""
+"""Importers of models, found by the extension of a file. Each registers itself with `importer`."""
 
 from __future__ import annotations
 
@@ -6,46 +6,65 @@ import inspect
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 from ..model import Model, ModelError, load
 from ..model.checks.arguments import checked
 from ..model.show import suggest
 
+Read = TypeVar("Read", bound=Callable[..., Model])
+
+
+class Importer(NamedTuple):
+    """A function that reads a model, the extensions of its files, and how it recognizes one that others read, too."""
+
+    read: Callable[..., Model]
+    extensions: tuple[str, ...]
+    recognizes: Callable[[Path], bool] | None
+
+
+IMPORTERS: list[Importer] = []
+
+
+def importer(*extensions: str, recognizes: Callable[[Path], bool] | None = None) -> Callable[[Read], Read]:
+    """Register a function ``f(path, **options)`` that reads a model from files with these extensions.
+
+    Parameters
+    ----------
+    extensions : in lower case, as in ".urdf"
+    recognizes : whether a file is for this importer, where several read files with its extension
+    """
+
+    def register(read: Read) -> Read:
+        IMPORTERS.append(Importer(read, extensions, recognizes))
+        return read
+
+    return register
+
 
 @checked
 def load_any(path: str | os.PathLike[str], **options: Any) -> Model:
-    """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf) or an MJCF (.xml).
+    """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf), an MJCF (.xml), or by a user's importer.
 
     Parameters
     ----------
     path
         The file. An ``.xml`` whose first element is ``<robot>`` is a URDF too.
     options
-        Handed to `load_urdf` or `load_mjcf`; a model file takes none.
+        Handed to the importer, as `load_urdf` or `load_mjcf`; a model file takes none.
 
     Raises
     ------
     ModelError
         For anything that is wrong with the file, or an option that its reader does not have.
     """
-    read = _reader(Path(path))
+    file = Path(path)
+    fit = [one for one in reversed(IMPORTERS) if file.suffix.lower() in one.extensions]
+    fit.sort(key=lambda one: one.recognizes is None)
+    read = next((one.read for one in fit if one.recognizes is None or one.recognizes(file)), load)
     _refuse_unknown(read, options, str(path))
     model: Model = read(path, **options)
     return model
-
-
-def _reader(path: Path) -> Callable[..., Model]:
-    ending = path.suffix.lower()
-    if ending == ".urdf" or (ending == ".xml" and _is_urdf(path)):
-        from .urdf import load_urdf
-
-        return load_urdf
-    if ending == ".xml":
-        from .mjcf import load_mjcf
-
-        return load_mjcf
-    return load
 
 
 def _refuse_unknown(read: Callable[..., Model], options: Mapping[str, Any], file: str) -> None:
@@ -55,13 +74,3 @@ def _refuse_unknown(read: Callable[..., Model], options: Mapping[str, Any], file
             raise ModelError(
                 f"is read without the option {name}; {suggest(name, known)}", part="file", where=file
             )
-
-
-def _is_urdf(path: Path) -> bool:
-    """Whether an XML file begins as a robot; its reader reports one that cannot be read."""
-    from .urdf.element import read_xml
-
-    try:
-        return read_xml(path).tag == "robot"
-    except ModelError:
-        return False

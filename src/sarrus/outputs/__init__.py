@@ -4,7 +4,7 @@ Every analysis, study, plot, table and the shell take their names from here. For
 what is made of outputs, such as responses and events, is in the analyses.
 """
 
-from . import bodies, elements, joints, totals  # each registers its outputs
+from ..registration import import_modules
 from .output import Level, Output, UnknownOutput, find_output, outputs_of, provides
 from .outputs import Outputs
 
@@ -13,11 +13,9 @@ __all__ = [
     "Output",
     "Outputs",
     "UnknownOutput",
-    "bodies",
-    "elements",
     "find_output",
-    "joints",
     "outputs_of",
     "provides",
-    "totals",
 ]
+
+import_modules(__name__, __path__)  # each registers its outputs

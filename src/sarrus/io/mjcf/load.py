@@ -12,6 +12,7 @@ import numpy as np
 from ...model.checks.arguments import checked
 from ...model.errors import ModelError
 from ...model.quantity import triple
+from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import InertiaOption, MimicOption
@@ -20,6 +21,7 @@ from .compiled import compiled
 from .loops import closing_joints, mimics_of
 
 
+@importer(".xml")
 @checked
 def load_mjcf(
     path: str | os.PathLike[str],

@@ -8,15 +8,29 @@ from pathlib import Path
 from typing import Any
 
 from ...model.checks.arguments import checked
+from ...model.errors import ModelError
 from ...model.quantity import Vector, vector
+from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MimicOption
 from .describe import describe
+from .element import read_xml
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
 
+def _is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF: an XML file that begins as a robot. Its reader reports one that cannot be read."""
+    if path.suffix.lower() == ".urdf":
+        return True
+    try:
+        return read_xml(path).tag == "robot"
+    except ModelError:
+        return False
+
+
+@importer(".urdf", ".xml", recognizes=_is_urdf)
 @checked
 def load_urdf(
     path: str | os.PathLike[str],

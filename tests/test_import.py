@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from importlib import import_module
 
 import sarrus
 from sarrus.cli import VERBS
@@ -38,3 +39,35 @@ def test_what_is_heavy_is_seen() -> None:
 def test_every_public_name_is_there() -> None:
     for name in sarrus.__all__:
         assert getattr(sarrus, name) is not None
+
+
+INTERNAL = ("_Extreme", "Fine")  # responses that analyses make
+
+
+def public_classes() -> list[tuple[str, type]]:
+    """The kinds of joints, drivers, forces and responses of the package, each with the package that lists its name."""
+    from sarrus.analyses.sensitivity import Response
+    from sarrus.model import Driver, Force, Joint
+
+    parts = [kind for base in (Joint, Driver, Force) for kind in (base, *base.kinds.values())]
+    responses = [kind for kind in Response.__subclasses__() if kind.__name__ not in INTERNAL]
+    found = [*(("model", kind) for kind in parts), *(("analyses", kind) for kind in responses)]
+    return [(home, kind) for home, kind in found if kind.__module__.startswith("sarrus.")]
+
+
+def test_every_part_has_a_public_name() -> None:
+    for home, kind in public_classes():
+        place = kind.__module__.removeprefix(f"sarrus.{home}")
+        line = f"from {place} import {kind.__name__} as {kind.__name__}"
+        message = f"users cannot write sr.{kind.__name__}. Add to src/sarrus/{home}/__init__.py: {line}"
+        assert getattr(sarrus, kind.__name__, None) is kind, message
+
+
+def test_names_are_those_that_type_checkers_see() -> None:
+    """The lines that `sarrus` reads are import statements, with which type checkers follow a name to its definition."""
+    homes = {**sarrus._HOME_OF}
+    assert {homes.pop(name) for name in ("Revolute", "Body", "TSDA")} == {".model"}
+    assert homes["simulate"] == ".analyses"
+    assert homes["System"] == ".system"
+    for name, home in homes.items():
+        assert name in vars(import_module(home, "sarrus")), (name, home)

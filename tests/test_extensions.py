@@ -1,0 +1,228 @@
+"""The examples of CONTRIBUTING.md, one file for each kind of part, are added from outside of the package and used."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.cli import extensions, main, parser
+from sarrus.elements import Element
+from sarrus.io import by_ending
+from sarrus.model import Driver, Force, Joint
+from sarrus.model.file import schema_text
+from sarrus.model.geometry.rotation import matrix
+from sarrus.outputs import output
+
+PAGE = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+EXAMPLES = dict(re.findall(r"^```python\n# (\w+\.py)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE))
+SADDLE = """
+from dataclasses import dataclass
+from saddle import OnSaddle
+from sarrus import model
+from sarrus.model.primitive import Primitive
+
+@dataclass(frozen=True, eq=False)
+class Saddle(model.Joint):
+    point: model.Point
+    k: float
+
+    def primitives(self, poses):
+        at = self.point.resolve(poses, "point")
+        yield Primitive(OnSaddle, (at.body,), (at.s, self.k), "saddle")
+"""
+MODEL = """
+name: extended
+gravity: [0, 0, -9.81]
+parameters: {g: 2 N m^2, half: g/2}
+bodies:
+  slider: {mass: 1, inertia: [0.01, 0.02, 0.03], position: [0.2, 0.1, 0]}
+  moon: {mass: 2, inertia: [0.02, 0.01, 0.03], position: [1.5, 0.6, 0.2]}
+  ball: {mass: 0.5, inertia: [0.01, 0.01, 0.01], position: [0.3, 0.2, 0.06]}
+joints:
+  slot: {type: pin_in_slot, bodies: [ground, slider], point: [0, 0, 0], axis: [0, 0, 1]}
+  dish: {type: saddle, point: {body: ball, at: [0, 0, 0]}, k: 1}
+drivers:
+  lift: {type: height, point: {body: moon, at: [0, 0, 0]}, motion: 20 cm + 10 cm * sin(2*t)}
+forces:
+  pull: {type: attraction, points: [{body: slider, at: [0.1, 0, 0]}, {body: moon, at: [0, 0, 0]}], strength: 2*half}
+"""
+UNTIL = 0.3
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The examples as files of a user, and a model that uses them."""
+    made = tmp_path_factory.mktemp("extensions")
+    for name, text in {
+        **EXAMPLES,
+        "saddle_joint.py": SADDLE,
+        "all.yaml": MODEL,
+        "long.bob": "2.0 3.0",
+    }.items():
+        (made / name).write_text(text, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module", autouse=True)
+def loaded(folder: Path) -> Iterator[None]:
+    """The extensions are there for the tests of this module only."""
+    known = {path.stem for path in folder.glob("*.py")}
+    with pytest.MonkeyPatch.context() as patch:
+        for holder, name in ((Element, "registry"), (Joint, "kinds"), (Driver, "kinds"), (Force, "kinds")):
+            patch.setattr(holder, name, dict(getattr(holder, name)))
+        for module, name in ((by_ending, "IMPORTERS"), (output, "PROVIDERS")):
+            patch.setattr(module, name, list(getattr(module, name)))
+        patch.setattr(sys, "path", list(sys.path))
+        patch.setenv(extensions.VARIABLE, os.pathsep.join(str(path) for path in sorted(folder.glob("*.py"))))
+        extensions.load_extensions()
+        yield
+    parser.VERBS.pop("weigh")
+    for name in known:
+        sys.modules.pop(name, None)
+
+
+@pytest.fixture(scope="module")
+def run(folder: Path) -> sr.Trajectory:
+    return simulated(folder)
+
+
+def simulated(folder: Path, **parameters: Any) -> sr.Trajectory:
+    system = sr.System(sr.load(folder / "all.yaml", parameters=parameters))
+    steps = {
+        "first_step": UNTIL / 100,
+        "max_step": UNTIL / 100,
+        "rtol": 0.1,
+        "atol": 0.1,
+    }  # equal in all runs
+    return sr.simulate(system, until=UNTIL, store_steps=True, **steps)
+
+
+def test_every_example_is_used() -> None:
+    assert {"pin_in_slot.py", "saddle.py", "attraction.py", "height.py", "mean_square.py"} <= set(EXAMPLES)
+    assert {"distance.py", "bob.py", "weigh.py"} <= set(EXAMPLES)
+
+
+def test_a_model_file_and_its_schema_have_them(folder: Path) -> None:
+    model = sr.load(folder / "all.yaml")
+    kinds = [type(part).__name__ for part in (*model.joints, *model.drivers, *model.forces)]
+    assert kinds == ["PinInSlot", "Saddle", "HeightDriver", "Attraction"]
+    schema = schema_text()
+    assert all(f'"const": "{kind}"' in schema for kind in ("pin_in_slot", "saddle", "height", "attraction"))
+
+
+def test_derivatives_agree_with_independent_ones(run: sr.Trajectory) -> None:
+    report = run.system.check_derivatives()
+    assert report, report
+    assert sr.mobility(run.system, run.q[0]).degrees_of_freedom == 18 - 4 - 1 - 1
+
+
+def test_the_motion_is_that_of_the_definitions(run: sr.Trajectory) -> None:
+    slider, moon, ball = run["slider"], run["moon"], run["ball"]
+    A = np.array([matrix(p) for p in slider.euler])
+    pin = slider.position + A @ np.array([-0.2, -0.1, 0.0])
+    np.testing.assert_allclose(pin[:, 1:], 0, atol=1e-9)
+    np.testing.assert_allclose(A[:, :, 2], np.tile([0, 0, 1], (len(run.t), 1)), atol=1e-9)
+    np.testing.assert_allclose(moon.position[:, 2], 0.2 + 0.1 * np.sin(2 * run.t), atol=1e-9)
+    x, y, z = ball.position.T
+    np.testing.assert_allclose(z, x * y, atol=1e-9)
+    d = moon.position - slider.position - A @ np.array([0.1, 0.0, 0.0])
+    np.testing.assert_allclose(run["pull.pull"], 2 / np.sum(d * d, axis=1), rtol=1e-9)
+    np.testing.assert_allclose(run["ball.distance"], np.linalg.norm(ball.position, axis=1), rtol=1e-9)
+    np.testing.assert_allclose(run["slot.displacement"], pin[:, 0], atol=1e-9)
+
+
+def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
+    from mean_square import MeanSquare  # type: ignore[import-not-found]
+
+    responses = [
+        MeanSquare("ball.distance"),
+        MeanSquare("slider.x"),
+        sr.Final("pull.pull"),
+        sr.Final("moon.distance"),
+    ]
+    wrt = ["g", "dish.k", "slider.mass"]
+    direct, adjoint = (sr.sensitivity(run, responses, wrt, method=method) for method in ("direct", "adjoint"))
+    np.testing.assert_allclose(direct.matrix, adjoint.matrix, rtol=1e-9, atol=1e-11)
+    square = np.interp(times := np.linspace(0, UNTIL, 2001), run.t, run["slider"].position[:, 0]) ** 2
+    assert direct.values[1] == pytest.approx(
+        np.trapezoid(square, times) / UNTIL, rel=1e-4
+    )  # the trapezoidal rule
+    one, other = (sr.sensitivity(simulated(folder, g=2 + e), responses, ["g"]).values for e in (1e-4, -1e-4))
+    np.testing.assert_allclose(direct.matrix[:, 0], (one - other) / 2e-4, rtol=1e-6, atol=1e-8)
+
+
+def test_a_saved_run_is_read(run: sr.Trajectory, folder: Path, tmp_path: Path) -> None:
+    system = run.system
+    saved = sr.simulate(system, until=0.1, save=tmp_path / "run.sarrus")
+    again = sr.load_run(tmp_path / "run.sarrus", system)
+    np.testing.assert_array_equal(again["pull.pull"], saved["pull.pull"])
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    assert main([*words, "--json", "--quiet"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_the_command_line_has_them(folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file, table = str(folder / "all.yaml"), tmp_path / "run.csv"
+    assert told(capsys, "weigh", file)["mass"] == 3.5
+    assert told(capsys, "weigh", str(folder / "long.bob"))["mass"] == 3.0
+    until = ("--until", "0.05", "--steps", "2")
+    told(capsys, "run", file, *until, "--csv", str(table), "--columns", "pull.pull", "ball.distance")
+    assert "pull.pull [N]" in table.read_text().splitlines()[0]
+    found = told(capsys, "run", str(folder / "long.bob"), *until)
+    assert found["bodies"]["bob"]["position"][2] == pytest.approx(-9.81 * 0.05**2 / 2, rel=1e-2)
+    assert "weigh" in told(capsys, "completion", "bash")["script"]
+    assert told(capsys, "sensitivity", file, *until[:2], "--response", "pull.pull", "--wrt", "g")
+
+
+def test_extensions_of_a_fresh_process(folder: Path, tmp_path: Path) -> None:
+    """One by its file, one by the entry point of an installed package."""
+    package = tmp_path / "weighing-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: weighing\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text("[sarrus]\nweigh = weigh\n")
+    (tmp_path / "weigh.py").write_text(EXAMPLES["weigh.py"])
+    paths = os.pathsep.join([str(tmp_path), *sys.path])
+    environment = {**os.environ, "PYTHONPATH": paths, extensions.VARIABLE: str(folder / "bob.py")}
+    command = [sys.executable, "-m", "sarrus", "weigh", str(folder / "long.bob")]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "long: 3 kg\n", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "is not there, or has the name of another module"),
+        ("1 / 0", "ZeroDivisionError: division by zero"),
+        (EXAMPLES["weigh.py"], "there is already a verb check. Rename the module."),
+    ],
+)
+def test_a_wrong_extension_is_one_message(
+    text: str | None,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = tmp_path / ("json.py" if text is None else "check.py")
+    if text is not None:
+        file.write_text(text)
+    monkeypatch.setenv(extensions.VARIABLE, str(file))
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    assert main(["schema"]) == 2
+    sys.modules.pop("check", None)
+    err = capsys.readouterr().err
+    assert err.startswith(f"sarrus: extension {file.stem}: ")
+    assert message in err
+    assert err.count("\n") == 1

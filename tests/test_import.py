@@ -41,16 +41,14 @@ def test_every_public_name_is_there() -> None:
         assert getattr(sarrus, name) is not None
 
 
-INTERNAL = ("_Extreme", "Fine")  # responses that analyses make
-
-
 def public_classes() -> list[tuple[str, type]]:
     """The kinds of joints, drivers, forces and responses of the package, each with the package that lists its name."""
     from sarrus.analyses.sensitivity import Response
     from sarrus.model import Driver, Force, Joint
 
     parts = [kind for base in (Joint, Driver, Force) for kind in (base, *base.kinds.values())]
-    responses = [kind for kind in Response.__subclasses__() if kind.__name__ not in INTERNAL]
+    responses = [kind for kind in Response.__subclasses__() if "responses" in kind.__module__]
+    responses = [kind for kind in responses if not kind.__name__.startswith("_")]
     found = [*(("model", kind) for kind in parts), *(("analyses", kind) for kind in responses)]
     return [(home, kind) for home, kind in found if kind.__module__.startswith("sarrus.")]
 

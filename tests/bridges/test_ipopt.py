@@ -58,12 +58,15 @@ def test_with_exact_hessians(upper: float | None, share: float) -> None:
         assert exact.constraints["last"] == pytest.approx(upper, abs=2e-6)
 
 
-def test_hessians_over_events_are_refused() -> None:
+def test_exact_hessians_over_events() -> None:
     stop = sr.Event("pin.angle + slider.x - 4.4", reset=sr.Impact(0.5, along="pin.angle"), name="stop")
-    with pytest.raises(ValueError, match="second derivatives need a run without events"):
-        sr.optimize(
-            slider_crank(), EFFORT, [*BOUNDS], solver="IPOPT", second_order=True, until=0.4, events=stop
-        )
+    settings = {"bounds": BOUNDS, "solver": "IPOPT", "until": 0.4, "events": stop}
+    learnt, exact = (
+        sr.optimize(slider_crank(), EFFORT, [*BOUNDS], second_order=given, **settings)
+        for given in (False, True)
+    )
+    assert exact.success
+    assert exact.value == pytest.approx(learnt.value, rel=1e-5)
 
 
 def test_exact_hessians_with_radau() -> None:

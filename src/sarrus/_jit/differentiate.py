@@ -66,13 +66,13 @@ def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:
     return x / square, -y / square
 
 
-class _Twist:
-    """Partial derivatives of a curve's third derivative: none to its place, and that to x is refused."""
+class _Jounce:
+    """Partial derivatives of a curve's fourth derivative: none to its place, and that to x is refused."""
 
     def __getitem__(self, place: int) -> int:
         if place == 0:
             return 0
-        raise TypeError("a curve cannot be differentiated four times")
+        raise TypeError("a curve cannot be differentiated five times")
 
 
 PARTIALS: dict[str, Any] = {
@@ -98,7 +98,8 @@ PARTIALS: dict[str, Any] = {
     "curve": lambda f, at, x: (0, at.call("curve_slope", x)),
     "curve_slope": lambda f, at, x: (0, at.call("curve_bend", x)),
     "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),
-    "curve_twist": lambda f, at, x: _Twist(),
+    "curve_twist": lambda f, at, x: (0, at.call("curve_jounce", x)),
+    "curve_jounce": lambda f, at, x: _Jounce(),
     "curve_area": lambda f, at, a, b: (0, -at.call("curve", a), at.call("curve", b)),
     "curve_moment": lambda f, at, a, b: (0, -at.call("curve_area", a, b), (b - a) * at.call("curve", b)),
 }

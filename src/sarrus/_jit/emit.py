@@ -111,6 +111,8 @@ class Emitter:
         if function in READS_NUMBERS:
             args, kinds = [self.numbers, *args], [types.CPointer(types.float64), *kinds]
         signature = types.float64(*kinds)
+        if function not in COMPILED:  # a derivative of a curve that only plain Python has
+            raise TypeError("a curve cannot be differentiated four times in a kernel")
         compiled = self.context.compile_subroutine(self.builder, COMPILED[function], signature)
         _, result = self.context.call_internal_no_propagate(self.builder, compiled.fndesc, signature, args)
         return result

@@ -74,6 +74,32 @@ class Recorded:
         change = self._changed(moved)
         return float(sum(np.sum(change[place]) * rate for place, rate in moved.items()))
 
+    def along(self, dots: Slopes) -> Array:
+        """The changes of the numbers, for changes of q, v, c, the time and b, each (n,)."""
+        change = self.tape.along(self._moved(dots))
+        return np.array([change[x.at] if isinstance(x, Traced) else 0.0 for x in self.found], dtype=float)
+
+    def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
+        """The change of the gradient of the numbers' sum with weights that change by `changes`, each kind (n,)."""
+        pairs = [(x.at, n) for n, x in enumerate(self.found) if isinstance(x, Traced)]
+        bars, bar_dots = ({at: float(row[n]) for at, n in pairs} for row in (weights, changes))
+        found = self.tape.gradient_along(bars, bar_dots, self.tape.along(self._moved(dots)))[1]
+        return Slopes._make(self.gathered(found, kind)[0] for kind in Slopes._fields)
+
+    def rate_along(self, direction: Array) -> Recorded:
+        """f_q u of the first number, for a direction u (nq,), which takes the place of v."""
+        others = {key: place for key, place in self.places.items() if key[0] != "v"}
+        of = {n: place for (kind, n), place in others.items() if kind == "q"}
+        rates = {place: self.tape.variable(float(direction[n])) for n, place in of.items()}
+        first, directions = self.found[0], {("v", n): rates[place].at for n, place in of.items()}
+        found = self.tape.recorded_along(first, rates) if isinstance(first, Traced) else 0.0
+        return Recorded(self.tape, [found], others | directions, self.sizes)
+
+    def _moved(self, dots: Slopes) -> dict[int, float]:
+        """Changes by places."""
+        of = dots._asdict()
+        return {place: float(of[kind][n]) for (kind, n), place in self.places.items() if kind in of}
+
     def gathered(self, bars: list[Any], kind: str) -> Array:
         """The gradient by the inputs of one kind, a row for each copy."""
         gathered = np.zeros((self.copies, self.sizes[Slopes._fields.index(kind)]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ class EventState(Sampling):
     Attributes
     ----------
     by_q, by_v, by_t : gradients (nq,), (nq,), (1,)
+    moved : the changes of q, v and the time
     """
 
     moves = True
@@ -33,6 +35,12 @@ class EventState(Sampling):
     def __init__(self, turn: Turn) -> None:
         self._turn = turn
         self.by_q, self.by_v, self.by_t = np.zeros(len(turn.q)), np.zeros(len(turn.q)), np.zeros(1)
+        self.moved: Slopes | None = None
+
+    def cleared(self) -> None:
+        """Set the gradients to zero."""
+        for gradient in (self.by_q, self.by_v, self.by_t):
+            gradient[:] = 0.0
 
     @property
     def t(self) -> Array:
@@ -58,6 +66,16 @@ class EventState(Sampling):
         """Add the gradient by the time."""
         self.by_t += bar
 
+    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
+        """The change of a coordinate or velocity."""
+        assert self.moved is not None
+        return np.array([getattr(self.moved, kind)[n]])
+
+    def gathered_time(self, nodes: Nodes, column: int) -> Array:
+        """The change of the time."""
+        assert self.moved is not None
+        return np.array(self.moved.t)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedRecorded(Recorded):
@@ -74,14 +92,42 @@ class SolvedRecorded(Recorded):
     @property
     def slopes(self) -> Slopes:
         """Their derivatives, those through accelerations and multipliers included."""
-        bars, event = self.tape.gradient({self.found[0].at: 1.0}), self.event
-        for gradient in (event.by_q, event.by_v, event.by_t):
-            gradient[:] = 0.0
+        bars = self.tape.gradient({self.found[0].at: 1.0})
+        self.event.cleared()
+        found = self._spread(bars)
+        return Slopes._make(x[None] for x in found)
+
+    def _spread(self, bars: list[Any], *turned: Any) -> Slopes:
+        """Gradients by everything of those by what is on the tape."""
         own = {key: bars[place] * np.ones(1) for key, place in self.places.items() if key[0] in READ}
-        b = self.solved.spread_all(own, NO_NODES, 0)[:, 0]
+        b = self.solved.spread_all(own, NO_NODES, 0, *turned)[:, 0]
         c, t, by_b = (self.gathered(bars, kind)[0] for kind in ("c", "t", "b"))
-        every = (event.by_q.copy(), event.by_v.copy(), c, t + event.by_t, by_b + b)
-        return Slopes._make(x[None] for x in every)
+        return Slopes(self.event.by_q.copy(), self.event.by_v.copy(), c, t + self.event.by_t, by_b + b)
+
+    def along(self, dots: Slopes) -> Array:
+        """See `Recorded`."""
+        return np.array([self._tape_along(dots)[1][self.found[0].at]])
+
+    def _tape_along(self, dots: Slopes) -> tuple[Any, list[Any]]:
+        """The motion of the state, and the change of everything on the tape."""
+        self.event.moved = dots
+        motion = self.solved.along(NO_NODES, dots.b[:, None], 0)
+        change = {
+            place: getattr(motion.found, kind)[:, n, 0] if kind in READ else float(getattr(dots, kind)[n])
+            for (kind, n), place in self.places.items()
+        }
+        return motion, self.tape.along(change)
+
+    def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
+        """See `Recorded`."""
+        motion, along = self._tape_along(dots)
+        at = self.found[0].at
+        bars, change = self.tape.gradient_along({at: float(weights[0])}, {at: float(changes[0])}, along)
+        own = {key: bars[place] * np.ones(1) for key, place in self.places.items() if key[0] in READ}
+        self.event.cleared()
+        sources, by_b = self.solved.turned(own, motion, NO_NODES, NO_NODES)
+        found = self._spread(change, sources)
+        return found._replace(b=found.b - by_b)
 
 
 def solves(system: System, text: str) -> bool:

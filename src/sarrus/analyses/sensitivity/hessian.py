@@ -21,7 +21,7 @@ from .evaluation import Evaluation
 from .lagrangian import Change, change_at
 from .parameters import Parameters
 from .piece_chain import KINDS
-from .turn_curvature import TurnCurvature
+from .turn_curvature import TurnChange, TurnCurvature, TurnMoved
 
 
 class Moved(NamedTuple):
@@ -32,7 +32,7 @@ class Moved(NamedTuple):
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
     steps: list[Any]
-    turns: list[Array]
+    turns: list[TurnMoved]
 
 
 class Adjoined(NamedTuple):
@@ -51,15 +51,10 @@ class Changes(NamedTuple):
     """The changes of the equations of all steps, of the events and of the assembly."""
 
     steps: list[Turned]
-    turns: list[Any]
+    turns: list[TurnChange]
     rate: Change
     place: Change
     axes: Change
-
-
-def _refuse_events(chain: AnyChain) -> None:
-    if not isinstance(chain, Chain):
-        raise ValueError("second derivatives need a run without events; leave the events out")
 
 
 class Curvature:
@@ -78,7 +73,6 @@ class Curvature:
         self._response, self._system, self._steps = response, chain.system, chain.steps
         evaluation.refuse_redundant(response)
         moving = not isinstance(chain, Chain) and timed(chain.system)
-        _refuse_events(chain)
         self._chains = [chain] if isinstance(chain, Chain) else chain.chains
         self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
         derivatives = () if isinstance(chain, Chain) else chain.turns
@@ -88,7 +82,7 @@ class Curvature:
         ]
         self._stretches = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
         curves = CurveLagrangian(chain.system, parameters.in_curves, moving)
-        self._turns: list[Any] = [TurnCurvature(one, curves) for one in derivatives]
+        self._turns = [TurnCurvature(one, curves) for one in derivatives]
 
     @property
     def _assembly(self) -> Any:
@@ -118,7 +112,7 @@ class Curvature:
             if p < len(self._turns):
                 turned = self._turns[p].back(q, v, shift, changes.turns[p] if changes else None)
                 for place, kind in np.ndindex(2, len(KINDS)):
-                    getattr(own, KINDS[kind])[place - 2, :, 0] += turned.ends[place, kind]
+                    getattr(own, KINDS[kind])[place - 2, :, 0] += turned.nodes[place, kind]
                 b, c, shift = b + turned.b, c + turned.c, shift + turned.shift
                 turns.insert(0, turned.solved)
             back = self._stretches[p].back(own, changes.steps[p] if changes else None)
@@ -142,7 +136,7 @@ class Curvature:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
-        q, v, steps, turns = assembly[0], assembly[2], list[Any](), list[Array]()
+        q, v, steps, turns = assembly[0], assembly[2], list[Any](), list[TurnMoved]()
         for p, chain in enumerate(self._chains):
             moving = chain.curves.width > len(b)
             own = Nodes.zeros(chain.steps, 1)
@@ -154,7 +148,7 @@ class Curvature:
                 ends = np.array([[getattr(own, kind)[e, :, 0] for kind in KINDS] for e in (-2, -1)])
                 found = self._turns[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
                 q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
-                turns.append(found.solved)
+                turns.append(found)
         return Moved(b, c, nodes, assembly, steps, turns)
 
     def times(self, direction: Array) -> Array:

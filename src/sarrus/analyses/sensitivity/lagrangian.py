@@ -78,6 +78,7 @@ def change_at(
     lam_dot: Array,
     curves: CurveLagrangian | None = None,
     t_dot: float = 0.0,
+    /,
     **x: Array,
 ) -> Change:
     """Evaluate at one state; operands that are not given are zero. `curves` are those that change, or the time."""

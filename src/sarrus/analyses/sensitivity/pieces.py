@@ -7,18 +7,18 @@ within a stretch that begins later.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...outputs.recording import Angles
+from ...outputs.recording import Angles, Key
 from ...results import Pieces, StepsTaken, Turn
 from ...system import System
 from .chain import Nodes
-from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange
+from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange_with_bends
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
@@ -95,41 +95,69 @@ class PieceSampling(Sampling):
 
     def _rate(self, kind: str, n: int) -> Array:
         """The derivative of a coordinate within its step (nt,)."""
+        return self._within(kind, n, 1)
+
+    def _within(self, kind: str, n: int, order: int, nodes: Nodes | None = None) -> Array:
+        """A derivative of a coordinate within its step (nt,), or of its change with that of the nodes."""
+
+        def at(name: str, rows: Array) -> Array:
+            of = self._array(name)[:, n] if nodes is None else getattr(nodes, name)[:, n, 0]
+            return np.asarray(of[rows])
+
         if kind in self._by_nodes:
-            return np.asarray(np.sum(self._slopes * self._array(kind)[:, n][self._near.nodes], axis=1))
-        first, weights = self._places.first, self._weights.slopes[:, KINDS.index(kind)]
-        ends = [[self._array(k)[first + e, n] for k in KINDS] for e in (0, 1)]
+            return np.asarray(np.sum(self._polynomials[order] * at(kind, self._near.nodes), axis=1))
+        first, weights = self._places.first, self._weights[order][:, KINDS.index(kind)]
+        ends = [[at(k, first + e) for k in KINDS] for e in (0, 1)]
         return np.asarray(np.einsum("tel,elt->t", weights, ends))
 
     @cached_property
     def _near(self) -> Near:
-        return self._polynomials[0]
-
-    @property
-    def _slopes(self) -> Array:
-        """The derivatives by time of the shares of `_near`."""
-        return self._polynomials[1]
+        return Near(self._nodes, self._polynomials[0])
 
     @cached_property
-    def _polynomials(self) -> tuple[Near, Array]:
-        """The shares of some nodes of the stretch in polynomials through them, so that their slopes are good, too."""
+    def _nodes(self) -> Array:
+        """Some nodes of the stretch about each time (nt, k)."""
+        return self._stretches[0]
+
+    @property
+    def _polynomials(self) -> list[Array]:
+        """The shares of these nodes in polynomials through them, so that slopes are good, too; slopes and bends."""
+        return self._stretches[1]
+
+    @cached_property
+    def _stretches(self) -> tuple[Array, list[Array]]:
         count, (first, h, s) = LOW if self._apart else HIGH, self._places
         nodes = np.zeros((len(self.t), count), dtype=np.int64)
-        shares, slopes = np.zeros(nodes.shape), np.zeros(nodes.shape)
+        found = [np.zeros(nodes.shape) for _ in range(3)]
         for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
             own = self._piece == p
             before = first[own] - start
             near = around(before, count, len(piece.t))
-            width = near.shape[1]
             ahead = piece.t[near] - (piece.t[before] + s[own] * h[own])[:, None]
-            nodes[own, :width] = start + near
-            shares[own, :width], slopes[own, :width] = lagrange(ahead)
-        return Near(nodes, shares), slopes
+            nodes[own, : near.shape[1]] = start + near
+            for whole, part in zip(found, lagrange_with_bends(ahead), strict=True):
+                whole[own, : near.shape[1]] = part
+        return nodes, found
 
     def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by coordinate n of a kind, to those by the nodes and by the times of the events."""
         super().spread(kind, n, bar, nodes, column)
         nodes.shift[:, column] += self._local.T @ (bar * self._rate(kind, n))
+
+    def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
+        """Add the changes of gradients, given at the times, by nodes that change as times move in their steps."""
+        moved = self._local @ dots.shift[:, 0]
+        for (kind, n), bar in bars.items():
+            if kind in self._by_nodes:
+                shares = self._polynomials[1] * (bar * moved)[:, None]
+                np.add.at(getattr(nodes, kind)[:, n, 0], self._near.nodes, shares)
+            else:
+                weights = self._weights.slopes[:, KINDS.index(kind)] * (bar * moved)[:, None, None]
+                for end, place in np.ndindex(2, len(KINDS)):
+                    to = getattr(nodes, KINDS[place])[:, n, 0]
+                    np.add.at(to, self._places.first + end, weights[:, end, place])
+            bend = self._within(kind, n, 1, dots) + self._within(kind, n, 2) * moved
+            nodes.shift[:, 0] += self._local.T @ (bar * bend)
 
     def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
         """The change of coordinate n of a kind: the transpose of `spread`."""

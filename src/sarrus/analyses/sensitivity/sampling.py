@@ -212,10 +212,11 @@ class Near(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """Of q, v, a between two nodes, and of their slopes, those of q, v, a at both (nt, 3, 2, 3)."""
+    """Of q, v, a between two nodes, of their slopes, and of theirs, those of q, v, a at both (nt, 3, 2, 3)."""
 
     values: Array
     slopes: Array
+    bends: Array
 
 
 class Places(NamedTuple):
@@ -240,16 +241,23 @@ def late(most: int) -> int:
 
 def lagrange(t: Array) -> tuple[Array, Array]:
     """Values and slopes at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
-    count = t.shape[1]
-    values, slopes = np.ones(t.shape), np.zeros(t.shape)
-    for i in range(count):
-        others = [j for j in range(count) if j != i]
-        for j in others:
-            gap = t[:, i] - t[:, j]
-            values[:, i] *= -t[:, j] / gap
-            rest = [-t[:, k] / (t[:, i] - t[:, k]) for k in others if k != j]
-            slopes[:, i] += np.prod([np.ones(len(t)), *rest], axis=0) / gap
+    values, slopes, _ = lagrange_with_bends(t)
     return values, slopes
+
+
+def lagrange_with_bends(t: Array) -> tuple[Array, Array, Array]:
+    """Values, slopes and second derivatives at 0 of these polynomials: of products of (x - t_j) / (t_i - t_j)."""
+    count = t.shape[1]
+    values, slopes, bends = np.ones(t.shape), np.zeros(t.shape), np.zeros(t.shape)
+    for i in range(count):
+        for j in range(count):
+            if j != i:
+                slope = 1 / (t[:, i] - t[:, j])
+                value = -t[:, j] * slope
+                bends[:, i] = bends[:, i] * value + 2 * slopes[:, i] * slope
+                slopes[:, i] = slopes[:, i] * value + values[:, i] * slope
+                values[:, i] *= value
+    return values, slopes, bends
 
 
 def _placed(t: Array, before: Array, times: Array) -> Places:
@@ -267,14 +275,14 @@ def apart(steps: StepsTaken) -> bool:
 def interpolation(s: Array, h: Array, separate: bool) -> Weights:
     """Weights of q, v, a, or of q and v apart (`separate`), at parts s of steps of length h."""
     if not separate:
-        orders = _polynomial(HERMITE, s, h, 4)
-        return Weights(orders[:, :3], orders[:, 1:])
-    values, slopes = np.zeros((2, len(s), 3, 2, 3))
-    for k in (0, 1):
-        values[:, k, :, k : k + 2], slopes[:, k, :, k : k + 2] = np.moveaxis(
-            _polynomial(CUBIC, s, h, 2), 1, 0
-        )
-    return Weights(values, slopes)
+        orders = _polynomial(HERMITE, s, h, 5)
+        return Weights(orders[:, :3], orders[:, 1:4], orders[:, 2:])
+    found = Weights(*np.zeros((3, len(s), 3, 2, 3)))
+    orders = _polynomial(CUBIC, s, h, 3)
+    for of, whole in enumerate(found):
+        for k in (0, 1):
+            whole[:, k, :, k : k + 2] = orders[:, of]
+    return found
 
 
 def _polynomial(basis: Array, s: Array, h: Array, orders: int) -> Array:

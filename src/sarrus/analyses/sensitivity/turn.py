@@ -1,47 +1,46 @@
 """An event differentiated: when a function crosses zero within a step, and what then happens to the velocities.
 
-The state at an event is interpolated, q̃, ṽ, and made consistent by the least changes: q = q̃ - s with M s + Φ_qᵀσ = 0,
-Φ(q) = 0 (which is so small that it does not matter at which of both M and Φ_q are), and v = ṽ - s with
+The state at an event is interpolated, q̃(τ), ṽ(τ), at the time τ since the last step began, and made consistent by the
+least changes; the event is where ψ(t, q, v) = 0:
 
-    M s + Φ_qᵀσ = 0,    Φ_q s = Φ_q ṽ + Φ_t.                                                             (a)
+    M(q̃) (q - q̃) + Φ_q(q̃)ᵀσ = 0,    Φ(q) = 0,
+    M(q̃) (v - ṽ) + Φ_q(q̃)ᵀρ = 0,    Φ_q v + Φ_t = 0,    ψ = 0.
 
-The event is where ψ(t, q, v) = 0. After an impact along the output f by an impulse p
+After an impact along the output f by an impulse p, or where a function g gives other velocities,
 
-    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ = -Φ_t,    f_q v⁺ = -e f_q v;
+    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ + Φ_t = 0,    f_q v⁺ = -e f_q v,
+    M (v⁺ - g) + Φ_qᵀΛ = 0,         Φ_q v⁺ + Φ_t = 0.
 
-velocities that a function gives are made consistent by (a).
+All of these equations are differentiated together. The multipliers of equations that others imply are zero.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array, eye_array, hstack, kron
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
+from ...linalg.factors import Factored, SingularSystem
 from ...outputs.recording import Angles
 from ...results import StepsTaken, Turn
 from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..equations.saddle_point import Saddle
-from .event_functions import Recorded, Slopes, recorded
+from .event_functions import Recorded, recorded
 from .event_reactions import SolvedRecorded, recorded_solved, solves
 from .sampling import apart, interpolation
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
 SHALLOW = 1e-3
-
-
-class State(NamedTuple):
-    """Derivatives of a state by all that it depends on: q, v (nq, size) and the time t (size,)."""
-
-    q: Array
-    v: Array
-    t: Array
+CONSTRAINTS = {"place": "sigma", "rate": "rho", "rate_after": "Lam"}  # and their multipliers
+FORCES = ("position", "velocity", "impact")  # equations with masses
+Grid = Mapping[tuple[str, str], Any]
 
 
 class TurnDerivatives:
@@ -57,9 +56,13 @@ class TurnDerivatives:
 
     Attributes
     ----------
-    matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions + 1) those of q, of v⁺ (v, where the run ended), of the
-        time since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of joints'
-        coordinates, by the restitutions, and by the time at which the stretch began
+    values, slopes, bends : shares of q, v, a at both nodes in q̃ and ṽ, and their derivatives by the time (2, 2, 3)
+    nodes : (2, 3, nq) q, v, a at both nodes
+    q0, v0, sigma, rho, after, base, Lam, p : q̃, ṽ, σ, ρ, v⁺, the velocities v or g that an impulse changes, Λ, p
+    by_e : (restitutions,) the derivatives of the restitution
+    matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions + 1) the derivatives of q, of v⁺ (v, where the run ended),
+        of the time since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of
+        joints' coordinates, by the restitutions, and by the time at which the stretch began
 
     Raises
     ------
@@ -70,147 +73,66 @@ class TurnDerivatives:
     def __init__(
         self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str], angles: Angles
     ) -> None:
-        self.system, self._turn, self._steps, self._angles = system, turn, steps, angles
-        self._b = steps.b.copy()
-        self._b[steps.places] = steps.memory[-1]
-        kept = np.flatnonzero(~steps.left_out[len(steps) - 1]) if len(steps.left_out) else None
+        self.system, self.turn, self._steps, self._angles = system, turn, steps, angles
+        self.b = steps.b.copy()
+        self.b[steps.places] = steps.memory[-1]
+        left_out = steps.left_out[len(steps) - 1] if len(steps.left_out) else np.zeros(system.m, dtype=bool)
+        self.kept = 1.0 - left_out
         self._curves = CurveDerivatives(system)
-        self._saddle = Saddle(system, "M", kept)
-        self._saddle.factor(system.M(turn.q, b=self._b).data, system.Phi_q(turn.q, turn.t, b=self._b).data)
-        widths = (6 * system.nq, len(system.b), len(system.joint_coordinates.b), len(restitutions), 1)
-        self._ends = np.cumsum([0, *widths])
-        self._by_e = np.zeros(self._ends[-1])
         name = f"{turn.name}.restitution"
-        if name in restitutions:
-            self._by_e[self._ends[3] + list(restitutions).index(name)] = 1.0
-        self.matrix = self._turned(*self._interpolated())
+        self.by_e = np.array([float(own == name) for own in restitutions])
+        self._interpolate()
+        self._refuse_grazing()
+        self._solve_multipliers(np.flatnonzero(self.kept) if left_out.any() else None)
 
-    def _interpolated(self) -> tuple[State, State]:
-        """The derivatives of the consistent state within the step: at a fixed part of it, and along the motion."""
-        steps, n, nq = self._steps, len(self._steps) - 1, self.system.nq
-        h = float(steps.h[n])
-        s = (self._turn.t - float(steps.t[n])) / h
-        values, slopes = (x[0] for x in interpolation(np.array([s]), np.array([h]), apart(steps)))
-        ends = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
-        q, v = (np.einsum("el,eln->n", values[k], ends) for k in (0, 1))
-        q_s, v_s = (np.einsum("el,eln->n", slopes[k], ends)[:, None] for k in (0, 1))
-        q_z, v_z = (self._placed(np.kron(values[k].ravel(), np.eye(nq)), 0) for k in (0, 1))
-        began = np.zeros(self._ends[-1])
-        began[-1] = 1.0
-        before = self._consistent(State(q_z, v_z, began), q, v)
-        return before, self._consistent(State(q_s, v_s, np.ones(1)), q, v)
+    @property
+    def is_impact(self) -> bool:
+        """Whether velocities change by an impulse along an output."""
+        return self.turn.along is not None
 
-    def _placed(self, matrix: Array, part: int) -> Array:
-        """Derivatives by one part of all that there is."""
-        found = np.zeros((len(matrix), self._ends[-1]))
-        found[:, self._ends[part] : self._ends[part] + matrix.shape[1]] = matrix
-        return found
-
-    def _by_b(self, name: str, moved: State, *operands: Array) -> Array | float:
-        """An operator by the numbers, also those of curves; nothing along the motion, which holds them."""
-        if moved.q.shape[1] == 1:
-            return 0.0
-        q, t, b = self._turn.q, self._turn.t, self._b
-        found = self._placed(getattr(self.system, f"{name}_b")(q, *operands, t, b=b).toarray(), 1)
-        if self._curves:
-            kinds = dict(zip(OPERATORS[name].operands, operands, strict=False))
-            found += self._placed(self._curves.matrix(name, b=b, t=t, q=q, **kinds).toarray(), 1)
-        return found
-
-    def _consistent(self, found: State, q: Array, v: Array) -> State:
-        """The derivatives of the consistent state with those of the interpolated one, q̃, ṽ."""
-        system, turn, b = self.system, self._turn, self._b
-        J = system.Phi_q(turn.q, turn.t, b=b)
-        s, sigma = self._saddle.solve(np.zeros(system.nq), J @ (q - turn.q))
-        moved = J @ found.q + self._by_b("Phi", found)
-        moved = moved + np.outer(system.Phi_t(turn.q, turn.t, b=b), found.t)
-        q_z = found.q - self._saddle.solve(-self._pulled(found, s, sigma), moved)[0]
-        return self._settled(found._replace(q=q_z), v)
-
-    def _settled(self, found: State, given: Array) -> State:
-        """The derivatives of velocities that are made consistent from given ones, with those of q and of these."""
-        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
-        J = system.Phi_q(q, t, b=b)
-        s, sigma = self._saddle.solve(np.zeros(system.nq), J @ given + system.Phi_t(q, t, b=b))
-        drift = J @ found.v + self._drifted(found, given - s)
-        return found._replace(v=found.v - self._saddle.solve(-self._pulled(found, s, sigma), drift)[0])
-
-    def _pulled(self, found: State, s: Array, sigma: Array) -> Array:
-        """The derivatives of M s + Φ_qᵀσ with s and σ held."""
-        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
-        pulled = (system.M_a_q(q, s, b=b) + system.Phi_qT_lam_q(q, sigma, t, b=b)) @ found.q
-        if found.q.shape[1] > 1:
-            pulled = pulled + self._placed(system.M_a_b(q, s, b=b).toarray(), 1)
-        pulled = pulled + self._by_b("Phi_qT_lam", found, sigma)
-        return np.asarray(pulled + np.outer(self._turning.T @ sigma, found.t))
-
-    def _drifted(self, found: State, v: Array) -> Array:
-        """The derivatives of Φ_q v + Φ_t with v held."""
-        system, t, q, b = self.system, self._turn.t, self._turn.q, self._b
-        moved = (system.Phi_q_xi_q(q, v, t, b=b).toarray() + self._turning) @ found.q
-        moved = moved + self._by_b("Phi_q_xi", found, v) + self._by_b("Phi_t", found)
-        return np.asarray(moved + np.outer(self._turning @ v + system.Phi_tt(q, t, b=b), found.t))
+    @property
+    def is_reset(self) -> bool:
+        """Whether a function gives other velocities."""
+        return not self.is_impact and self.turn.reset is not None
 
     @cached_property
-    def _turning(self) -> Array:
-        """Φ_qt (m, nq)."""
-        system, turn = self.system, self._turn
-        columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self._b) for xi in np.eye(system.nq)]
-        return np.array(columns).reshape(system.nq, system.m).T
+    def function(self) -> Recorded:
+        """ψ."""
+        return self.recorded(self.turn.function)
 
-    def _turned(self, before: State, along: State) -> Array:
-        """The whole matrix: the time moves so that ψ stays zero; the state moves with it; the velocities turn."""
-        turn, function = self._turn, self._recorded(self._turn.function)
-        psi = function.slopes
-        rate = float(self._change(psi, along)[0, 0])
-        self._refuse_grazing(psi, self._bend(function, along), rate)
-        when = -self._change(psi, before)[0] / rate
-        now = State._make(
-            x + np.multiply.outer(dx[..., 0], when) for x, dx in zip(before, along, strict=True)
-        )
-        if turn.along is not None:
-            now = now._replace(v=self._struck(now, self._recorded(turn.along, self.system.nq)))
-        elif turn.reset is not None:
-            given = now._replace(v=self._change(self._recorded(turn.reset).slopes, now))
-            now = self._settled(given, turn.after)
-        return np.vstack([now.q, now.v, when])
+    @cached_property
+    def output(self) -> Recorded:
+        """The output along which an impulse acts, a copy for each coordinate."""
+        return self.recorded(self.turn.along, self.system.nq)
 
-    def _recorded(self, function: Any, copies: int = 1) -> Recorded:
+    @cached_property
+    def reset(self) -> Recorded:
+        """The function that gives velocities."""
+        return self.recorded(self.turn.reset)
+
+    def recorded(self, function: Any, copies: int = 1) -> Recorded:
+        """A function of the event, recorded at its state."""
         if isinstance(function, str) and solves(self.system, function):
-            return recorded_solved(self.system, self._steps, self._turn, function, self._b, self._angles)
-        return recorded(self.system, self._turn, function, self._b, self._angles, copies)
+            return recorded_solved(self.system, self._steps, self.turn, function, self.b, self._angles)
+        return recorded(self.system, self.turn, function, self.b, self._angles, copies)
 
-    def _bend(self, function: Recorded, along: State) -> float:
-        """The mean of |ψ̈| over the last step."""
-        psi, steps = function.slopes, self._steps
-        if isinstance(function, SolvedRecorded):
-            ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
-        else:
-            ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
-            curved = function.bend(along.q[:, 0], along.v[:, 0])
-        return abs(float((ends[1] - ends[0])[0]) / float(steps.h[-1]) + curved)
+    def _interpolate(self) -> None:
+        steps, n = self._steps, len(self._steps) - 1
+        h = np.array([float(steps.h[n])])
+        found = interpolation((self.turn.t - steps.t[n : n + 1]) / h, h, apart(steps))
+        self.values, self.slopes, self.bends = (x[0, :2] for x in found)
+        self.nodes = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
+        self.q0, self.v0 = np.einsum("kel,eln->kn", self.values, self.nodes)
+        self.rates = np.einsum("kel,eln->kn", self.slopes, self.nodes)
 
-    def _rate_at(self, k: int) -> Array:
-        """ψ̇ at a node (1,)."""
-        steps, turn = self._steps, self._turn
-        t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
-        there = replace(turn, t=float(t), q=q, v=v)
-        psi = recorded_solved(self.system, steps, there, str(turn.function), self._b, self._angles).slopes
-        return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
-
-    def _change(self, slopes: Slopes, found: State) -> Array:
-        """The derivatives of what has these slopes."""
-        moved = slopes.q @ found.q + slopes.v @ found.v + slopes.t * found.t
-        if found.q.shape[1] == 1:
-            return np.asarray(moved)
-        return np.asarray(moved + self._placed(slopes.b, 1) + self._placed(slopes.c, 2))
-
-    def _refuse_grazing(self, psi: Slopes, bend: float, rate: float) -> None:
+    def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
-        steps, turn = self._steps, self._turn
+        steps, turn, psi = self._steps, self.turn, self.function.slopes
+        bend = self._bend()
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
         )
+        rate = float((psi.q @ self.rates[0] + psi.v @ self.rates[1] + psi.t[:, 0])[0])
         if not rate * rate > 2 * bend * SHALLOW * known:
             raise ValueError(
                 f"the event {turn.name} at t = {turn.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
@@ -218,16 +140,210 @@ class TurnDerivatives:
                 "move what it looks for away from where the function turns, or leave the event out"
             )
 
-    def _struck(self, found: State, output: Recorded) -> Array:
-        """The derivatives of the velocities after an impact."""
-        system, turn, e = self.system, self._turn, self._turn.restitution
-        assert e is not None
-        f_q, bends = output.slopes.q[0], output.bends
-        w, sigma = self._saddle.solve(f_q, np.zeros(system.m))
-        p = -(1 + e) * (f_q @ turn.v) / (f_q @ w)
-        curved = bends.q @ found.q + self._placed(bends.b, 1) + self._placed(bends.c, 2) + bends.t * found.t
-        force = system.M(turn.q, b=self._b) @ found.v + p * curved
-        force = force - self._pulled(found, turn.after - turn.v, p * sigma)
-        free = self._saddle.solve(force, -self._drifted(found, turn.after))[0]
-        wanted = -((turn.after + e * turn.v) @ curved + e * f_q @ found.v + (f_q @ turn.v) * self._by_e)
-        return np.asarray(free + np.outer(w, (wanted - f_q @ free) / (f_q @ w)))
+    def _bend(self) -> float:
+        """The mean of |ψ̈| over the last step."""
+        function, psi, steps = self.function, self.function.slopes, self._steps
+        if isinstance(function, SolvedRecorded):
+            ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
+        else:
+            ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
+            curved = function.bend(*self.rates)
+        return abs(float((ends[1] - ends[0])[0]) / float(steps.h[-1]) + curved)
+
+    def _rate_at(self, k: int) -> Array:
+        """ψ̇ at a node (1,)."""
+        steps, turn = self._steps, self.turn
+        t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
+        there = replace(turn, t=float(t), q=q, v=v)
+        psi = recorded_solved(self.system, steps, there, str(turn.function), self.b, self._angles).slopes
+        return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
+
+    def _solve_multipliers(self, kept: Array | None) -> None:
+        system, turn, b = self.system, self.turn, self.b
+        saddle, none = Saddle(system, "M", kept), np.zeros(system.m)
+        M0 = system.M(self.q0, b=b)
+        self._unit = float(abs(M0.data).max(initial=0.0)) or 1.0
+        saddle.factor(M0.data, system.Phi_q(self.q0, turn.t, b=b).data)
+        self.sigma, self.rho = (
+            saddle.solve(-(M0 @ moved), none)[1] for moved in (turn.q - self.q0, turn.v - self.v0)
+        )
+        self.base, self.after, self.Lam, self.p = turn.v, turn.v, none, 0.0
+        if self.is_impact or self.is_reset:
+            J = system.Phi_q(turn.q, turn.t, b=b)
+            saddle.factor(system.M(turn.q, b=b).data, J.data)
+        if self.is_impact:
+            f_q, e = self.output.slopes.q[0], float(turn.restitution or 0.0)
+            w, sigma = saddle.solve(f_q, none)
+            self.p = -(1 + e) * float(f_q @ turn.v) / float(f_q @ w)
+            self.after, self.Lam = turn.v + self.p * w, self.p * sigma
+        elif self.is_reset:
+            gap = J @ turn.after + system.Phi_t(turn.q, turn.t, b=b)
+            s, sigma = saddle.solve(np.zeros(system.nq), gap)
+            self.base, self.after, self.Lam = turn.after, turn.after - s, -sigma
+
+    @cached_property
+    def sizes(self) -> list[dict[str, int]]:
+        """How many there are of each equation, unknown, and of what is given."""
+        nq, m, c = self.system.nq, self.system.m, len(self.system.joint_coordinates.b)
+        rows = {"position": nq, "place": m, "velocity": nq, "rate": m, "event": 1}
+        unknowns = {"q": nq, "sigma": m, "v": nq, "rho": m, "tau": 1}
+        if self.is_impact or self.is_reset:
+            rows, unknowns = rows | {"impact": nq, "rate_after": m}, unknowns | {"after": nq, "Lam": m}
+        if self.is_impact:
+            rows, unknowns = rows | {"restitution": 1}, unknowns | {"p": 1}
+        return [rows, unknowns, {"q0": nq, "v0": nq, "b": len(self.b), "c": c, "e": len(self.by_e), "t": 1}]
+
+    @cached_property
+    def places(self) -> list[dict[str, slice]]:
+        """Where each of them is."""
+        ends = [np.cumsum([0, *own.values()]).tolist() for own in self.sizes]
+        pairs = zip(self.sizes, ends, strict=True)
+        return [dict(zip(own, map(slice, at[:-1], at[1:]), strict=True)) for own, at in pairs]
+
+    @cached_property
+    def by_given(self) -> csr_array:
+        """The derivatives of the equations by q̃, ṽ, the numbers, the restitutions and the time."""
+        return self._joined(self._grid, 2)
+
+    @cached_property
+    def _factors(self) -> tuple[Factored, Array, Array]:
+        """Those of the derivatives by the unknowns, with factors of rows and columns that make masses about 1."""
+        rows, unknowns, given = self.places
+        by_rates = self.by_given[:, : given["v0"].stop] @ self.rates.ravel()
+        by_time = by_rates + self.by_given[:, [given["t"].start]].toarray()[:, 0]
+        matrix = self._joined(self._grid | {("", "tau"): csr_array(by_time[:, None])}, 1)
+        down, across = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
+        for name in FORCES:
+            down[rows.get(name, slice(0))] = 1 / self._unit
+        for name in (*CONSTRAINTS.values(), "p"):
+            across[unknowns.get(name, slice(0))] = self._unit
+        return Factored(diags_array(down) @ matrix @ diags_array(across)), down, across
+
+    def _joined(self, grid: Grid, kind: int) -> csr_array:
+        """Blocks as one matrix; those of constraints that others imply make their multipliers zero."""
+        rows, columns = self.places[0], self.places[kind]
+        parts = []
+        for (row, column), block in grid.items():
+            if column in columns and (row in rows or not row):
+                own = coo_array(block)
+                at = own.row + (rows[row].start if row else 0)
+                parts.append((own.data, at, own.col + columns[column].start))
+        data, at, to = (np.concatenate(x) for x in zip(*parts, strict=True))
+        shape = [sum(self.sizes[n].values()) for n in (0, kind)]
+        return csr_array(coo_array((data, (at, to)), shape=shape))
+
+    @cached_property
+    def derivatives(self) -> Array:
+        """Those of all unknowns by q, v, a at both nodes, the numbers, the restitutions and the beginning."""
+        given, by = self.places[2], self.by_given
+        shares = [kron(self.values[k].ravel()[None], eye_array(self.system.nq)) for k in (0, 1)]
+        by_nodes = by[:, given["q0"]] @ shares[0] + by[:, given["v0"]] @ shares[1]
+        right = hstack([by_nodes, by[:, given["b"].start :]]).toarray()
+        factors, down, across = self._factors
+        found = -across[:, None] * factors.solve(down[:, None] * right)
+        if not np.all(np.isfinite(found)):
+            raise SingularSystem(f"the equations of the event {self.turn.name} are singular")
+        return np.asarray(found)
+
+    def adjoint(self, bars: Array) -> Array:
+        """The adjoint variables of all equations, of what has the gradients given by the unknowns."""
+        factors, down, across = self._factors
+        return np.asarray(down * factors.transposed(across * bars))
+
+    @cached_property
+    def result(self) -> Array:
+        """The places of q, v⁺ and τ among the unknowns."""
+        own = self.places[1]
+        return np.concatenate(
+            [np.arange(x.start, x.stop) for x in (own["q"], own.get("after", own["v"]), own["tau"])]
+        )
+
+    @property
+    def matrix(self) -> Array:
+        """See the class."""
+        return np.asarray(self.derivatives[self.result])
+
+    @cached_property
+    def _turning(self) -> Array:
+        """Φ_qt (m, nq)."""
+        system, turn = self.system, self.turn
+        if not any(p.kind.rows and p.kind.timed for p in system.populations):
+            return np.zeros((system.m, system.nq))
+        columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self.b) for xi in np.eye(system.nq)]
+        return np.array(columns).reshape(system.nq, system.m).T
+
+    def _by_b(self, name: str, q: Array, *operands: Array) -> csr_array:
+        """The derivatives of an operator by the numbers, also those of curves."""
+        t, b = self.turn.t, self.b
+        found = getattr(self.system, f"{name}_b")(q, *operands, *([] if name == "M_a" else [t]), b=b)
+        found = csr_array((found.data, found.indices, found.indptr), shape=(found.shape[0], len(b)))
+        if not self._curves or name == "M_a":
+            return found
+        kinds = dict(zip(OPERATORS[name].operands, operands, strict=False))
+        return csr_array(found + self._curves.matrix(name, b=b, t=t, q=q, **kinds))
+
+    @cached_property
+    def _grid(self) -> dict[tuple[str, str], Any]:
+        """The derivatives of all equations by everything in them."""
+        system, turn, b, q0, q = self.system, self.turn, self.b, self.q0, self.turn.q
+        M0, J0, J = system.M(q0, b=b), system.Phi_q(q0, turn.t, b=b), system.Phi_q(q, turn.t, b=b)
+        psi, kept = self.function.slopes, diags_array(self.kept)
+        grid = {
+            ("place", "q"): J, ("place", "b"): self._by_b("Phi", q),
+            ("place", "t"): system.Phi_t(q, turn.t, b=b)[:, None],
+            **{("event", name): getattr(psi, name) for name in ("q", "v", "b", "c", "t")},
+            **self._force("position", q0, turn.q - q0, self.sigma, "q0"),
+            **self._force("velocity", q0, turn.v - self.v0, self.rho, "q0"),
+            **self._rate("rate", turn.v, "v"),
+        }  # fmt: skip
+        for row, x, x0, multiplier in (("position", "q", "q0", "sigma"), ("velocity", "v", "v0", "rho")):
+            grid |= {(row, x): M0, (row, x0): grid.get((row, x0), 0 * M0) - M0, (row, multiplier): J0.T}
+        if self.is_impact or self.is_reset:
+            grid |= self._force("impact", q, self.after - self.base, self.Lam, "q")
+            grid |= self._rate("rate_after", self.after, "after") | self._struck(system.M(q, b=b))
+            grid |= {("impact", "Lam"): J.T}
+        for row, multiplier in CONSTRAINTS.items():
+            grid |= {at: kept @ csr_array(block) for at, block in grid.items() if at[0] == row}
+            grid[row, multiplier] = diags_array(1 - self.kept)
+        return grid
+
+    def _force(
+        self, row: str, q: Array, moved: Array, multipliers: Array, by: str
+    ) -> dict[tuple[str, str], Any]:
+        """The derivatives of M x + Φ_qᵀλ with x and λ held."""
+        system, t, b = self.system, self.turn.t, self.b
+        by_q = system.M_a_q(q, moved, b=b) + system.Phi_qT_lam_q(q, multipliers, t, b=b)
+        by_b = self._by_b("M_a", q, moved) + self._by_b("Phi_qT_lam", q, multipliers)
+        return {(row, by): by_q, (row, "b"): by_b, (row, "t"): (self._turning.T @ multipliers)[:, None]}
+
+    def _rate(self, row: str, v: Array, by: str) -> dict[tuple[str, str], Any]:
+        """Those of Φ_q v + Φ_t."""
+        system, q, t, b = self.system, self.turn.q, self.turn.t, self.b
+        by_q = system.Phi_q_xi_q(q, v, t, b=b) + csr_array(self._turning)
+        by_t = self._turning @ v + system.Phi_tt(q, t, b=b)
+        by_b = self._by_b("Phi_q_xi", q, v) + self._by_b("Phi_t", q)
+        return {
+            (row, "q"): by_q,
+            (row, by): system.Phi_q(q, t, b=b),
+            (row, "t"): by_t[:, None],
+            (row, "b"): by_b,
+        }
+
+    def _struck(self, M: csr_array) -> dict[tuple[str, str], Any]:
+        """Those of what an impulse or a function does to the velocities, beyond `_force`."""
+        turn, force = self.turn, self._force("impact", self.turn.q, self.after - self.base, self.Lam, "q")
+        found: dict[tuple[str, str], Any] = {("impact", "after"): M}
+        if self.is_reset:
+            slopes = self.reset.slopes
+            for name in ("q", "v", "b", "c", "t"):
+                found["impact", name] = force.get(("impact", name), 0) - M @ getattr(slopes, name)
+            return found
+        f_q, bends, e = self.output.slopes.q[0], self.output.bends, float(turn.restitution or 0.0)
+        sides = self.after + e * turn.v
+        for name in ("q", "b", "c", "t"):
+            bend = getattr(bends, name)
+            found["impact", name] = force.get(("impact", name), 0) - self.p * bend
+            found["restitution", name] = (sides @ bend)[None]
+        found |= {("impact", "v"): -M, ("impact", "p"): -f_q[:, None]}
+        found |= {("restitution", "after"): f_q[None], ("restitution", "v"): e * f_q[None]}
+        return found | {("restitution", "e"): (f_q @ turn.v) * self.by_e[None]}

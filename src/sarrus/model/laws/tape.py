@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
+from operator import add
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -81,6 +82,25 @@ class Tape:
                 for slope, arg in zip(self._slopes(n), args, strict=True):
                     dots[n] = _sum(dots[n], _product(slope, dots[arg]))
         return dots
+
+    def recorded_along(self, of: Traced, rates: Mapping[int, Traced]) -> Any:
+        """The change of an entry for changes of variables, written on the tape: it can be differentiated as well.
+
+        Raises
+        ------
+        TypeError
+            Where an operation jumps, or is not recorded.
+        """
+        dots: dict[int, Any] = dict(rates)
+        for n in range(of.at + 1):
+            op, args = self.entries[n]
+            if n not in dots and any(arg in dots for arg in args):
+                if isinstance(op, Operation):
+                    raise TypeError("a function that is not recorded has no third derivatives")
+                slopes = OPERATIONS[op].slopes(Traced(self, n), *(Traced(self, arg) for arg in args))
+                pairs = zip(slopes, args, strict=True)
+                dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
+        return dots.get(of.at, 0.0)
 
     def gradient(self, bars: Mapping[int, Any]) -> list[Any]:
         """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places.

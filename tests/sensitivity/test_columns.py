@@ -10,8 +10,8 @@ from tests.sensitivity.test_events import STOP, pendulum
 import sarrus as sr
 from sarrus.analyses.sensitivity.chain import Nodes
 from sarrus.analyses.sensitivity.chains import AnyChain, chain_of
-from sarrus.analyses.sensitivity.columns_loop import COLUMNS
 from sarrus.analyses.sensitivity.steps import sweep
+from sarrus.linalg.columns_loop import COLUMNS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 

@@ -189,7 +189,7 @@ def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytes
     for one in record.operations:
         own = OperationMatrix(run.system, one.tables)
         own.numbers.values[:] = np.random.default_rng(1).normal(size=len(own.numbers.values))
-        factors.append(own.matrix.in_panels() if len(one) else None)
+        factors.append(own.arranged() if len(one) else None)
     order = factors, sweep.Sweep(record, len(RESPONSES))._blocks.matrices(factors)
     key = (*(len(one) > 0 for one in record.operations), False)
     monkeypatch.setitem(sweep.ORDERS, run.steps, {key: order})

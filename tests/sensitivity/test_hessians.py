@@ -19,7 +19,7 @@ import sarrus as sr
 from sarrus.analyses.sensitivity.chains import chain_of
 from sarrus.analyses.sensitivity.derivatives import _adjoint
 from sarrus.analyses.sensitivity.evaluation import Evaluation
-from sarrus.analyses.sensitivity.lagrangian import change_at
+from sarrus.analyses.sensitivity.lagrangians.changes import change_at
 from sarrus.analyses.sensitivity.parameters import Parameters
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly

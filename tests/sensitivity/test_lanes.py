@@ -11,18 +11,17 @@ from sarrus import mechanisms
 from sarrus._jit.link import link
 from sarrus._jit.pointer import call_kernels
 from sarrus._jit.vector import LANES
+from sarrus.analyses.dynamics.methods.equations import GROUPS
 from sarrus.analyses.dynamics.methods.tables import DRIVERS
-from sarrus.analyses.sensitivity import by_numbers
-from sarrus.analyses.sensitivity.columns_loop import COLUMNS
-from sarrus.analyses.sensitivity.kernels import GROUPS
-from sarrus.analyses.sensitivity.lanes_loop import factor_lanes
-from sarrus.analyses.sensitivity.panel_loop import Factors
-from sarrus.analyses.sensitivity.row_order import by_rows
-from sarrus.analyses.sensitivity.step_matrix import unsigned
+from sarrus.analyses.sensitivity.lagrangians import by_parameters as by_numbers
 from sarrus.analyses.sensitivity.steps.block_loop import UNKNOWN
 from sarrus.analyses.sensitivity.steps.changes import changes
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 from sarrus.analyses.sensitivity.steps.sweep_loop import CHANGE, solve_lane, solve_lane_transposed
+from sarrus.linalg.columns_loop import COLUMNS
+from sarrus.linalg.lanes_loop import factor_lanes
+from sarrus.linalg.panel_loop import Factors
+from sarrus.linalg.row_order import by_rows, unsigned
 from sarrus.system import lane_room
 from sarrus.system.lane_room import aligned, room
 
@@ -95,8 +94,8 @@ def factored(n: int) -> tuple[np.ndarray, list[Factors], np.ndarray]:
     found = []
     for lane in range(LANES):
         own, numbers = (x.reshape(-1, LANES)[:, lane].copy() for x in (factors, data))
-        places = pointers, indices, numbers, pointers, indices, diagonal, own, ends, order, order, order
-        found.append(Factors(*[order] * 3, *places))
+        places = pointers, indices, numbers, pointers, indices, diagonal, own, ends, order, order
+        found.append(Factors(*places))
     return matrices, found, growth
 
 

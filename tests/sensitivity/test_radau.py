@@ -15,8 +15,8 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity import stages_matrix
 from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.steps import matrix
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 from sarrus.analyses.sensitivity.steps.sweep import ORDERS, Sweep
 from sarrus.model.written import with_numbers
@@ -148,7 +148,7 @@ def test_the_published_slider_crank_of_sundials_to_many_digits() -> None:
 def test_the_pivots_of_one_stage_serve_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where they cannot be trusted there is an order of their own, with the same derivatives."""
     wanted = sr.sensitivity(swung(), sr.Final("slider.x"))
-    monkeypatch.setattr(stages_matrix, "LEAST", 2.0)
+    monkeypatch.setattr(matrix, "LEAST", 2.0)
     monkeypatch.delitem(ORDERS, swung().steps)
     found = sr.sensitivity(swung(), sr.Final("slider.x"))
     assert not np.array_equal(found.matrix, wanted.matrix)
@@ -161,8 +161,8 @@ def test_the_factors_of_the_vehicle_are_few(monkeypatch: pytest.MonkeyPatch) -> 
     sweep = Sweep(Record(system, run.steps), 1)
 
     def factors() -> int:
-        return len(sweep._pivots(STEP, sweep.record.operations[STEP], 0).factors)
+        return len(sweep._pivots(STEP, sweep.record.operations[STEP], 0).pattern.rows)
 
     few = factors()
-    monkeypatch.setattr(stages_matrix, "LEAST", 2.0)
+    monkeypatch.setattr(matrix, "LEAST", 2.0)
     assert few < 0.5 * factors()

@@ -26,7 +26,7 @@ from ..equations.minimum_norm import MinimumNorm
 from ..redundancy.redundant_constraints import Independence
 from .chain import Nodes
 from .consistent_states import Back, ConsistentStates, ConsistentSweep
-from .curve_lagrangian import CurveLagrangian
+from .lagrangians.curves import CurveLagrangian
 from .pieces import PieceSampling
 from .reported import Changes, Place, Reported
 from .sampling import Sampling, apart

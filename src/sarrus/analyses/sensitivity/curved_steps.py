@@ -13,8 +13,8 @@ import numpy as np
 from ...algebra import Array
 from ...results import StepsTaken
 from .chain import BackwardState, Chain, Nodes
-from .curve_lagrangian import CurveLagrangian
-from .lagrangian import Change, change_at
+from .lagrangians.changes import Change, change_at
+from .lagrangians.curves import CurveLagrangian
 from .steps.second_order import changes_along
 from .steps.sweep import PerOperation, Sweep
 

@@ -15,10 +15,10 @@ from ...algebra import Array
 from ...system.time_derivatives import timed
 from .chain import FIELDS, Chain, Nodes, by_joints
 from .chains import AnyChain
-from .curve_lagrangian import CurveLagrangian
 from .curved_steps import CurvedSteps, Turned, remembered
 from .evaluation import Evaluation
-from .lagrangian import Change, change_at
+from .lagrangians.changes import Change, change_at
+from .lagrangians.curves import CurveLagrangian
 from .parameters import Parameters
 from .piece_chain import KINDS
 from .turn_curvature import TurnChange, TurnCurvature, TurnMoved

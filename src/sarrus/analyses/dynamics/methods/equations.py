@@ -113,6 +113,16 @@ OPERATOR = {
 OF_CONSTRAINTS = ("Phi_q", "gamma_q", "gamma_v", "Phi_q_a_q")  # operators with a row for each constraint
 
 
+GROUPS: dict[str, tuple[str, ...]] = {
+    "jacobian": ("Phi_q", "Phi_qT_lam_q"),
+    "inertia": ("M", "M_a_q", "S_q", "S_v"),
+    "stiffness": ("Q_q", "Q_v"),
+    "gamma_v": ("gamma_v",),
+    "gamma_q_v": ("gamma_q", "gamma_v"),
+    "Phi_q_xi_q": ("Phi_q_xi_q",),
+}  # operators that one driver evaluates
+
+
 class Call(NamedTuple):
     """Operators of a stage that one driver evaluates: its group, operands by quantities of the stage, outputs."""
 

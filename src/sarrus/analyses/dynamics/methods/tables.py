@@ -14,13 +14,13 @@ from ....system import System
 from ....system.once import once_alike
 from ...equations.block_matrix import LEFT_OUT, UNIT, Part
 from .description import CONSTRAINTS, ROLES, Operation, Stage
-from .equations import KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
+from .equations import GROUPS, KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
 
 Sizes = tuple[tuple[str, str], ...]
 Term = tuple[str, str]  # what is set, by which block
 Quantity = tuple[int, str]  # of a stage
 NOWHERE = -1
-DRIVERS = ("jacobian", "inertia", "stiffness", "gamma_v", "gamma_q_v", "Phi_q_xi_q")  # groups of operators
+DRIVERS = tuple(GROUPS)
 
 
 class Structure(NamedTuple):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
-from ..lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
+from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from .layout import KIND, LAM, NU, XI, A, Q, T, V
 from .stacked import Row, at, row
 

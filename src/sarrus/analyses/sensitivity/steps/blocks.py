@@ -10,26 +10,25 @@ import numpy as np
 from ...._jit import pointer
 from ...._jit.vector import LANES
 from ....algebra import Array
+from ....linalg.columns_loop import COLUMNS, Rows
+from ....linalg.panel_loop import Pattern
+from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
 from ....system.lane_room import room, used
 from ....system.once import once_alike
+from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
-from ..by_numbers import gradient_entry
-from ..columns_loop import COLUMNS, Rows
-from ..kernels import GROUPS
-from ..panel_loop import Factors
-from ..row_order import by_rows, no_rows, rows_of
-from ..step_matrix import unsigned
-from .block_loop import UNKNOWN, Block, Kernels, Matrices, Run
+from ..lagrangians.by_parameters import gradient_entry
+from .block_loop import UNKNOWN, Block, Kernels, Matrices
 from .changes import UNCHANGED, changes, joined
 from .layout import drivers_of, kinds_of, layout_of
+from .matrix import Arranged
 from .record import Operations
-from .stacked import Ragged, ragged, series
+from .stacked import Ragged, ragged
 
 OPERATIONS = 3  # see `record`
-SOURCES = 13  # different arrays of recorded values, at most
 # Relative change of a solution by its refinement up to which the others of a block are not refined, where round-off in
 # multipliers decays
 PLAIN = 1e-12
@@ -120,12 +119,12 @@ class Blocks:
             by_b=room(system.nb, columns), moved=moved,
         )  # fmt: skip
 
-    def arrange(self, factors: Sequence[Factors | None]) -> None:
+    def arrange(self, factors: Sequence[Arranged | None]) -> None:
         """Room for factors of all operations, in their orders of pivots."""
         cuts, ends = np.zeros((OPERATIONS, 4), np.int64), []
         for op, (own, product) in enumerate(zip(factors, self._products, strict=True)):
             if own and product:
-                sizes = (len(own.factors), len(own.data), len(product.indices))
+                sizes = (len(own.pattern.rows), len(own.pattern.indices), len(product.indices))
                 cuts[op] = np.cumsum([0, *map(_whole, sizes)])
             ends.append(cuts[op, 3] * LANES)
         starts = np.cumsum([0, *ends])
@@ -135,7 +134,7 @@ class Blocks:
             strides=cuts[:, 3].copy(), cuts=cuts,
         )  # fmt: skip
 
-    def matrices(self, factors: Sequence[Factors | None]) -> Matrices:
+    def matrices(self, factors: Sequence[Arranged | None]) -> Matrices:
         """Patterns of all operations one after another."""
         return _matrices(factors, self._products, self.panels)
 
@@ -159,62 +158,18 @@ def _kernels(system: System, structures: tuple[Structure, ...], forward: bool) -
     return Kernels(**operators, gradient=joined(gradients), gradients=ends)
 
 
-def run_of(record: Operations, first: int) -> Run:
-    """The run as compiled code takes it, from step `first` on."""
-    steps, operations = record.steps, record.operations
-    tables = [one.tables for one in operations]
-    none = np.zeros((0, 0))
-    coefficients = series([one.coefficients() if len(one) else none for one in operations])
-    unknowns = np.array([len(own.by_state) for own in tables], np.int64)
-    pairs = list(zip(operations, tables, strict=True))
-    weights = [one.weights(own.weights) if len(one) else none for one, own in pairs]
-    product = [one.weights(own.product_weights) if len(one) else none for one, own in pairs]
-    arrays, pieces = dict[int, Array](), []
-    for one in operations:
-        rows = np.zeros((0, 3), np.int64)
-        for source in one.sources.values() if len(one) else ():
-            arrays.setdefault(id(source.values), source.values)
-            own = [list(arrays).index(id(source.values)), source.first, source.stride]
-            rows = np.append(rows, [own], axis=0)
-        pieces.append(rows)
-    sources = tuple(arrays.values()) + (np.zeros((0, 0)),) * (SOURCES - len(arrays))
-    bounds = [(np.searchsorted(one.steps, first), len(one)) for one in operations]
-    own_steps, nodes = [one.steps for one in operations], [one.nodes for one in operations]
-    whole = {"steps": own_steps, "nodes": nodes, "alike": record.alike}
-    integers: dict[str, Any] = {
-        name: series([x[:, None] for x in own], np.int64) for name, own in whole.items()
-    }
-    return Run(
-        coefficients=coefficients, unknowns=unknowns, weights=series(weights), product_weights=series(product),
-        scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
-        sources=sources, pieces=ragged(pieces), bounds=np.array(bounds, np.int64), memory=steps.memory,
-        places=steps.places, left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
-    )  # fmt: skip
-
-
 def _matrices(
-    factors: Sequence[Factors | None], products: Sequence[Product | None], panels: bool
+    arranged: Sequence[Arranged | None], products: Sequence[Product | None], panels: bool
 ) -> Matrices:
     """Patterns of all operations one after another."""
     none = np.zeros(0, np.uint64)
 
-    def stacked(of: Sequence[Any], name: str) -> Ragged:
+    def stacked(of: Sequence[NamedTuple | None], name: str) -> Ragged:
         empty = np.zeros((0, 3), np.int64) if name == "parts" else none
         return ragged([empty if one is None else getattr(one, name) for one in of], empty.dtype)
 
-    names = (
-        "parts",
-        "places",
-        "indptr",
-        "indices",
-        "pointers",
-        "rows",
-        "diagonal",
-        "ends",
-        "row_place",
-        "column_order",
-    )
-    rows = [by_rows(one) if one and panels else None for one in factors]
+    patterns = [one and one.pattern for one in arranged]
+    rows = [by_rows(one) if one and panels else None for one in patterns]
     by = (
         [one.upper if one else no_rows() for one in rows],
         [one.whole if one else no_rows() for one in rows],
@@ -225,7 +180,8 @@ def _matrices(
         for own in by
     )
     return Matrices(
-        *(stacked(factors, name) for name in names),
+        *(stacked(arranged, name) for name in ("parts", "places")),
+        *(stacked(patterns, name) for name in Pattern._fields),
         *(stacked(products, name) for name in ("parts", "places", "indptr", "indices")),
         *wide,
     )

@@ -12,8 +12,8 @@ from ....algebra import Array
 from ....system import System
 from ....system.lane_room import room
 from ...dynamics.methods.tables import NOWHERE, Group, Tables
-from ..by_numbers import elements
-from ..shares import concerned
+from ..lagrangians.by_parameters import elements
+from ..lagrangians.elements import concerned
 from .block_loop import Changes
 from .stacked import ragged
 

@@ -12,7 +12,8 @@ from ....system import System
 from ....system.once import once_alike
 from ...dynamics.methods.equations import MULTIPLIERS
 from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, tables_of
-from .matrix import OperationMatrix, constrained
+from ...equations.block_matrix import Numbers
+from .matrix import constrained
 from .stacked import Ragged, ragged
 
 TABLES = ("by_unknowns", "pieces", "calls", "constrained", "constraints", "groups")
@@ -134,7 +135,7 @@ def layout_of(system: System, structures: tuple[Structure | None, ...]) -> Layou
             }
         else:
             tables = tables_of(system, structure)
-            states, numbers = States(tables, states_at), OperationMatrix(system, tables).numbers
+            states, numbers = States(tables, states_at), Numbers(system, tables.names, tables.like)
             groups, end = groups_of(tables, states, kinds, adjoint)
             start = {name: values_at + at for name, at in numbers.start.items()}
             calls = np.array([_call(s, call, states, start) for s, call in tables.calls], np.int64)

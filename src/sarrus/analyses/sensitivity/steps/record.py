@@ -22,8 +22,11 @@ from ...dynamics.methods.description import (
 )
 from ...dynamics.methods.generalized_alpha import generalized_alpha
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
+from .block_loop import Run
+from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
+SOURCES = 13  # different arrays of recorded values, at most
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
 RADAU = radau()
 
@@ -183,6 +186,39 @@ class Operations:
         sources = {key: Source(np.ascontiguousarray(values[key])) for key in tables.recorded}
         stages = np.repeat(times[:, None], len(tables.structure.stages), axis=1)
         return Occurrences(operation, tables, steps, nodes, stages, sources)
+
+    def run(self, first: int = 0) -> Run:
+        """The operations as compiled code takes them, from step `first` on."""
+        bounds = [(np.searchsorted(one.steps, first), len(one)) for one in self.operations]
+        return self._run._replace(bounds=np.array(bounds, np.int64))
+
+    @cached_property
+    def _run(self) -> Run:
+        steps, operations, none = self.steps, self.operations, np.zeros((0, 0))
+        own, present = [one.tables for one in operations], [len(one) > 0 for one in operations]
+        weights = [one.weights(one.tables.weights) if len(one) else none for one in operations]
+        product = [one.weights(one.tables.product_weights) if len(one) else none for one in operations]
+        arrays, pieces = dict[int, Array](), []
+        for one, there in zip(operations, present, strict=True):
+            found = [arrays.setdefault(id(x.values), x.values) for x in one.sources.values()] if there else []
+            places = [list(arrays).index(id(x)) for x in found]
+            rows = [(at, x.first, x.stride) for at, x in zip(places, one.sources.values(), strict=False)]
+            pieces.append(np.array(rows, np.int64).reshape(-1, 3))
+        whole = {
+            "steps": [one.steps for one in operations], "nodes": [one.nodes for one in operations], "alike": self.alike,
+        }  # fmt: skip
+        integers: dict[str, Any] = {
+            name: series([x[:, None] for x in each], np.int64) for name, each in whole.items()
+        }
+        return Run(
+            coefficients=series([one.coefficients() if len(one) else none for one in operations]),
+            unknowns=np.array([len(tables.by_state) for tables in own], np.int64),
+            weights=series(weights), product_weights=series(product),
+            scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
+            sources=tuple(arrays.values()) + (none,) * (SOURCES - len(arrays)), pieces=ragged(pieces),
+            bounds=np.zeros((0, 2), np.int64), memory=steps.memory, places=steps.places,
+            left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
+        )  # fmt: skip
 
     @cached_property
     def alike(self) -> list[Array]:

@@ -10,10 +10,10 @@ from ...._jit.link import link
 from ...._jit.vector import LANES
 from ....algebra import Array
 from ....system.lane_room import room
-from ..curve_lagrangian import CurveLagrangian
-from ..lagrangian import lagrangian
+from ..lagrangians.changes import lagrangian
+from ..lagrangians.curves import CurveLagrangian
 from . import second_order_loop as loop
-from .blocks import Blocks, run_of
+from .blocks import Blocks
 from .changes import joined
 from .layout import kinds_of
 from .record import Operations
@@ -57,7 +57,7 @@ def changes_along(
     work = loop.Operands._make(room(sizes.get(name, system.nq)) for name in loop.Operands._fields)
     blocks, found = Blocks(record, 0, None), stages_of(record, 1)
     link(loop.change)(
-        blocks.layout, joined(entries), ends, record.steps.b.copy(), b_dot.copy(), run_of(record, 0), stages.series,
+        blocks.layout, joined(entries), ends, record.steps.b.copy(), b_dot.copy(), record.run(), stages.series,
         adjoint.series, blocks.block, work, found.series,
     )  # fmt: skip
     by_b = work.by_b.reshape(-1, LANES).sum(axis=1)

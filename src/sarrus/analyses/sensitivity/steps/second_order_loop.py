@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
-from ..lanes_loop import clear_lanes
+from ....linalg.lanes_loop import clear_lanes
 from .block_loop import collect, gather, remember
 from .layout import (
     BY_A,

@@ -11,19 +11,17 @@ from ...._jit.link import link
 from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
 from ....system.lane_room import aligned
-from ..panel_loop import Factors
-from ..stages_matrix import StagesMatrix
 from . import sweep_loop as loop
 from .block_loop import Matrices
-from .blocks import OPERATIONS, Blocks, run_of
+from .blocks import OPERATIONS, Blocks
 from .maps import maps_of
-from .matrix import OperationMatrix
+from .matrix import Arranged, OperationMatrix
 from .record import Occurrences, Operations, Remembered
 from .stacked import Series, parts_of, series
 
 # Last relative change of a solution up to which pivots are kept: those of a very short step, those chosen for this one
 TRUSTED = (1e-8, 1e-3)
-Order = tuple[list[Factors | None], Matrices]  # of pivots of all operations
+Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
 ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
@@ -76,7 +74,7 @@ class Sweep:
         self.state_size = next(one for one in self._blocks.tables if one).state_size
         self._work = self._make_work(b_dot is not None)
         self._order: Order | None = None
-        self._inherited: list[Factors | None] = []
+        self._inherited: list[Arranged | None] = []
 
     def over(self, record: Operations) -> Sweep:
         """Go on with other steps of the same run, those before; the sweep for them."""
@@ -134,7 +132,7 @@ class Sweep:
         begun : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
             do not depend on each other
         """
-        timeline, run = self._timeline(first, None, begun), run_of(self.record, first)
+        timeline, run = self._timeline(first, None, begun), self.record.run(first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0
         arrays = (
             state,
@@ -195,7 +193,7 @@ class Sweep:
         sources: PerOperation | None, first: int, last: int | None, begun: Array | None,
     ) -> None:  # fmt: skip
         states = None if begun is None else begun.reshape(len(begun), 1, -1)
-        timeline, run, e = self._timeline(first, last, states), run_of(self.record, first), 0
+        timeline, run, e = self._timeline(first, last, states), self.record.run(first), 0
         panels, tried = self._in_panels(state), (-1, 0)
         self._work.done[0] = 0
         beside = (stored.series if stored else NOTHING), (sources.series if sources else NOTHING)
@@ -274,7 +272,7 @@ class Sweep:
         self._work.trusted[0] = TRUSTED[times]
         return e, times
 
-    def _pivots(self, op: int, of: Occurrences, k: int, in_blocks: bool = True) -> Factors | None:
+    def _pivots(self, op: int, of: Occurrences, k: int, in_blocks: bool = True) -> Arranged | None:
         """The order of the pivots for an occurrence of an operation; None where there is none."""
         if self._blocks.tables[op] is None:
             return None
@@ -283,8 +281,6 @@ class Sweep:
         left_out = (
             record.steps.left_out[of.nodes[k]] if len(record.steps.left_out) else np.zeros(record.system.m)
         )
-        own.evaluate(record.numbers(n), left_out.astype(float), of.stages_at(k))
-        own.matrix.weights[:] = of.weights(of.tables.weights)[k]
-        if isinstance(own.matrix, StagesMatrix):
-            own.matrix.in_blocks = in_blocks
-        return own.matrix.in_panels()
+        at, weights = of.stages_at(k), of.weights(of.tables.weights)[k]
+        own.evaluate(record.numbers(n), left_out.astype(float), at, weights)
+        return own.arranged(in_blocks)

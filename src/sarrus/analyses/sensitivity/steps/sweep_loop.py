@@ -23,8 +23,14 @@ from ...._jit.lanes import fill, load, plus_product, store
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
-from ..columns_loop import ByRows, Rows, minus_rows, solve_panel
-from ..panel_loop import REFINEMENTS, solve_columns_transposed, solve_flat, solve_plain_transposed
+from ....linalg.columns_loop import ByRows, Rows, minus_rows, solve_panel
+from ....linalg.panel_loop import (
+    REFINEMENTS,
+    Factors,
+    solve_columns_transposed,
+    solve_flat,
+    solve_plain_transposed,
+)
 from .block_loop import UNKNOWN, finish, linearize, turned
 from .layout import NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW
 from .stacked import Row, at, row
@@ -94,21 +100,6 @@ class Weighed(NamedTuple):
     total: Any
 
 
-class Lane(NamedTuple):
-    """The matrix of one occurrence and its factors; see `step_matrix.Factors`."""
-
-    indptr: Any
-    indices: Any
-    data: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    factors: Any
-    ends: Any
-    row_place: Any
-    column_order: Any
-
-
 @compiled
 def apply_map(own: Any, op: Any, coefficients: Any, state: Any, other: Any, out: Any) -> None:
     """Set a vector by the state and another one, see `maps`."""
@@ -144,7 +135,7 @@ def numbers_of(block: Any, op: Any, lane: Any) -> Any:
 def lane_of(matrices: Any, block: Any, op: Any, numbers: Any) -> Any:
     """The matrix of one lane and its factors."""
     cuts = block.cuts[op]
-    return Lane(
+    return Factors(
         row(matrices.indptr, op).values, row(matrices.indices, op).values, numbers[cuts[1] : cuts[2]],
         row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
         numbers[: cuts[1]], row(matrices.ends, op).values, row(matrices.row_place, op).values,

@@ -1,9 +1,8 @@
-"""How is the matrix of a step factored and solved with quickly? (Functions that are compiled.)
+"""Solutions with the factors of one matrix, whose neighbouring columns of L make panels. (Functions that are compiled.)
 
 Neighbouring columns of L with the same rows below them make a panel (Demmel, Eisenstat, Gilbert, Li and Liu 1999):
-three at a time subtract from another column, so that each row is looked up once for three. All places are unsigned
-numbers: a signed one might count from the end, which compiled code would ask at every access. Storage is that of
-`sparse_lu`.
+`lanes_loop` factors three at a time. All places are unsigned numbers: a signed one might count from the end, which
+compiled code would check at every access. Storage is that of `sparse_lu`.
 """
 
 from __future__ import annotations
@@ -12,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.link import compiled
-from ...algebra import Array
-from ..equations.block_matrix import assemble
+from .._jit.link import compiled
+from ..algebra import Array
 
 REFINED, REFINEMENTS = (
     1e-8,
@@ -25,20 +23,29 @@ TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 
 
-class Factors(NamedTuple):
-    """What compiled code needs to assemble, factor and refine; all places are unsigned.
+class Pattern(NamedTuple):
+    """The order of the pivots of a matrix, and the pattern of its factors; all places are unsigned.
 
     Attributes
     ----------
-    parts, weights, places : of the numbers of operators, see `dynamics.placed`
-    indptr, indices, data : the matrix, rows and columns in the order of the pivots
-    pointers, rows, diagonal, factors : see `sparse_lu`
-    ends : of panels, see `panel_loop`
+    indptr, indices : the matrix, rows and columns in the order of the pivots
+    pointers, rows, diagonal : of the factors, see `sparse_lu`
+    ends : of panels, see `panel_ends`
     """
 
-    parts: Array
-    weights: Array
-    places: Array
+    indptr: Array
+    indices: Array
+    pointers: Array
+    rows: Array
+    diagonal: Array
+    ends: Array
+    row_place: Array
+    column_order: Array
+
+
+class Factors(NamedTuple):
+    """One matrix and its factors, with the fields of `Pattern`; pivots are stored as what they are divided by."""
+
     indptr: Array
     indices: Array
     data: Array
@@ -47,7 +54,6 @@ class Factors(NamedTuple):
     diagonal: Array
     factors: Array
     ends: Array
-    work: Array
     row_place: Array
     column_order: Array
 
@@ -67,69 +73,6 @@ def panel_ends(pointers: Array, rows: Array, diagonal: Array) -> Array:
             if same:
                 behind[j] = behind[j + 1]
     return behind
-
-
-@compiled
-def refactor_panels(
-    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
-    factors: Array, work: Array,
-) -> bool:  # fmt: skip
-    """Factor a matrix on a known pattern, as `sparse_lu.refactor` does; false where a pivot is zero or not a number.
-
-    In one piece: calls would take as long as what they do. Pivots are stored as what they are divided by: 1 / pivot.
-    """
-    for j in range(np.uint64(len(diagonal))):
-        start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
-        for entry in range(start, end):
-            work[rows[entry]] = 0.0
-        for place in range(indptr[j], indptr[j + ONE]):
-            work[indices[place]] += data[place]
-        entry = start
-        while entry < middle:
-            k = rows[entry]
-            behind = min(ends[k], j)
-            base = diagonal[behind - ONE] + ONE
-            size = pointers[behind] - base
-            while k + TWO < behind:
-                u0 = work[k]
-                first, second, third = diagonal[k] + ONE, diagonal[k + ONE] + ONE, diagonal[k + TWO] + ONE
-                u1 = work[k + ONE] - factors[first] * u0
-                u2 = work[k + TWO] - factors[first + ONE] * u0 - factors[second] * u1
-                factors[entry], factors[entry + ONE], factors[entry + TWO] = u0, u1, u2
-                k, entry, first, second = k + THREE, entry + THREE, first + TWO, second + ONE
-                for i in range(behind - k):
-                    work[k + i] -= (
-                        factors[first + i] * u0 + factors[second + i] * u1 + factors[third + i] * u2
-                    )
-                first, second, third = first + (behind - k), second + (behind - k), third + (behind - k)
-                for i in range(size):
-                    work[rows[base + i]] -= (
-                        factors[first + i] * u0 + factors[second + i] * u1 + factors[third + i] * u2
-                    )
-            while k < behind:
-                u0 = work[k]
-                factors[entry] = u0
-                for i in range(diagonal[k] + ONE, pointers[k + ONE]):
-                    work[rows[i]] -= factors[i] * u0
-                k, entry = k + ONE, entry + ONE
-        pivot = work[j]
-        if not abs(pivot) > 0.0:
-            return False
-        inverse = 1.0 / pivot
-        factors[middle] = inverse
-        for entry in range(middle + ONE, end):
-            factors[entry] = work[rows[entry]] * inverse
-    return True
-
-
-@compiled
-def refactor(values: Array, matrix: Factors) -> bool:
-    """Assemble and factor a matrix; false if it cannot be."""
-    assemble(matrix.parts, matrix.places, matrix.weights, values, matrix.data)
-    return refactor_panels(
-        matrix.pointers, matrix.rows, matrix.diagonal, matrix.ends, matrix.indptr, matrix.indices, matrix.data,
-        matrix.factors, matrix.work,
-    )  # fmt: skip
 
 
 @compiled

@@ -10,16 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit import pointer
-from ..._jit.differentiate import directional
-from ..._jit.emit import NUMBERS_DOT, Recording
-from ..._jit.reverse import gradient
-from ...algebra import Array
-from ...elements.recorder import Variant
-from ...system import System
-from ...system.lane_drivers import block, entry, entry_with, own_rows, own_tables
-from ...system.once import once_alike
-from .shares import STATES, Share, concerned
+from ...._jit import pointer
+from ...._jit.differentiate import directional
+from ...._jit.emit import NUMBERS_DOT, Recording
+from ...._jit.reverse import gradient
+from ....algebra import Array
+from ....elements.recorder import Variant
+from ....system import System
+from ....system.lane_drivers import block, entry, entry_with, own_rows, own_tables
+from ....system.once import once_alike
+from .elements import STATES, Share, concerned
 
 ADJOINT = (*STATES, "xi", "lam", "nu")
 CHANGES = (*STATES, "lam", NUMBERS_DOT)

@@ -1,4 +1,4 @@
-"""How are many columns solved for at once? Panels of them side by side in vectors (functions that are compiled).
+"""Solutions of many columns at once: panels of them side by side in vectors. (Functions that are compiled.)
 
 A panel is as many columns as fill two vectors: its rows lie one after another, and stay in the fast memory while a step
 is made with them. Where sums can wait for nothing, they are taken by rows, two or three of which have the same columns:
@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.lanes import fill, load, minus_product, plus_product, product, store
-from ..._jit.link import compiled
-from ..._jit.vector import LANES
-from ...algebra import Array
-from .panel_loop import REFINED, REFINEMENTS, Factors, solve_flat
+from .._jit.lanes import fill, load, minus_product, plus_product, product, store
+from .._jit.link import compiled
+from .._jit.vector import LANES
+from ..algebra import Array
+from .panel_loop import REFINED, Factors
 
 COLUMNS = 2 * LANES  # of a panel
 ONE: Any = np.uint64(1)
@@ -220,28 +220,3 @@ def add_panel(order: Array, x: Array, solution: Array) -> float:
         changed += x[k]
         whole += x[LANES + k]
     return float(np.sqrt(changed / whole))
-
-
-@compiled
-def solve_columns(matrix: Factors, by_rows: ByRows, right: Array, solution: Array, room: Array) -> float:
-    """Solution = matrix⁻¹ right (n, k), refined; the largest last relative change of it, which has been made.
-
-    room : four panels, see `columns_loop`
-    """
-    n, most = right.shape[0], 0.0
-    if right.shape[1] == 1:
-        flat = right.reshape(n), solution.reshape(n)
-        return solve_flat(matrix, *flat, room[0], room[1], room[2], REFINEMENTS)[1]
-    for first in range(0, right.shape[1], COLUMNS):
-        width = min(COLUMNS, right.shape[1] - first)
-        given, found = room[0], room[1]
-        for k in range(n):
-            for c in range(COLUMNS):
-                given[k * COLUMNS + c] = right[k, first + c] if c < width else 0.0
-        change = solve_panel(matrix, by_rows, given, found, room[2], room[3], REFINEMENTS)[1]
-        for k in range(n):
-            for c in range(width):
-                solution[k, first + c] = found[k * COLUMNS + c]
-        if change > most or change != change:
-            most = change
-    return most

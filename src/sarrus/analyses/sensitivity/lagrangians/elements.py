@@ -17,17 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.emit import Output, Recording
-from ..._jit.expression import Expression, Graph
-from ...algebra import Array
-from ...elements import Force, Primitive
-from ...elements.derived import HELD
-from ...elements.evaluation import element_from
-from ...elements.recorder import Variant
-from ...model.coordinates import WIDTH
-from ...system import System
-from ...system.lane_drivers import local
-from ...system.population import Population
+from ...._jit.emit import Output, Recording
+from ...._jit.expression import Expression, Graph
+from ....algebra import Array
+from ....elements import Force, Primitive
+from ....elements.derived import HELD
+from ....elements.evaluation import element_from
+from ....elements.recorder import Variant
+from ....model.coordinates import WIDTH
+from ....system import System
+from ....system.lane_drivers import local
+from ....system.population import Population
 
 STATES = ("q", "v", "a")  # operands of bodies besides ξ
 

@@ -18,19 +18,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.differentiate import directional
-from ..._jit.emit import NUMBERS_DOT
-from ..._jit.expression import Expression, Graph
-from ..._jit.replay import needed
-from ..._jit.reverse import gradient
-from ...algebra import Array
-from ...elements.recorder import Variant
-from ...model.coordinates import WIDTH
-from ...system import System
-from ...system.curve_derivatives import ORDERS, ROWS, CurveDerivatives, constant, curves_of
-from ...system.population import Population
-from ...system.time_derivatives import TimeDerivatives
-from .shares import STATES, Share, concerned
+from ...._jit.differentiate import directional
+from ...._jit.emit import NUMBERS_DOT
+from ...._jit.expression import Expression, Graph
+from ...._jit.replay import needed
+from ...._jit.reverse import gradient
+from ....algebra import Array
+from ....elements.recorder import Variant
+from ....model.coordinates import WIDTH
+from ....system import System
+from ....system.curve_derivatives import ORDERS, ROWS, CurveDerivatives, constant, curves_of
+from ....system.population import Population
+from ....system.time_derivatives import TimeDerivatives
+from .elements import STATES, Share, concerned
 
 CURVES_DOT = "curves_dot"  # changes of curves
 

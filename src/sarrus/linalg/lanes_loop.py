@@ -1,4 +1,4 @@
-"""How are matrices of one pattern assembled and factored at once, one in every lane? (Functions that are compiled.)
+"""Matrices of one pattern assembled and factored at once, one in every lane. (Functions that are compiled.)
 
 In arrays "in lanes" every entry is as many numbers as there are lanes, side by side. Factors are those of `panel_loop`;
 no pivot is looked at: where one fails, so does the refinement of a solution.
@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
-from ..._jit.link import compiled
-from ..._jit.vector import LANES
-from ...algebra import Array
+from .._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
+from .._jit.link import compiled
+from .._jit.vector import LANES
+from ..algebra import Array
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
@@ -31,7 +31,7 @@ def clear_lanes(x: Array) -> None:
 
 @compiled
 def assemble_lanes(parts: Array, places: Array, weights: Array, values: Array, data: Array) -> None:
-    """Sum the weighted numbers of all parts into the numbers of a matrix, as `dynamics.placed.assemble` does."""
+    """Sum the weighted numbers of all parts into the numbers of a matrix, as `equations.block_matrix.assemble` does."""
     clear_lanes(data)
     for s in range(np.uint64(len(parts))):
         first, count, at, weight = parts[s, 0], parts[s, 1], parts[s, 2], load(weights, s)
@@ -45,7 +45,7 @@ def factor_lanes(
     pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
     factors: Array, work: Array, growth: Array,
 ) -> None:  # fmt: skip
-    """Factor as `panel_loop.refactor_panels` does; all but places are in lanes.
+    """Factor, three columns of a panel at a time; all but places are in lanes.
 
     growth : takes the sum of the squares of L, by which pivots that do not suit are noticed
     """

@@ -11,19 +11,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.differentiate import directional
-from ..._jit.emit import NUMBERS_DOT, Recording
-from ..._jit.pointer import call_kernels
-from ..._jit.reverse import gradient
-from ..._jit.vector import LANES
-from ...algebra import Array
-from ...elements.recorder import Variant
-from ...system import System
-from ...system.lane_drivers import block, entry
-from ...system.lane_room import room
-from ...system.once import once_alike
-from .curve_lagrangian import CurveLagrangian
-from .shares import STATES, Share, concerned
+from ...._jit.differentiate import directional
+from ...._jit.emit import NUMBERS_DOT, Recording
+from ...._jit.pointer import call_kernels
+from ...._jit.reverse import gradient
+from ...._jit.vector import LANES
+from ....algebra import Array
+from ....elements.recorder import Variant
+from ....system import System
+from ....system.lane_drivers import block, entry
+from ....system.lane_room import room
+from ....system.once import once_alike
+from .curves import CurveLagrangian
+from .elements import STATES, Share, concerned
 
 DOTS = tuple(f"{name}_dot" for name in STATES)
 OPERANDS = (*STATES, *DOTS, "xi", "lam", "nu", "lam_dot", NUMBERS_DOT)

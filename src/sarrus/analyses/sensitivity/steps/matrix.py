@@ -88,7 +88,7 @@ class OperationMatrix(PlacedMatrix):
         pattern = unsigned((indptr, placed.row_place[layout.indices[source]]))
         ends, order = link(panel_ends)(*factors), unsigned((placed.row_place, placed.column_order))
         found = Pattern._make([*pattern, *factors, ends, *order])
-        return Arranged(self.parts, *unsigned([places[layout.place]]), found)
+        return Arranged(self.parts, unsigned([places[layout.place]])[0], found)
 
     def _in_order_of_one(self) -> Placed | None:
         """In the order of the last stage's pivots, if these can be trusted."""

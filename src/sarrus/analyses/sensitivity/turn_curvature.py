@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from .curve_lagrangian import CurveLagrangian
 from .event_functions import Slopes
-from .lagrangian import Change, change_at
+from .lagrangians.changes import Change, change_at
+from .lagrangians.curves import CurveLagrangian
 from .turn import TurnDerivatives
 
 

@@ -38,12 +38,24 @@ READ = ("q", "v", "a", "lam")
 
 
 class Motion(NamedTuple):
-    """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times."""
+    """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times.
+
+    lam : the changes of the multipliers that the operations solve for
+    """
 
     found: Ends
     stages: PerOperation
     b: Array
     t: Array
+    lam: Array
+
+
+class Turned(NamedTuple):
+    """What the change of an adjoint takes: the sources of the operations, the gradients that change, the motion."""
+
+    sources: PerOperation
+    bars: Ends
+    motion: Motion
 
 
 class Chosen(Independence):
@@ -190,12 +202,13 @@ class ConsistentSampling(Sampling):
                 x[:, n, 0] = of.gathered(kind, n, dots, column)
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
+        lam = found.lam.copy()
         for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
             slopes = self._minimum.slopes(Place(0, row))
             if slopes is not None:
                 change = Changes(found.q[row], b, t_dot[row : row + 1])
                 found.lam[row] = slopes.along(change, found.lam[row])
-        return Motion(found, stages, b[:, 0], t_dot)
+        return Motion(found, stages, b[:, 0], t_dot, lam)
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """See `Sampling`."""
@@ -203,12 +216,13 @@ class ConsistentSampling(Sampling):
         return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}
 
     def spread_all(
-        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, sources: PerOperation | None = None
+        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: Turned | None = None
     ) -> Array:
-        """See `Sampling`; `sources` are what the change of an adjoint takes."""
+        """See `Sampling`; `turned` is what the change of an adjoint takes."""
         given = self._given(bars)
-        t_bar, by_b = self._through_minimum(given)
-        motion = sources is not None or given.a.any() or given.lam.any()
+        t_bar, by_b = self._through_minimum(given, turned)
+        motion = turned is not None or given.a.any() or given.lam.any()
+        sources = turned.sources if turned else None
         found = (self._sweep if motion else self._of_velocities).back(given, sources)
         for (kind, n), bar in _by_places(found).items():
             self._of.spread(kind, n, bar, nodes, column)
@@ -228,31 +242,36 @@ class ConsistentSampling(Sampling):
             getattr(given, kind)[:, n, 0] += bar
         return given
 
-    def _through_minimum(self, given: Ends) -> tuple[Array, Array]:
+    def _through_minimum(self, given: Ends, turned: Turned | None = None) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
         t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
-        dependent = self._record.left_out.any(axis=1) & given.lam.any(axis=(1, 2))
-        for row in np.flatnonzero(dependent).tolist():
-            slopes = self._minimum.slopes(Place(0, row))
-            if slopes is not None:
-                to = Changes(given.q[row], by_b, t_bar[row : row + 1])
+        asked = given.lam.any(axis=(1, 2)) | (turned.bars.lam.any(axis=(1, 2)) if turned else False)
+        for row in np.flatnonzero(self._record.left_out.any(axis=1) & asked).tolist():
+            to = Changes(given.q[row], by_b, t_bar[row : row + 1])
+            if turned:
+                motion, bars = turned.motion, (turned.bars.lam[row], given.lam[row])
+                moved = Changes(motion.found.q[row], motion.b[:, None], motion.t[row : row + 1])
+                given.lam[row] = self._minimum.turned(Place(0, row), bars, moved, motion.lam[row], to)
+            elif slopes := self._minimum.slopes(Place(0, row)):
                 given.lam[row] = slopes.transposed(given.lam[row], to)
         return t_bar, by_b
 
     def turned(
         self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
-    ) -> tuple[PerOperation, Array]:
+    ) -> tuple[Turned, Array]:
         """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
 
         `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
         """
-        back, curves = self._sweep.back(self._given(bars)), CurveLagrangian(self._system, True, self._moving)
+        given, curves = self._given(bars), CurveLagrangian(self._system, True, self._moving)
+        self._through_minimum(given)
+        back = self._sweep.back(given)
         if self.moves:
             self._of.spread_along(_by_places(back), dots, nodes)
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
             self._of.spread_time(-found.t, nodes, 0)
-        return found.sources, found.b
+        return Turned(found.sources, self._given(bars), motion), found.b
 
 
 def _by_places(found: Back) -> dict[Key, Array]:

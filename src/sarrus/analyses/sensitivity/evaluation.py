@@ -17,7 +17,7 @@ from ...outputs.recording import Angles, Key
 from ...results import Pieces, RadauSteps, StepsTaken
 from ...system import System
 from .chain import Nodes
-from .consistent import READ, ConsistentSampling
+from .consistent import READ, ConsistentSampling, Turned
 from .fine import PARTS, Fine, fine
 from .kinks import layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
@@ -26,7 +26,6 @@ from .pieces import Course, PieceSampling, Where, angles_of, at_event, course_of
 from .reported import Reported
 from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
-from .steps.sweep import PerOperation
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 ONE_SIDED = (
@@ -208,19 +207,6 @@ class Evaluation:
         rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
         return self._reported.along(dots, b, rows)
 
-    def refuse_redundant(self, n: int) -> None:
-        """Refuse second derivatives of a response that takes reactions of redundant constraints.
-
-        Raises
-        ------
-        ValueError
-        """
-        if self._asks_for_multipliers(n) and self._reported.redundant:
-            raise ValueError(
-                f"{self._responses[n].title}: second derivatives of reactions are not supported where constraints are "
-                "redundant. Take first derivatives, or remove the redundant constraints that `mobility` names."
-            )
-
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
         found = self._outputs[n].tape.gradient({self._found[n].at: response.weights(g, sampling.t)})
@@ -271,6 +257,8 @@ class Evaluation:
             self._samplings[n],
             self.signals[n],
         )
+        of_steps, reported = dots, self._reported.redundant and self._asks_for_method(n)
+        dots = self._with_reported(dots, b)
         at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
         g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
         t, t_dot = (
@@ -285,7 +273,12 @@ class Evaluation:
             sampling.spread_time(by_t + response.by_times_along(g, t, g_dot, t_dot), nodes, 0)
         if not isinstance(sampling, ConsistentSampling):
             sampling.spread_along(by_states, dots, nodes)
-            return self._collected(n, change, nodes, 0)
+            nodes, explicit = self._collected(n, change, nodes, 0)
+            if reported:
+                first = self._collected(n, bars, Nodes.zeros(self._steps, 1), 0)[0]
+                by_b = self._reported.pulled_back_along(first, nodes, of_steps, b)
+                explicit = replace(explicit, b=explicit.b + by_b)
+            return nodes, explicit
         sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)
         nodes, explicit = self._collected(n, change, nodes, 0, sources)
         return nodes, replace(explicit, b=explicit.b - by_b[:, None])
@@ -296,7 +289,7 @@ class Evaluation:
         return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
 
     def _collected(
-        self, n: int, bars: list[Any], nodes: Nodes, column: int, *sources: PerOperation
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: Turned
     ) -> tuple[Nodes, Explicit]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
@@ -306,6 +299,6 @@ class Evaluation:
             bar = bars[variable.at]
             if kind in ("b", "c"):
                 (by_b if kind == "b" else by_c)[place, 0] += bar
-        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *sources)
+        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return nodes, Explicit(by_b, by_c, [named])

@@ -71,7 +71,6 @@ class Curvature:
     ) -> None:
         self._evaluation, self._parameters = evaluation, parameters
         self._response, self._system, self._steps = response, chain.system, chain.steps
-        evaluation.refuse_redundant(response)
         moving = not isinstance(chain, Chain) and timed(chain.system)
         self._chains = [chain] if isinstance(chain, Chain) else chain.chains
         self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts

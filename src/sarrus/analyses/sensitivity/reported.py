@@ -24,6 +24,8 @@ from ...system import System
 from ...system.curve_derivatives import CurveDerivatives
 from ..equations.minimum_norm import MinimumNorm, shortest
 from .chain import Nodes
+from .lagrangians.changes import change_at
+from .lagrangians.curves import CurveLagrangian
 
 
 class Place(NamedTuple):
@@ -70,12 +72,15 @@ class Slopes(NamedTuple):
     ----------
     minimum : solves at this node
     null : (m, k) orthonormal basis of the left null space
+    mu, xi : λ - λ̂ (m,) and ξ (nq,)
     pull : those of Jᵀμ
     push : those of J ξ
     """
 
     minimum: MinimumNorm
     null: Array
+    mu: Array
+    xi: Array
     pull: Partials
     push: Partials
 
@@ -140,6 +145,66 @@ class Reported:
                 nodes.lam[row] = slopes.transposed(nodes.lam[row], to)
         return by_b
 
+    def pulled_back_along(self, bars: Nodes, change: Nodes, dots: Nodes, b: Array) -> Array:
+        """Turn changes of gradients, see `pulled_back`, with those of the states and parameters.
+
+        Parameters
+        ----------
+        bars : gradients by reported multipliers
+        change : their change, which is replaced
+        dots, b : changes of the states, with the multipliers of the steps, and of the parameters (len(b), 1)
+        """
+        by_b = np.zeros((len(self._b), 1))
+        for row in np.flatnonzero(
+            (bars.lam != 0).any(axis=(1, 2)) | (change.lam != 0).any(axis=(1, 2))
+        ).tolist():
+            place = self._place(row)
+            moved = Changes(dots.q[row], b, dots.shift[place.piece])
+            to = Changes(change.q[row], by_b, change.shift[place.piece])
+            change.lam[row] = self.turned(place, (bars.lam[row], change.lam[row]), moved, dots.lam[row], to)
+        return by_b
+
+    def turned(
+        self, place: Place, bars: tuple[Array, Array], moved: Changes, lam_dot: Array, to: Changes
+    ) -> Array:
+        """The change of the gradient by λ (m, 1), of that by λ̂ and its change; those by the state are added.
+
+        With λ̄ = P λ̂̄, ν = λ̂̄ - λ̄ and the least β with J β = λ̄ the gradient by the state is that of μᵀJ β + νᵀJ ξ;
+        λ̄ changes as λ̂ does, and β and ξ with the right sides of their equations.
+        """
+        slopes, (bar, bar_dot) = self.slopes(place), bars
+        if slopes is None:
+            return bar_dot
+        minimum, null = slopes.minimum, slopes.null
+        hat_dot = slopes.along(moved, lam_dot)
+        xi_dot = minimum.motions(hat_dot - slopes.push.along(moved))
+        across = shortest(bar, null)
+        beta, nu = minimum.motions(across), bar - across
+        pull, push = self._by("Phi_qT_lam", place, nu[:, 0]), self._by("Phi_q_xi", place, beta[:, 0])
+        across_dot = Slopes(minimum, null, nu[:, 0], beta[:, 0], pull, push).along(moved, bar_dot)
+        slopes.pull.add_gradients(minimum.motions(across_dot - push.along(moved)), to)
+        pull.add_gradients(xi_dot, to)
+        terms = (
+            (slopes.mu, (lam_dot - hat_dot)[:, 0], beta[:, 0]),
+            (nu[:, 0], (bar_dot - across_dot)[:, 0], slopes.xi),
+        )
+        for lam, lam_change, xi in terms:
+            self._add_bends(place, lam, lam_change, xi, moved, to)
+        return across_dot
+
+    def _add_bends(
+        self, place: Place, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
+    ) -> None:
+        """Add the change of the gradient of λᵀJ ξ with all but ξ."""
+        steps, curves = self._pieces[place.piece], CurveLagrangian(self._system, True, self._moving)
+        found = change_at(
+            self._system, "place", float(steps.t[place.node]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
+            curves, float(moved.t[0]) if self._moving else 0.0, q=steps.q[place.node], q_dot=moved.q[:, 0], xi=xi,
+        )  # fmt: skip
+        to.q[:, 0] += found.q
+        to.b[:, 0] += found.b
+        to.t[:] += found.t
+
     def along(self, nodes: Nodes, b: Array, rows: Array | None = None) -> Nodes:
         """The changes of the states and parameters, those of multipliers at some or all nodes as they are reported."""
         lam = nodes.lam.copy()
@@ -195,8 +260,9 @@ class Reported:
         steps = self._pieces[place.piece]
         lam = shortest(steps.lam[place.node], null)
         xi = minimum.motions(lam[:, None])[:, 0]
-        pull = self._by("Phi_qT_lam", place, steps.lam[place.node] - lam)
-        return Slopes(minimum, null, pull, self._by("Phi_q_xi", place, xi))
+        mu = steps.lam[place.node] - lam
+        pull, push = self._by("Phi_qT_lam", place, mu), self._by("Phi_q_xi", place, xi)
+        return Slopes(minimum, null, mu, xi, pull, push)
 
     def _by(self, name: str, place: Place, operand: Array) -> Partials:
         """The derivatives of an operator."""

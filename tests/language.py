@@ -70,7 +70,6 @@ ALLOWED = {
     "told = signature": "text of system/group.py, which all kernels depend on",
     "driver(told,": "text of system/group.py, which all kernels depend on",
     "`March`": "a class, until it is renamed",
-    "curve.trouble": "a public field",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",
 }
 

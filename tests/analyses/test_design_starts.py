@@ -190,7 +190,7 @@ def test_a_saved_run_is_a_start(tmp_path: Path) -> None:
         run = sr.simulate(SYSTEM, {"run": tmp_path / "run.sarrus", **given}, until=0.9, **TIGHT)
         assert run.t[0] == begin
         assert run["rod"].angular_velocity_body[-1, 1] == pytest.approx(swung(3.0, 0.9)[1], abs=1e-6)
-    with pytest.raises(sr.ModelError, match=r"no state was kept at t = 0.3 s"):
+    with pytest.raises(sr.ModelError, match=r"no state was stored at t = 0.3 s"):
         sr.simulate(SYSTEM, {"run": tmp_path / "run.sarrus", "t": 0.3}, until=0.9)
 
 

@@ -318,7 +318,7 @@ def test_other_versions_of_what_numbers_depend_on_are_a_warning(
     cut_short(folder)
     monkeypatch.setattr(saved, "versions", lambda: here | {"numba": "9.9"})
     with pytest.warns(
-        sr.SarrusWarning, match=r"begun with numba \d.*, resumed with numba 9.9. The last digits"
+        sr.SarrusWarning, match=r"started with numba \d.*, resumed with numba 9.9. The last digits"
     ):
         run = sr.resume(folder)
     assert len(run.warnings) == len(sr.load_run(folder).warnings) == 1

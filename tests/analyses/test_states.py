@@ -72,7 +72,7 @@ def test_any_time_of_a_dense_motion_and_any_output_is_a_start() -> None:
     assert several.revolutions[:, 0] == pytest.approx([run.state(t).revolutions[0] for t in (8.0, 2.0, 5.0)])
     sparse = replace(run, sol=None)
     assert sparse.state(4.0).revolutions == pytest.approx(run.state(4.0).revolutions)
-    with pytest.raises(ValueError, match=r"no state was kept at t = 3.3 s. Choose one of `t`"):
+    with pytest.raises(ValueError, match=r"no state was stored at t = 3.3 s. Choose one of `t`"):
         sparse.state(3.3)
 
 

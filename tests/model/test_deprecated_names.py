@@ -34,6 +34,7 @@ def test_attributes_are_those_of_classes_that_have_them() -> None:
         kind.__name__: kind
         for module in (
             "sarrus.results",
+            "sarrus.analyses.workspace.tracing.explore",
             "sarrus.system",
             "sarrus.system.joints",
             "sarrus.results.motion.parts",

@@ -38,7 +38,7 @@ def test_derivatives(case: object) -> None:
 
 def test_redundant_equations_are_left_out() -> None:
     problem = problem_of(five_bar())
-    assert problem.system.m - len(problem.kept) == 3
+    assert problem.system.m - len(problem.independent) == 3
     assert problem.freedoms == 2
 
 

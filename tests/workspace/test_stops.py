@@ -31,7 +31,7 @@ def test_a_map_ends_at_its_time_limit_and_goes_on() -> None:
     assert (found.status, found.success) == ("time limit", False)
     assert np.isnan([found.area, found.perimeter, found.area_error]).all()
     assert "can reach is not known" in str(found)
-    with pytest.warns(sr.SarrusWarning, match="places may be told wrongly"):
+    with pytest.warns(sr.SarrusWarning, match="places may be classified wrongly"):
         found.contains([1.0, 1.0])
     with pytest.raises(sr.SarrusError, match="no derivatives"):
         sr.area_gradient(found, ["q2.point.x"])

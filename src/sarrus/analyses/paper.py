@@ -29,7 +29,7 @@ FUNCTIONS = {"Phi_q": "Phi", "Phi_qT_lam_q": "Phi_qT_lam", "Phi_q_xi_q": "Phi_q_
 Plan = tuple[tuple[str, ...], str]  # functions, and the operand that is varied
 ROUNDS = 15
 BATCH_SECONDS = 0.004
-# Runs of a batch, of which the fastest tells its length: one that was interrupted tells nothing
+# Runs of a batch, of which the fastest is timed: others may have been interrupted
 CALIBRATIONS = 5
 
 
@@ -175,7 +175,7 @@ def _timed_group(system: System, name: str, state: dict[str, Any]) -> _Timed:
 
 
 def times_of(system: System, name: str, state: dict[str, Any]) -> Times:
-    """Median seconds of one group, exact and differenced, measured in turns; plans that are equal are measured once."""
+    """Median seconds of one group, exact and differenced, measured alternately; equal plans are measured once."""
     separate: list[Plan] = [((function,), vary) for function, vary in map(function_of, GROUPS[name])]
     shared = _shared(separate)
     ways = {"exact": [_timed_group(system, name, state)]}

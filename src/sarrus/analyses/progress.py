@@ -27,7 +27,7 @@ Progress: TypeAlias = Callable[[float], None]
 
 
 class TimeLimit(Exception):
-    """The time limit of an analysis has passed; its message says so. The analysis returns what it has computed."""
+    """The time limit of an analysis has passed. The analysis returns what it has computed."""
 
 
 class Bar:

@@ -78,8 +78,8 @@ def _lapack(matrix: Array) -> Any:
 def _superlu(matrix: Any) -> Any:
     try:
         return splu(csc_array(matrix))
-    except RuntimeError as trouble:
-        raise SingularSystem(str(trouble)) from None
+    except RuntimeError as error:
+        raise SingularSystem(str(error)) from None
 
 
 def _parity(order: Array) -> int:

@@ -96,11 +96,11 @@ def independent_rows(null: Array, last: Array) -> Array:
     Parameters
     ----------
     null : (m, k) from `Rank`
-    last : (m,) rows that must be kept (their removal would be no help to anyone)
+    last : (m,) rows that are always among the independent ones
 
     Notes
     -----
-    The k rows left out are the pivots of a QR factorization of the combinations: what these rows say follows from the
+    The k rows left out are the pivots of a QR factorization of the combinations: these rows follow from the
     others with the least amplification.
     """
     candidates = np.flatnonzero(~last)
@@ -142,8 +142,8 @@ def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]
     start = np.random.default_rng(0).normal(size=m)
     for count in (8, 32, 128, 512):
         _, vectors = eigsh(inverse, k=min(count, m - 1), which="LM", v0=start)
-        turns, values, _ = np.linalg.svd((unit.T @ vectors).T, full_matrices=False)
-        vectors = vectors @ turns
+        rotation, values, _ = np.linalg.svd((unit.T @ vectors).T, full_matrices=False)
+        vectors = vectors @ rotation
         zero = values <= tolerance * LONG * np.sqrt(normal.diagonal().max())
         if not np.all(zero):
             return vectors[:, zero], float(values[~zero].min())

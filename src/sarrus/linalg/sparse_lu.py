@@ -197,11 +197,11 @@ def slots(
 
 @compiled(entry=True)
 def refactor(pointers: Array, rows: Array, diagonal: Array, factors: Array, work: Array) -> float:
-    """Factor the matrix that stands in `factors`: U on and above the diagonal, L (unit diagonal) below, in its place.
+    """Factor the matrix in `factors`: U on and above the diagonal, L (unit diagonal) below, in its place.
 
     Returns
     -------
-    smallest |pivot| over the largest entry below it: small values tell that the pivots no longer fit; zero or nan
+    smallest |pivot| over the largest entry below it: with small values the pivots no longer fit; zero or nan
     that the matrix is singular or not finite
     """
     worst = 1.0

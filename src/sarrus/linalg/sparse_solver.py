@@ -66,7 +66,7 @@ class SparseLU:
         column_order: Array,
         factors: Array | None = None,
     ) -> SparseLU:
-        """With a pivot order and factors that were found before; or with room for real ones."""
+        """With a pivot order and factors that were found before; or with memory for real ones."""
         made = cls.__new__(cls)
         made.n, made._indptr, made._indices = len(indptr) - 1, indptr, indices
         made._arrange(row_place, column_order)
@@ -154,8 +154,8 @@ def _superlu(matrix: csc_array, ordering: str, symmetric: bool) -> Any:
         try:
             options = {"SymmetricMode": symmetric}
             return splu(matrix, permc_spec=ordering, diag_pivot_thresh=PIVOT_THRESHOLD, options=options)
-        except RuntimeError as trouble:
-            raise SingularMatrix(str(trouble)) from None
+        except RuntimeError as error:
+            raise SingularMatrix(str(error)) from None
 
 
 def _large_diagonal(matrix: csc_array) -> Array | None:

@@ -1,6 +1,6 @@
 """What are the energies of elements along a motion, and how do they change? With first and second derivatives.
 
-The energy of an element is recorded from what it says, differentiated, and compiled for several states at once; that
+The energy of an element is recorded from its formula, differentiated, and compiled for several states at once; that
 of all of them is one operation on a tape. Left out are elements with curves or memory: these have numbers of their own
 at every time, and are recorded on the tape themselves.
 """
@@ -104,7 +104,7 @@ class Along:
         self.coordinates = np.unique(np.concatenate([np.zeros(0, np.int64), *bodies]))
         self.numbers = np.concatenate([np.zeros(0, np.int64), *(np.arange(p.at, p.end) for p in own)])
         self._motion = [in_lanes(x) for x in (t[:, None], q, v)]
-        value = self._room(1)
+        value = self._zeros(1)
         results = [value, *self._results()]
         link(energy_loop.slopes)(_slopes_entry(system, energy), b, *self._motion, *results)
         self.value, self.slopes = self._by_time(value, [0])[0], self._sorted(results[1:])
@@ -112,15 +112,15 @@ class Along:
     def turned(self, q_dot: Array, v_dot: Array, b_dot: Array) -> Array:
         """The changes of the slopes for changes of all coordinates, rates (nt, nq) and numbers (len(b),)."""
         (t, q, v), results = self._motion, self._results()
-        table, dots = _turns_entry(self._system, self._energy), (in_lanes(q_dot), in_lanes(v_dot))
-        link(energy_loop.turns)(table, self._b, t, q, v, *dots, b_dot, *results)
+        table, dots = _along_entry(self._system, self._energy), (in_lanes(q_dot), in_lanes(v_dot))
+        link(energy_loop.gradients_along)(table, self._b, t, q, v, *dots, b_dot, *results)
         return self._sorted(results)
 
-    def _room(self, width: int) -> Array:
+    def _zeros(self, width: int) -> Array:
         return aligned(len(self._motion[0]), width * LANES)
 
     def _results(self) -> list[Array]:
-        return [self._room(width) for width in (self._system.nq, self._system.nq, len(self.numbers))]
+        return [self._zeros(width) for width in (self._system.nq, self._system.nq, len(self.numbers))]
 
     def _sorted(self, results: Sequence[Array]) -> Array:
         places = (self.coordinates, self.coordinates, np.arange(len(self.numbers)))
@@ -151,11 +151,11 @@ def _slopes_entry(system: System, energy: Energy) -> Any:
 
 
 @once
-def _turns_entry(system: System, energy: Energy) -> Any:
+def _along_entry(system: System, energy: Energy) -> Any:
     """Operands t, q, v and their changes; the change of the gradient is added to the outputs."""
     own = [p for p in members(system, energy) if plain(p)]
     along = ("coordinates", "coordinates", "numbers")
-    return entry(own, [_turns(p.variant, energy) for p in own], along, "energy", _firsts(own))
+    return entry(own, [_gradients_along(p.variant, energy) for p in own], along, "energy", _firsts(own))
 
 
 def _firsts(own: Sequence[Population]) -> list[int]:
@@ -171,7 +171,7 @@ def _slopes(variant: Variant, energy: Energy) -> Recording:
 
 
 @cache
-def _turns(variant: Variant, energy: Energy) -> Recording:
+def _gradients_along(variant: Variant, energy: Energy) -> Recording:
     one = recorded(variant, energy)
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
     dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]

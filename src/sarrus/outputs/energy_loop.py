@@ -11,13 +11,13 @@ from ..algebra import Array
 def slopes(
     entry: Entry, b: Array, t: Array, q: Array, v: Array, value: Array, by_q: Array, by_v: Array, by_b: Array
 ) -> None:
-    """Values and gradients of all blocks; what is given stands in lanes, a block in every row."""
+    """Values and gradients of all blocks; the operands are in lanes, a block in every row."""
     for n in range(len(t)):
         call_kernels(entry, b, t[n], q[n], v[n], value[n], by_q[n], by_v[n], by_b[n])
 
 
 @compiled(entry=True)
-def turns(
+def gradients_along(
     entry: Entry, b: Array, t: Array, q: Array, v: Array, q_dot: Array, v_dot: Array, b_dot: Array, by_q: Array,
     by_v: Array, by_b: Array,
 ) -> None:  # fmt: skip

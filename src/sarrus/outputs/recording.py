@@ -38,12 +38,12 @@ class States(NamedTuple):
 
 
 class Angles:
-    """The joints' coordinates with all their turns.
+    """The joints' coordinates with all their revolutions.
 
     Parameters
     ----------
     system : System
-    nodes : states so near to each other that turns can be counted
+    nodes : states so near to each other that revolutions can be counted
     first : gives the coordinates at the first of them; by default they have less than a turn there
     revolutions : (nt, nc) where they are known at the nodes, which may then be far apart
     """
@@ -72,7 +72,7 @@ class Angles:
 
 
 class Recording:
-    """A motion on a tape; each number stands for its values at all times.
+    """A motion on a tape; each number represents its values at all times.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Recording:
     states : the motion
     b : (len(system.b),) numbers of the elements
     parameters : gives a number of the model by name, made of variables
-    angles : with their turns; by default counted along the states
+    angles : with their revolutions; by default counted along the states
     memory : what elements remember at the times (nt,), by place in b; by default as in b
     sides : of kinks, see `Tape`
 

@@ -47,8 +47,8 @@ class Mobility(Result):
     name : of the system
     coordinates, equations, rank : size of Φ_q and its rank
     degrees_of_freedom : coordinates less rank: the motions that are possible at this instant
-    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, as far as
-        second order tells. "branching": motions cross here, and are fewer elsewhere. "shaky": a motion is possible for
+    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, by the
+        test of second order. "branching": motions cross here; fewer elsewhere. "shaky": a motion is possible for
         an instant only. "untested": too large for the test of second order.
     finite : degrees of freedom of motions that go on; None where they branch or were not tested
     repetitions : dependent equations by joint
@@ -93,8 +93,8 @@ class Mobility(Result):
 
     def _counts(self) -> list[str]:
         count = f"{self.coordinates} coordinates, {self.equations} equations (Euler parameters' unit lengths included)"
-        told = f", {self.redundant} of them redundant" if self.redundant else ", all independent"
-        return [count + told]
+        message = f", {self.redundant} of them redundant" if self.redundant else ", all independent"
+        return [count + message]
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -87,15 +87,15 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
         found.append(multipliers(system, q, v, a, t, b=b))
         states.append(recorded_state(system, t, q, v, b))
     lam = np.array([each.lam for each in found]).reshape(-1, system.m)
-    trouble = _trouble(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
-    message = trouble or "every force is borne by joints and drivers"
-    status = "not balanced" if trouble else "finished"
-    verdict: dict[str, Any] = {"success": not trouble, "status": status, "message": message}
+    failure = _failure(system, run, np.array([each.missing for each in found]).reshape(-1, system.nq))
+    message = failure or "every force is borne by joints and drivers"
+    status = "not balanced" if failure else "finished"
+    verdict: dict[str, Any] = {"success": not failure, "status": status, "message": message}
     return replace(run, lam=lam, system=system, **verdict, **histories(states))
 
 
-def _trouble(system: System, run: Trajectory, missing: Array) -> str:
-    """A sentence about the largest force that is missing (nt, nq), or nothing."""
+def _failure(system: System, run: Trajectory, missing: Array) -> str:
+    """A message about the largest missing force (nt, nq), or nothing."""
     states = list(zip(run.t, run.q, run.v, run.a, strict=True))
     scale = max(
         (largest(system.M_a(q, a)) + largest(system.magnitude("Q", q=q, v=v, t=t)) for t, q, v, a in states),

@@ -59,7 +59,7 @@ def kinematics(
     -------
     Trajectory
         With ``success`` false where the motion ends before the last time: ``status`` is then "lock-up", "not fully
-        driven" or "not assembled", and ``message`` tells when and which equations are in it. Times at which the motion
+        driven" or "not assembled", and ``message`` contains the time and the equations. Times at which the motion
         passes a singular configuration, where it could branch, are in ``singular``. After `time_limit` and Ctrl-C the
         status is "time limit" and "stopped"; the times before are there.
 
@@ -88,7 +88,7 @@ class _Run:
         self.winding = Winding(system)
         self.last: Instant | None = None
         self.winding.begin(start.q, start.revolutions)
-        self.kept: list[tuple[Instant, Array, RecordedState, Array, Array]] = []
+        self._rows: list[tuple[Instant, Array, RecordedState, Array, Array]] = []
         self.singular: list[float] = []
         self.status, self.message, self.steps = "finished", "reached the end", 0
 
@@ -102,7 +102,7 @@ class _Run:
             self._fail("time limit", f"{over} {self._after()}")
 
     def _after(self) -> str:
-        return f"after t = {self.kept[-1][0].t:.6g} s" if self.kept else "at the start"
+        return f"after t = {self._rows[-1][0].t:.6g} s" if self._rows else "at the start"
 
     def _go(self, progress: Progress) -> None:
         now = self._start(float(self.grid[0]))
@@ -213,10 +213,10 @@ class _Run:
         lam = self._multipliers(now)
         if self.last is None:
             self._count_revolutions(now)
-        told = recorded_state(self.system, now.t, now.q, now.v, self.path.b)
+        recorded = recorded_state(self.system, now.t, now.q, now.v, self.path.b)
         memory = self.path.b[self.system.memory_places]
-        turns = self.system.joint_coordinates.revolutions(self.winding.values, now.q)
-        self.kept.append((now, lam, told, memory, turns))
+        revolutions = self.system.joint_coordinates.revolutions(self.winding.values, now.q)
+        self._rows.append((now, lam, recorded, memory, revolutions))
         return now
 
     def _multipliers(self, now: Instant) -> Array:
@@ -232,20 +232,20 @@ class _Run:
         nq, m = self.system.nq, self.system.m
         places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
         shapes = ((), (nq,), (nq,), (nq,), (m,), (places,), (joints,))
-        rows = [(*now[:4], lam, memory, turns) for now, lam, _, memory, turns in self.kept]
+        rows = [(*now[:4], lam, memory, revolutions) for now, lam, _, memory, revolutions in self._rows]
         columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
-        t, q, v, a, lam, memory, turns = (
+        t, q, v, a, lam, memory, revolutions = (
             np.array(c, dtype=float).reshape(len(c), *s) for c, s in zip(columns, shapes, strict=True)
         )
         if self.singular and self.status == "finished":
-            told = ", ".join(f"{t:.9g}" for t in self.singular)
-            self.message += f"; it could have branched at t = {told} s, where the constraints are dependent"
+            times = ", ".join(f"{t:.9g}" for t in self.singular)
+            self.message += f"; it could have branched at t = {times} s, where the constraints are dependent"
         return Trajectory(
             self.system.name,
             tuple(self.system.bodies),
             tuple(self.system.coordinate_names),
             *(t, q, v, a, lam),
-            **histories([state for _, _, state, *_ in self.kept]),
+            **histories([state for _, _, state, *_ in self._rows]),
             success=self.status == "finished",
             status=self.status,
             message=self.message,
@@ -255,8 +255,8 @@ class _Run:
             singular=tuple(self.singular),
             system=self.system,
             memory=memory,
-            revolutions=turns,
-            final=State(float(t[-1]), q[-1], v[-1], a[-1], lam[-1], memory[-1], turns[-1])
+            revolutions=revolutions,
+            final=State(float(t[-1]), q[-1], v[-1], a[-1], lam[-1], memory[-1], revolutions[-1])
             if len(t)
             else None,
         )

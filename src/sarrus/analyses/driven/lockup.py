@@ -1,4 +1,4 @@
-"""Where a driven motion ends: the configuration in which it turns back, and the equations that jam there."""
+"""Where a driven motion ends: the configuration of reversal, and the equations that lock up there."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def last_before(path: Path, before: Instant, h: float) -> Instant:
 
 
 def fold_time(path: Path, near: Instant) -> float | None:
-    """The time at which the motion turns back, by Newton's method on Φ = 0, Φ_q w = 0, wᵀw₀ = 1.
+    """The time of reversal, by Newton's method on Φ = 0, Φ_q w = 0, wᵀw₀ = 1.
 
     With the exact (Φ_q w)_q and (Φ_q w)_t the answer is exact to round-off; nothing, if there is no simple fold nearby.
     """
@@ -67,12 +67,12 @@ def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_arr
 def involved(path: Path, near: Instant) -> str:
     """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
     share = abs(path.driven(near.t, near.q).weakest()[1]) * _joint_rows(path.system)
-    names, told = path.system.row_names, dict[str, list[str]]()
+    names, found = path.system.row_names, dict[str, list[str]]()
     for n in np.argsort(-share, kind="stable"):
         if share[n] > NAMED * share.max():
             joint, row = names[n].split(": ", 1)
-            told.setdefault(joint, []).append(row)
-    return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in told.items())
+            found.setdefault(joint, []).append(row)
+    return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in found.items())
 
 
 def _joint_rows(system: System) -> Array:

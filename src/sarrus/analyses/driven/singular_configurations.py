@@ -1,4 +1,4 @@
-"""Singular positions along a motion: branch points of the constraints, dead centres of inputs."""
+"""Singular configurations along a motion: branch points of the constraints, dead centres of inputs."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def singularities(
     inputs: Iterable[str] = (),
     strict: bool = False,
 ) -> Singularities:
-    """Find and locate singular positions along a motion or a one-parameter family of positions.
+    """Find and locate singular configurations along a motion or a one-parameter family of positions.
 
     The function that is followed is ± the smallest singular value of [Φ_q; X], its rows scaled to unit length; X are
     the rows of the inputs' rates, or without inputs the directions of motion at the grid point before. Its sign is that
@@ -53,7 +53,7 @@ def singularities(
     grid : parameters at which to look, fine enough that neighbours are not far apart; by default the times of the
         trajectory
     inputs : as many coordinates (``"slider.x"``) or joints (``"crank_pin"``) as there are degrees of freedom, whose
-        singular positions are wanted too; without them only those of the constraints are found
+        singular configurations are wanted too; without them only those of the constraints are found
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -78,15 +78,15 @@ def singularities(
 
 
 class _Watch:
-    """The signed smallest singular value along a path, with what is kept fixed."""
+    """The signed smallest singular value along a path, with the inputs fixed."""
 
     def __init__(self, system: System, path: Path, names: tuple[str, ...]) -> None:
         self.system, self.path = system, path
         self.inputs: list[Rate] = [rate(system, name) for name in names]
         first, t = self.path(self.path.grid[0]), self.path.time(self.path.grid[0])
         self.length = lever(system, first, system.Phi_q(first, t))
-        self.kept = self._regular()
-        self.freedom = system.nq - len(self.kept)
+        self._rows = self._regular()
+        self.freedom = system.nq - len(self._rows)
         if names and len(names) != self.freedom:
             raise ValueError(
                 f"{system.name} has {self.freedom} degrees of freedom; name as many inputs, not {len(names)}"
@@ -116,7 +116,7 @@ class _Watch:
     def value(self, s: float, interval: int) -> float:
         """± the smallest singular value of [Φ_q; X] at s, for the interval that begins at a grid point."""
         J, X = self.rows(s), csr_array(self._second_rows(s, interval))
-        square = vstack([J[self.kept], X]).toarray()
+        square = vstack([J[self._rows], X]).toarray()
         values = np.linalg.svd(vstack([J, X]).toarray(), compute_uv=False)
         return float(np.linalg.slogdet(square)[0] * values[self.system.nq - 1])
 
@@ -129,11 +129,11 @@ class _Watch:
     def constraints(self, s: float) -> float:
         """The smallest singular value of Φ_q that is not zero at regular positions."""
         values = np.linalg.svd(self.rows(s).toarray(), compute_uv=False)
-        return float(values[len(self.kept) - 1])
+        return float(values[len(self._rows) - 1])
 
 
 def _roots(watch: _Watch) -> Iterator[float]:
-    """Parameters of singular positions, rising."""
+    """Parameters of singular configurations, rising."""
     grid = watch.path.grid
     for k, (a, b) in enumerate(pairwise(grid.tolist())):
         left, right = watch.value(a, k), watch.value(b, k)
@@ -165,8 +165,8 @@ def _inside(
 def _describe(watch: _Watch, s: float, names: tuple[str, ...]) -> Singularity:
     name, q, smallest = watch.system.name, watch.path(s), watch.constraints(s)
     if smallest < SINGULAR:
-        told = "the constraints lose rank, and motions meet"
-        return Singularity(s, q, "branch", smallest, f"{name} at {s:.9g}: {told}")
+        what = "the constraints lose rank, and motions meet"
+        return Singularity(s, q, "branch", smallest, f"{name} at {s:.9g}: {what}")
     stand = f"{' and '.join(names)} stand{'s' * (len(names) == 1)} still"
-    told = f"dead centre: the mechanism moves here while {stand}"
-    return Singularity(s, q, "dead centre", abs(watch.value(s, 0)), f"{name} at {s:.9g}: {told}")
+    what = f"dead centre: the mechanism moves here while {stand}"
+    return Singularity(s, q, "dead centre", abs(watch.value(s, 0)), f"{name} at {s:.9g}: {what}")

@@ -345,7 +345,9 @@ class March:
                 self._save(force=True)
             if status not in UNFINISHED:
                 self._save(told)
-            elif not store.retell(json.dumps(told)):  # the last checkpoint stays: the run can be resumed
+            elif not store.replace_record(
+                json.dumps(told)
+            ):  # the last checkpoint stays: the run can be resumed
                 return nothing(self.system, status, message)
         except NotSavedError as wrong:
             return self._not_saved(str(wrong))

@@ -15,7 +15,7 @@ from ...model import Model
 from ...model.announcement import announce, reports_warnings
 from ...results import Assembly, Trajectory, load_run
 from ...results.saving.checked_file import NOT_SAVED, NotSavedError
-from ...results.saving.saved import UNFINISHED, Store, arrays_of, is_begun, other_versions, recipe_of
+from ...results.saving.saved import UNFINISHED, Store, arrays_of, awaits_checkpoint, other_versions, recipe_of
 from ...system import System
 from ..progress import monitor
 from .crossing import Crossing
@@ -128,7 +128,7 @@ def resume(
     folder = Path(path)
     recipe: Recipe = recipe_of(folder)["recipe"]
     system = System(recipe.model)
-    if is_begun(folder):
+    if awaits_checkpoint(folder):
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
             return recipe.saved(folder, system, told)
     about, _, state = arrays_of(folder)

@@ -32,7 +32,7 @@ FACTORS = ("row_place", "column_order", "factors", "weights")
 
 
 class Part(NamedTuple):
-    """An operator whose first number stands at a row and a column of the matrix, perhaps transposed."""
+    """An operator whose first number is at a row and a column of the matrix, perhaps transposed."""
 
     name: str
     row: int
@@ -77,10 +77,10 @@ class Numbers:
         if UNIT in self.views:
             self.views[UNIT][:] = 1.0
 
-    def keep(self, kept: Array | None) -> None:
+    def keep(self, rows: Array | None) -> None:
         """Solve only the equations in these places of Φ (None: all)."""
-        self.left_out[:] = 0.0 if kept is None else 1.0
-        self.left_out[[] if kept is None else kept] = 0.0
+        self.left_out[:] = 0.0 if rows is None else 1.0
+        self.left_out[[] if rows is None else rows] = 0.0
 
     def of(self, names: Sequence[str]) -> list[Array]:
         """The parts of some operators."""
@@ -91,7 +91,7 @@ class Numbers:
     ) -> None:
         """Write the numbers of operators that are computed together; equations left out have no gradient.
 
-        `to` are the names under which they are kept, where they are those at another state.
+        `to` are the names under which they are stored, where they are those at another state.
         """
         found = self.system.group(*group)
         found.run(b, *(operands[name] for name in found.operands), *self.of(to or group))
@@ -192,7 +192,7 @@ class PlacedMatrix:
         self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
 
     def _lodged(self) -> Placed | None:
-        """With the order of the host, and room for factors."""
+        """With the order of the host, and memory for factors."""
         if self._host is None or self._host.placed is None:
             return None
         found = self._host.placed

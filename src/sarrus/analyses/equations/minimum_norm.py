@@ -22,13 +22,13 @@ class MinimumNorm:
     Parameters
     ----------
     system : System
-    kept : places in Φ of independent equations
+    rows : places in Φ of independent equations
     """
 
-    def __init__(self, system: System, kept: Array) -> None:
+    def __init__(self, system: System, rows: Array) -> None:
         self._nq, self._m = system.nq, system.m
-        self._saddle = Saddle(system, "I", kept)
-        self._dropped = np.setdiff1d(np.arange(system.m), kept)
+        self._saddle = Saddle(system, "I", rows)
+        self._dropped = np.setdiff1d(np.arange(system.m), rows)
         self._small = system.nq < DENSE_BELOW
 
     def combinations(self, J: csr_array) -> Array:

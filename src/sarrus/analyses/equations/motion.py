@@ -10,13 +10,13 @@ from .saddle_point import Saddle
 
 
 class Motion:
-    """Accelerations of one system; all memory is kept between calls.
+    """Accelerations of one system; all memory is reused between calls.
 
-    Where constraints are dependent, `kept` are the places in Φ of independent ones (see `Independence`): the
+    Where constraints are redundant, `rows` are the places in Φ of independent ones (see `Independence`): the
     accelerations are the same for any such choice, the multipliers of the other equations are 0.
     """
 
-    def __init__(self, system: System, kept: Array | None = None) -> None:
+    def __init__(self, system: System, rows: Array | None = None) -> None:
         self.system = system
         self.b = system.b.copy()
         self.evaluations = 0
@@ -26,11 +26,11 @@ class Motion:
         self._Phi_q, self._gamma = self._constraints.allocate()
         self._M, self._S = self._inertia.allocate()
         (self._Q,) = self._forces.allocate()
-        self.keep(kept)
+        self.keep(rows)
 
-    def keep(self, kept: Array | None) -> None:
+    def keep(self, rows: Array | None) -> None:
         """Go on with another choice of independent equations."""
-        self._saddle = Saddle(self.system, "M", kept)
+        self._saddle = Saddle(self.system, "M", rows)
 
     def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """a (nq,) and lam (m,) at a state.

@@ -19,14 +19,14 @@ class Saddle:
 
     Masses are divided by a power of two near the largest: pivots would else be chosen by their unit.
 
-    Where constraints are dependent, `kept` are the places in Φ of independent ones; the multipliers of the others are
+    Where constraints are redundant, `rows` are the places in Φ of independent ones; the multipliers of the others are
     0.
     """
 
-    def __init__(self, system: System, weight: str, kept: Array | None = None) -> None:
-        self._kept = np.arange(system.m) if kept is None else kept
-        self.nq, self.m, self._all = system.nq, len(self._kept), system.m
-        found = _all_independent(system, weight) if kept is None else _places_in(system, weight, kept)
+    def __init__(self, system: System, weight: str, rows: Array | None = None) -> None:
+        self._rows = np.arange(system.m) if rows is None else rows
+        self.nq, self.m, self._all = system.nq, len(self._rows), system.m
+        found = _all_independent(system, weight) if rows is None else _places_in(system, weight, rows)
         self._rows, self._columns, self._used = found
         size = self.nq + self.m
         if size < DENSE_BELOW:
@@ -63,18 +63,18 @@ class Saddle:
                 self._factors = SparseLU(self._indptr, self._indices, data)
             else:
                 self._factors.factor(data)
-        except SingularMatrix as trouble:
+        except SingularMatrix as error:
             self._factors = None
-            raise SingularSystem(str(trouble)) from None
+            raise SingularSystem(str(error)) from None
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g, or a column of both for each of theirs."""
-        right = np.concatenate([f / self._unit, g[self._kept]])
+        right = np.concatenate([f / self._unit, g[self._rows]])
         solution = self._solved(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
         y = np.zeros((self._all, *f.shape[1:]))
-        y[self._kept] = self._unit * solution[self.nq :]
+        y[self._rows] = self._unit * solution[self.nq :]
         return solution[: self.nq], y
 
     def _solved(self, right: Array) -> Array:
@@ -88,11 +88,11 @@ def _power_of_two(W: Array) -> float:
     return float(2.0 ** (np.frexp(abs(W).max(initial=0.0))[1] - 1)) if np.any(W) else 1.0
 
 
-def _places_in(system: System, weight: str, kept: Array) -> tuple[Array, Array, Array]:
+def _places_in(system: System, weight: str, independent: Array) -> tuple[Array, Array, Array]:
     """Row and column of each number in the matrix, and which numbers of Φ_q there are."""
     rows, columns = _places(system.pattern("Phi_q"))
-    used = np.isin(rows, kept)
-    rows, columns = np.searchsorted(kept, rows[used]) + system.nq, columns[used]
+    used = np.isin(rows, independent)
+    rows, columns = np.searchsorted(independent, rows[used]) + system.nq, columns[used]
     both = _places(system.pattern("M")) if weight == "M" else (np.arange(system.nq),) * 2
     return np.concatenate([both[0], columns, rows]), np.concatenate([both[1], rows, columns]), used
 

@@ -18,17 +18,17 @@ class Projection:
     `b` are the numbers of the elements, with what they remember; the caller keeps them up to date.
     """
 
-    def __init__(self, system: System, b: Array | None = None, kept: Array | None = None) -> None:
+    def __init__(self, system: System, b: Array | None = None, rows: Array | None = None) -> None:
         self._system = system
         self._b = system.b if b is None else b
-        self.keep(kept)
+        self.keep(rows)
         self._group = system.group("Phi_q")
         self._weight, self._nothing = np.ones(system.nq), np.zeros(system.nq)
         (self._Phi_q,) = self._group.allocate()
 
-    def keep(self, kept: Array | None) -> None:
+    def keep(self, rows: Array | None) -> None:
         """Go on with another choice of independent equations."""
-        self._saddle = Saddle(self._system, "I", kept)
+        self._saddle = Saddle(self._system, "I", rows)
 
     def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """The projected q and v."""

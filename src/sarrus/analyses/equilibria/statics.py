@@ -60,7 +60,7 @@ def equilibrium(
     Returns
     -------
     Equilibrium
-        With ``success`` false and a sentence if there is none nearby: an open joint, or a motion without end.
+        With ``success`` false and a message if there is none nearby: an open joint, or a motion without end.
     """
     refuse_other_system(system, "equilibrium")
     begin = state_of(system, system.q0 if q is None else q, None, t)
@@ -69,8 +69,8 @@ def equilibrium(
     assembled, reached = onto(system, start, t, b=search.b)
     if not reached:
         gap = largest(system.Phi(assembled, t, b=search.b))
-        told = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains; assemble it first"
-        return search.result(search.at(assembled), False, told, 0)
+        message = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains; assemble it first"
+        return search.result(search.at(assembled), False, message, 0)
     return search.run(assembled, stable, iterations)
 
 
@@ -132,13 +132,13 @@ class _Search:
     def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
         balanced = now.imbalance(self.scale) <= BALANCED
         if balanced and size <= ROUND_OFF:
-            told = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
-            return self.result(now, True, told, count)
-        told = (
+            message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
+            return self.result(now, True, message, count)
+        message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "
             "it may be free to fall or to turn for ever, or start from another position"
         )
-        return self.result(now, False, told, count)
+        return self.result(now, False, message, count)
 
     def _crossing(self, now: Balance) -> str:
         """What to know of a position where the constraints lose rank: not all motions that are counted go on."""
@@ -171,7 +171,7 @@ def stability_of(now: Balance) -> Stability:
 def _words(now: Balance) -> str:
     squares, neutral = now.spectrum.squares, now.spectrum.neutral
     if now.asymmetry > SYMMETRIC:
-        return "its forces have no potential, so that only `modes` can tell whether it is stable"
+        return "its forces have no potential, so that only `modes` can determine whether it is stable"
     if not len(squares):
         return "it cannot move at all"
     if stability_of(now) == "unstable":
@@ -184,8 +184,8 @@ def _words(now: Balance) -> str:
     )
     if np.any(neutral):
         count = int(np.count_nonzero(neutral))
-        told = f"{count} motion{'s meet' if count > 1 else ' meets'} no resistance"
-        return f"{told}; of the others {resisted}" if resisted else told
+        message = f"{count} motion{'s meet' if count > 1 else ' meets'} no resistance"
+        return f"{message}; of the others {resisted}" if resisted else message
     return f"it is stable, {resisted}"
 
 

@@ -1,4 +1,4 @@
-"""Steady motion: one that looks the same at all times to an observer who turns with it.
+"""Steady motion: one that looks the same at all times to an observer who rotates with it.
 
 In a steady motion all bodies turn with a common angular velocity Ω in global axes, and each with a constant angular
 velocity in its own axes, as a rotor about its axis of symmetry. Both are linear maps of q = [r; p], and so of v and of

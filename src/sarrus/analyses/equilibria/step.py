@@ -1,4 +1,4 @@
-"""Steps towards equilibrium along the free directions: Newton's, and the same bent downhill and kept short."""
+"""Steps towards equilibrium along the free directions: Newton's, and the same bent downhill and limited in length."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Vibration modes: eigenvalues of the linearized equations of motion, and what they say of stability."""
+"""Vibration modes: eigenvalues of the linearized equations of motion, and the stability that follows."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def modes(
     Returns
     -------
     Modes
-        With ``success`` false and a sentence in ``message``, if this is neither an equilibrium nor a steady motion.
+        With ``success`` false and the reason in ``message``, if this is neither an equilibrium nor a steady motion.
     """
     refuse_other_system(system, "modes")
     at, space = around(system, state_of(system, q, v, t))
@@ -91,8 +91,8 @@ def _verdict(
     free = int(np.count_nonzero(values == 0))
     also = f", with {free} free motion{'s' if free > 1 else ''}" if free else ""
     if not steady:
-        told = f"{system.name} is in no {kind} there: it accelerates by {linear.unsteady:.3g}; the modes are of no use"
-        return False, told
+        size = f"it accelerates by {linear.unsteady:.3g}; the modes are of no use"
+        return False, f"{system.name} is in no {kind} there: {size}"
     return True, f"{system.name}: this {kind} is {stability}{also}"
 
 

@@ -12,7 +12,7 @@ CURVED = 1e-10  # [-] cosine between steps and changes of the gradient, below wh
 
 
 def with_change(B: Array, step: Array, change: Array) -> Array | None:
-    """A positive definite matrix corrected so that it turns a step into a change of the gradient (p, p).
+    """A positive definite matrix corrected so that it maps a step to a change of the gradient (p, p).
 
     None where the gradient does not rise along the step.
     """
@@ -23,7 +23,7 @@ def with_change(B: Array, step: Array, change: Array) -> Array | None:
 
 
 def curvature_from_gradients(changes: Sequence[tuple[Array, Array]]) -> Array | None:
-    """A positive definite matrix that turns the steps to other designs into the changes of the gradient there (p, p).
+    """A positive definite matrix that maps the steps to other designs to the changes of the gradient there (p, p).
 
     The farthest design is used first, so that the nearest one has the last word. Directions in which no design lies are
     taken to be as flat as the flattest one known. None where the gradient rises along no step.

@@ -1,4 +1,4 @@
-"""Parameters of a model from measurements: least squares with exact Jacobians, and what the data say of the answer."""
+"""Parameters of a model from measurements: least squares with exact Jacobians, and the uncertainty of the answer."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def fit(
     misfits : measured outputs: times, data, and their standard deviation `sigma`
     wrt : names of the parameters, see `sensitivity`
     bounds, scale, design, formula, start, progress, total_time_limit, settings : see `optimize`
-    noise : "given": `sigma` is what it says. "estimated": only the ratios of the `sigma` are known, the noise is
-        estimated from what remains
+    noise : "given": `sigma` is the standard deviation. "estimated": only the ratios of the `sigma` are known, the
+        noise is estimated from the residuals
     until : end of the simulation [s]; by default the last time measured
     iterations, tolerance : when the solver ends
     strict : raise the first warning as a `StrictError`
@@ -117,9 +117,9 @@ def _misfits(given: Any) -> list[Misfit]:
     some = list(given) if isinstance(given, Iterable) else [given]
     wrong = next((one for one in some if not isinstance(one, Misfit)), None)
     if wrong is not None or not some:
-        told = f"fit needs one or several Misfit, got {type(wrong).__name__ if some else 'none'}"
+        message = f"fit needs one or several Misfit, got {type(wrong).__name__ if some else 'none'}"
         raise TypeError(
-            f"{told}. Give sr.Misfit(output, at=times, data=measured); for other responses, use optimize."
+            f"{message}. Give sr.Misfit(output, at=times, data=measured); for other responses, use optimize."
         )
     return some
 
@@ -146,13 +146,13 @@ def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
 
 
 def _doubt(value: float, spare: int) -> str:
-    """What to say where residuals are much larger than the noise that was told."""
+    """The warning where residuals are much larger than the stated noise."""
     ratio = float(np.sqrt(2 * value / spare)) if spare else 0.0
     if ratio < LARGE:
         return ""
     return (
         f"; what is left is {ratio:.2g} times as large as sigma: from this start the model does not come to the data, "
-        "or they scatter more than was said, and the intervals mean nothing"
+        "or they scatter more than stated, and the intervals mean nothing"
     )
 
 
@@ -206,10 +206,10 @@ def _covariance(jacobian: Array, scale: Array, names: Sequence[str]) -> tuple[Ar
     weak = values <= POOR * values[0]
     half = rows.T / np.maximum(values, np.finfo(float).tiny ** 0.4)
     covariance = (half @ half.T) * np.outer(scale, scale)
-    return covariance, tuple(_told(rows[k], values[k] / values[0], names) for k in np.flatnonzero(weak))
+    return covariance, tuple(_described(rows[k], values[k] / values[0], names) for k in np.flatnonzero(weak))
 
 
-def _told(row: Array, ratio: float, names: Sequence[str]) -> str:
+def _described(row: Array, ratio: float, names: Sequence[str]) -> str:
     order = np.argsort(-abs(row))
     sign = 1.0 if row[order[0]] >= 0 else -1.0
     parts = [f"{sign * row[k]:+.2f} {names[k]}" for k in order if abs(row[k]) > WORTH]

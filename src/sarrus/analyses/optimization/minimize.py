@@ -48,10 +48,10 @@ def optimize(
     strict: bool = False,
     **settings: Any,
 ) -> Optimum:
-    """Change numbers of a model so that a response of its motion becomes least.
+    """Change parameters of a model to minimize a response of its motion.
 
     Every design is assembled, simulated, and differentiated by one sweep backwards. A design that cannot be simulated
-    makes the solver step back; it is counted, and its sentence is kept.
+    makes the solver step back; it is counted, and its message is stored.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def optimize(
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
     constraints : responses that must stay within limits
     scale : sizes of the variables by name, which the solver takes for 1; by default their values at the start
-    design, formula : named design variables, and the function that gives numbers of the model from them
+    design, formula : named design variables, and the function that computes parameters of the model from them
     solver : "L-BFGS-B" (the default), "SLSQP" (the default with constraints), "trust-constr", or "IPOPT" (the extra
         `ipopt`)
     second_order : exact second derivatives of objective and constraints: for "trust-constr" products with vectors, for
@@ -72,7 +72,7 @@ def optimize(
     iterations, tolerance : when the solver ends; it is started again where it stopped until the optimality conditions
         hold sharply or it makes no progress
     starts : how many designs to start from: the system's own, and others at random between the bounds. A random design
-        that cannot be simulated is replaced by another one; `Optimum.start_reports` says what became of every start
+        that cannot be simulated is replaced by another one; `Optimum.start_reports` lists the outcome of every start
     seed : of the random designs
     executor : of ``concurrent.futures``, which runs the starts beside one another
     total_time_limit : seconds of the clock after which the search ends with the best design so far; `time_limit`, of
@@ -85,8 +85,8 @@ def optimize(
     -------
     Optimum
         ``success`` means that the constraints hold and that the optimum is near, as predicted from gradients at the
-        end, whatever the solver says: ``optimality`` is at most 0.01, see `Optimum`. The best design is kept, also
-        after Ctrl-C.
+        end, whatever the solver reports: ``optimality`` is at most 0.01, see `Optimum`. The best design is returned,
+        also after Ctrl-C.
 
     Raises
     ------

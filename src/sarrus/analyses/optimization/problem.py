@@ -36,7 +36,7 @@ from ..sensitivity.undefined import refuse
 from .combined import Outer, Part
 
 Kind = TypeVar("Kind")
-KEPT = 3  # designs whose simulations are remembered
+CACHED = 3  # designs whose simulations are remembered
 LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
 
 
@@ -58,13 +58,13 @@ class Problem:
         and an `Equilibrium` are fixed: variables that change constraints are refused. By default the model's own
         state, assembled for every design
     design : values of named design variables at the start
-    formula : the function that gives numbers of the model from them; differentiated exactly
+    formula : the function that computes parameters of the model from them; differentiated exactly
     method : `HHT` (the default), `GeneralizedAlpha`, or `Radau`, whose values scatter least from design to design
     rtol, atol, max_step : tolerances and longest step of the simulation
     events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
         run lacks an event or a time of a response counts as one that cannot be simulated
-    memory : for kept states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are kept. Values
-        and gradients are all that there is then
+    memory : for stored states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are stored.
+        Only values and gradients are available then
     time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
         took, 10 s at least
 
@@ -174,13 +174,13 @@ class Problem:
         key = values.tobytes()
         if key not in self._points:
             self._points[key] = self._made(values.copy())
-            while len(self._points) > KEPT:
+            while len(self._points) > CACHED:
                 self._points.popitem(last=False)
         self._points.move_to_end(key)
         return self._points[key]
 
     def expected(self) -> str:
-        """The sentence for another number of values."""
+        """The message for another number of values."""
         return f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}"
 
     def _made(self, x: Array) -> Point:
@@ -188,8 +188,8 @@ class Problem:
             return Point(self, self.system, x)
         try:
             return Point(self, System(self._parameters.model_at([float(value) for value in x])), x)
-        except SarrusError as trouble:
-            raise Infeasible(str(trouble)) from trouble
+        except SarrusError as error:
+            raise Infeasible(str(error)) from error
 
     def values(self, x: Array) -> Array:
         """The responses (r,)."""
@@ -248,7 +248,7 @@ class Point:
         self._run: Trajectory | None = None
         self._evaluation: Evaluation | None = None
         self._gradient: Gradient | None = None
-        self._trouble = ""
+        self._failure = ""
         self._curvatures: dict[int, Curvature] = {}
 
     @property
@@ -266,12 +266,12 @@ class Point:
 
     def _feasible(self, make: Callable[[], Kind]) -> Kind:
         """What a simulation gives; that there is none is remembered."""
-        if self._trouble:
-            raise Infeasible(self._trouble)
+        if self._failure:
+            raise Infeasible(self._failure)
         try:
             return make()
-        except Infeasible as trouble:
-            self._trouble = str(trouble)
+        except Infeasible as error:
+            self._failure = str(error)
             raise
 
     def _simulated(self) -> Trajectory:
@@ -310,8 +310,8 @@ class Point:
         with collecting():
             try:
                 return self.problem.start.at(self.system)
-            except SarrusError as trouble:
-                raise Infeasible(str(trouble)) from None
+            except SarrusError as error:
+                raise Infeasible(str(error)) from None
 
     @property
     def events(self) -> list[Event]:
@@ -324,8 +324,8 @@ class Point:
         """
         try:
             return with_restitutions(self.problem.settings["events"], self._restitutions)
-        except ValueError as trouble:
-            raise Infeasible(str(trouble)) from None
+        except ValueError as error:
+            raise Infeasible(str(error)) from None
 
     @cached_property
     def _restitutions(self) -> dict[str, float]:
@@ -374,8 +374,8 @@ class Point:
         parts = self.problem.outer.parts
         try:
             found = Evaluation(self.system, self._steps, parts, self._variables)
-        except NotThere as trouble:
-            raise Infeasible(str(trouble)) from None
+        except NotThere as error:
+            raise Infeasible(str(error)) from None
         self._defined([part.title for part in parts], found.values)
         return found
 
@@ -389,9 +389,9 @@ class Point:
         """The values, all of which must be numbers."""
         try:
             refuse_undefined(titles, values)
-        except UndefinedResponse as trouble:
-            self._trouble = str(trouble)
-            raise Infeasible(self._trouble) from trouble
+        except UndefinedResponse as error:
+            self._failure = str(error)
+            raise Infeasible(self._failure) from error
         return values
 
     @property
@@ -442,8 +442,8 @@ class Point:
             found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
                 self.system, parts, own
             )
-        except (Trouble, NotThere, UndefinedResponse) as trouble:
-            raise Infeasible(str(trouble)) from None
+        except (Trouble, NotThere, UndefinedResponse) as error:
+            raise Infeasible(str(error)) from None
         problem.took(time.perf_counter() - began)
         return found
 

@@ -60,11 +60,11 @@ class Variables:
         self.names = tuple(names)
         if not names:
             raise ValueError("wrt names no number that may change; name some, or leave it out for all")
-        for told, given in (("bounds", bounds), ("a scale", scale)):
+        for what, given in (("bounds", bounds), ("a scale", scale)):
             for name in given or {}:
                 if name not in self.names:
                     raise ValueError(
-                        f"{told} for {name!r}, which is no design variable; {suggest(name, self.names)}"
+                        f"{what} for {name!r}, which is no design variable; {suggest(name, self.names)}"
                     )
         self.limits = np.array([_limit(name, (bounds or {}).get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
@@ -80,7 +80,7 @@ class Variables:
         return np.asarray(self.x0 / self.scale)
 
     def of(self, z: Array) -> Array:
-        """The design variables; kept within the limits, of which a solver may be short by round-off."""
+        """The design variables, clipped to the limits, of which a solver may be short by round-off."""
         return np.asarray(np.clip(np.asarray(z) * self.scale, self.limits[:, 0], self.limits[:, 1]))
 
     @property
@@ -128,7 +128,7 @@ class Search:
 
     Attributes
     ----------
-    begun : the variables at the start (p,)
+    initial : the variables at the start (p,)
     gradients : all that were computed, by the bytes of their designs
     origin, size : a solver sees the objective without the origin and divided by the size, so that its tolerances mean
         the same for f and a·f + b; see `normalize`
@@ -143,7 +143,7 @@ class Search:
     ) -> None:
         self.problem, self.variables, self.constraints = problem, variables, constraints
         self.count = len(problem.titles) - len(constraints)
-        self._told: list[tuple[float, float]] = []
+        self._reports: list[tuple[float, float]] = []
         self.trace: list[Array] = []
         self.failures: list[str] = []
         self.best: Point | None = None
@@ -152,7 +152,7 @@ class Search:
         self._seen: dict[bytes, int] = {}
         self.gradients: dict[bytes, Gradients] = {}
         self._progress, self.began = _line if progress is True else progress, time.perf_counter()
-        self.anchor, self.begun = variables.z0, variables.x0
+        self.anchor, self.initial = variables.z0, variables.x0
         problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
         self.origin = self.value(self.anchor)
         self.size = abs(self.origin) or 1.0
@@ -203,9 +203,9 @@ class Search:
         try:
             point = self.point(z)
             values = point.values
-        except Infeasible as trouble:
+        except Infeasible as error:
             self.problem.refuse_late()
-            self._fail(str(trouble))
+            self._fail(str(error))
             return self._wall(z)[0]
         found = float(values[: self.count].sum())
         self._note(z, point, found, gap(values[self.count :], self.constraints))
@@ -247,14 +247,14 @@ class Search:
     @property
     def values(self) -> Array:
         """The objective of each simulation (n,)."""
-        return np.array([value for value, _ in self._told])
+        return np.array([value for value, _ in self._reports])
 
     @property
     def history(self) -> Array:
         """Of each simulation the objective, the size of its gradient (NaN: not asked for), and the gap (n, 3)."""
         sizes = map(self._steepness, self._seen)
         return np.array(
-            [[value, size, short] for (value, short), size in zip(self._told, sizes, strict=True)]
+            [[value, size, short] for (value, short), size in zip(self._reports, sizes, strict=True)]
         )
 
     def curved(
@@ -300,12 +300,12 @@ class Search:
     def iterate(self, z: Array) -> None:
         """A solver has accepted a design."""
         place = self._seen.get(np.asarray(z).tobytes())
-        if place is None:  # SLSQP also tells of a step that it could not make
+        if place is None:  # SLSQP also reports a step that it could not make
             return
         self.anchor = np.array(z)
         size = self._steepness(np.asarray(z).tobytes())
         steepness = "" if np.isnan(size) else f", free gradient {size:.3g}"  # solvers ask for it later
-        log.info("simulation %d: objective %.9g%s", place + 1, self._told[place][0], steepness)
+        log.info("simulation %d: objective %.9g%s", place + 1, self._reports[place][0], steepness)
 
     def _wall(self, z: Array) -> tuple[float, Array]:
         """A value above all others and its gradient, from the slope at the last iterate."""
@@ -313,29 +313,29 @@ class Search:
         length = max(float(step @ step), np.finfo(float).tiny)
         slope = self.slope(self.anchor)
         fall = max(abs(float(slope @ step)), SLIGHT * self.size)
-        top = max(told[0] for told in self._told)
+        top = max(report[0] for report in self._reports)
         return top + fall, np.asarray(3 * fall * step / length)
 
-    def _fail(self, sentence: str) -> None:
-        self.failures.append(sentence)
+    def _fail(self, message: str) -> None:
+        self.failures.append(message)
         self._in_a_row += 1
-        log.warning("a design cannot be simulated, stepping back: %s", sentence)
+        log.warning("a design cannot be simulated, stepping back: %s", message)
         if self._in_a_row >= PATIENCE:
-            raise Stuck(sentence)
+            raise Stuck(message)
 
     def _note(self, z: Array, point: Point, value: float, short: float) -> None:
         """Write an evaluation down, and keep the best: first in its constraints, then in its objective."""
         self._in_a_row = 0
         if np.asarray(z).tobytes() in self._seen:
             return
-        self._seen[np.asarray(z).tobytes()] = len(self._told)
-        self._told.append((value, short))
+        self._seen[np.asarray(z).tobytes()] = len(self._reports)
+        self._reports.append((value, short))
         self.trace.append(point.x.copy())
         best_short, best = self._best[0], self._best[1]
         if short < best_short - SMALL_GAP or (short <= max(best_short, SMALL_GAP) and value < best):
             self._best, self.best = (short, value), point
         if self._progress:
-            self._progress(len(self._told), value)
+            self._progress(len(self._reports), value)
 
 
 def _line(number: int, value: float) -> None:

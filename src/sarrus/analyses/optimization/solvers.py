@@ -36,7 +36,7 @@ WORDS = {  # by what SciPy's messages contain
 
 
 class Answer(NamedTuple):
-    """Whether a solver says that it converged, its message, and the iterations that it took.
+    """Whether a solver reports convergence, its message, and the iterations that it took.
 
     `status` is given where the search was ended from outside: "stopped" or "time limit".
     """
@@ -96,9 +96,9 @@ def by_scipy(
 
 
 def in_words(message: str) -> str:
-    """What SciPy says, in plain words."""
-    told = message.rstrip(".").replace("`", "").lower()
-    return next((words for mark, words in WORDS.items() if mark in told), told)
+    """SciPy's message in plain words."""
+    plain = message.rstrip(".").replace("`", "").lower()
+    return next((words for mark, words in WORDS.items() if mark in plain), plain)
 
 
 def _constraints(search: Search, second_order: bool) -> Any:
@@ -155,15 +155,15 @@ def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bo
         lambda z, out: _put(out, search.others(z) / size if m else np.zeros(0)),
         lambda z, out: _put(out, np.ravel(search.other_slopes(z) / size[:, None]) if m else np.zeros(0)),
         curvature if second_order else None,
-        intermediate_callback=lambda *told: True,
+        intermediate_callback=lambda *report: True,
     )  # fmt: skip
     problem.set(
         max_iter=iterations, tol=tolerance, print_level=0, sb="yes",
         hessian_approximation="exact" if second_order else "limited-memory",
     )  # fmt: skip
     _, _, status = problem.solve(search.variables.z0.copy())
-    told = IPOPT_DONE | IPOPT_ELSE
-    return Answer(status in IPOPT_DONE, told.get(status, f"IPOPT ended with status {status}"))
+    messages = IPOPT_DONE | IPOPT_ELSE
+    return Answer(status in IPOPT_DONE, messages.get(status, f"IPOPT ended with status {status}"))
 
 
 def _put(out: Array, values: Array) -> Array:

@@ -81,8 +81,8 @@ def _from(
     for replaced in range(DRAWS if begin.seed is not None else 1):
         try:
             return Came(begin, task.solved(problem, variables.beginning(x), progress), "", replaced)
-        except Infeasible as trouble:
-            message = str(trouble)
+        except Infeasible as error:
+            message = str(error)
             if problem.is_late:
                 break
             x = variables.random(generator)

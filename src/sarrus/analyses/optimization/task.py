@@ -126,7 +126,7 @@ def optimum_of(
     tried = f"{len(history)} simulations"
     missed = f" and {len(search.failures)} that failed" if search.failures else ""
     return Optimum(
-        problem.names, point.x.copy(), search.begun.copy(), float(values[:limited].sum()),
+        problem.names, point.x.copy(), search.initial.copy(), float(values[:limited].sum()),
         float(history[0, 0]), success, f"{message}, after {tried}{missed}",
         history, np.array(search.trace),
         dict(zip(problem.titles[limited:], map(float, values[limited:]), strict=True)),

@@ -117,9 +117,9 @@ def assemble(
     turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
     if t == 0.0:
         announce(warning(system, (*(moved if q is None else ()), *turned)))
-    turns = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))
-    if system is not nominal or len(turns):
-        found = replace(found, memory=memory, revolutions=turns)
+    revolutions = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))
+    if system is not nominal or len(revolutions):
+        found = replace(found, memory=memory, revolutions=revolutions)
     return replace(found, changes=(*moved, *turned))
 
 
@@ -192,9 +192,9 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
         for name, gap, is_open in zip(asked.rates, speed.gap[system.m :], open_rows[system.m :], strict=True)
         if is_open
     ]
-    told = ", ".join(filter(None, [opening, *missed]))
+    missing = ", ".join(filter(None, [opening, *missed]))
     message = (
-        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {told}; "
+        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {missing}; "
         "give fewer rates, hold less, or look for a position where the mechanism cannot move that way"
     )
     return replace(done, success=False, message=message)
@@ -203,11 +203,11 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
 def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
     J = system.Phi_q(reached.q, asked.t)
     limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
-    told = (
+    missing = (
         open_joints(system, reached.q, reached.Phi, limits, asked.t) or "the unit length of Euler parameters"
     )
     message = (
-        f"{system.name} could not be assembled; still open after {reached.steps} steps: {told}; "
+        f"{system.name} could not be assembled; still open after {reached.steps} steps: {missing}; "
         "start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
     )
     return Assembly(reached.q, asked.v, False, message, reached.residual, reached.steps, asked=asked)

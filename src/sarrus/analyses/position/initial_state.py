@@ -118,8 +118,8 @@ def refuse_no_orientation(system: System, q: Array) -> None:
     """
     none = np.flatnonzero(~q.reshape(-1, 7)[:, 3:].any(axis=1))
     if len(none):
-        told = f"the Euler parameters of {system.bodies[none[0]]} in q are all 0"
-        raise ValueError(f"{system.name}: {told}. Give [1, 0, 0, 0] for a body that is not turned.")
+        reason = f"the Euler parameters of {system.bodies[none[0]]} in q are all 0"
+        raise ValueError(f"{system.name}: {reason}. Give [1, 0, 0, 0] for a body that is not rotated.")
 
 
 def finite(system: System, name: str, given: ArrayLike) -> Array:

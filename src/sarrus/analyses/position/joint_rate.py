@@ -1,4 +1,4 @@
-"""How fast a joint turns or slides, as a linear function of the velocities: rate = C(q) v."""
+"""Rate of a joint, as a linear function of the velocities: rate = C(q) v."""
 
 from __future__ import annotations
 

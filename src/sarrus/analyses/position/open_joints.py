@@ -39,6 +39,6 @@ def open_joints(
 
 
 def _words(found: list[tuple[float, str, str]], rate: str) -> str:
-    told = [f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in found if gap > PART * found[0][0]]
-    more = f" and {len(told) - SHOWN} more" if len(told) > SHOWN else ""
-    return ", ".join(told[:SHOWN]) + more
+    gaps = [f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in found if gap > PART * found[0][0]]
+    more = f" and {len(gaps) - SHOWN} more" if len(gaps) > SHOWN else ""
+    return ", ".join(gaps[:SHOWN]) + more

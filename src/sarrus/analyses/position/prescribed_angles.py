@@ -25,7 +25,7 @@ ALIGNED = 1e-3  # [rad] between axes in the initial pose: models are written wit
 
 
 class Relation(NamedTuple):
-    """A coupling of two coordinates, second = ratio · first + offset; a gear leaves the turns of its second open."""
+    """A coupling of two coordinates, second = ratio · first + offset; a gear leaves revolutions of the second open."""
 
     first: Key
     second: Key
@@ -114,7 +114,7 @@ def prescribed_revolutions(system: System, q: Array, t: float, known: Array) -> 
 def with_leaders(system: System, q: Array, t: float) -> System | None:
     """The system whose drivers also turn the first wheels of gears whose second wheels are driven; None without any.
 
-    Its assembly has each of these wheels at the one pose, of several that satisfy the gear, that its turns lead to.
+    In its assembly, each of these wheels is at the pose that its revolutions determine.
     None, too, where all are at it in an assembled state q.
     """
     if not (plan := prescription(system)).motions:

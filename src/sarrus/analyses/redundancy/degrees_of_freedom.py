@@ -51,7 +51,7 @@ def mobility(
     Returns
     -------
     Mobility
-        Printed, it says all this in words.
+        Printed, it is a summary in words.
 
     Raises
     ------

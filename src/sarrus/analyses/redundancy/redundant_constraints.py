@@ -21,7 +21,7 @@ from ..equations.minimum_norm import MinimumNorm, shortest
 from ..equations.normalizations import normalizations
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
-AMPLIFICATION = 10.0  # of the equations kept in those left out, above which another choice is made
+AMPLIFICATION = 10.0  # of the chosen equations in those left out, above which another choice is made
 
 
 class Inconsistent(ArithmeticError):
@@ -76,7 +76,7 @@ class Independence:
     def renew(self, t: float, q: Array) -> bool:
         """Choose again at another position, if the choice is no longer good there; true if there is another choice.
 
-        Where the rank is not what it was, at a singular position, the choice stays.
+        Where the rank is not what it was, at a singular configuration, the choice stays.
         """
         if self.kept is None or not self._poor(t, q):
             return False

@@ -10,7 +10,7 @@ from ...results import Repetition
 from ...system import System
 from ..position.restraint import restraint
 
-PIVOT = 1e-4  # least part that an equation has in a combination from which it is said to follow
+PIVOT = 1e-4  # least part that an equation has in a combination from which it follows
 PART = 1e-5  # least part of an equation that counts as taking part
 
 

@@ -70,7 +70,7 @@ def workspace(
     Returns
     -------
     Workspace
-        Printed, it says in words what was found and how sure that is.
+        Printed, it is a summary with the reliability of the result.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where inputs lose control of a mechanism, or outputs a direction, told in the outputs and in the inputs."""
+"""Singular configurations of inputs or outputs of a mechanism, in coordinates of the outputs and of the inputs."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ def input_singularities(
 ) -> InputSingularities:
     """Trace positions at which a motion is possible while all inputs, or all outputs, stand still.
 
-    With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot bear a load, and ways of assembly meet (type 2, or
+    With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot bear a load, and assembly modes meet (type 2, or
     parallel, singularities). With ``lost="outputs"``, Φ_qᵀ lam + U_qᵀ c = 0: the outputs cannot move in some direction,
-    and solutions of the inverse kinematics meet (type 1, or serial). Both are told in the outputs and in the inputs.
+    and solutions of the inverse kinematics meet (type 1, or serial). Both are given in the outputs and in the inputs.
 
     Parameters
     ----------
@@ -81,14 +81,14 @@ def input_singularities(
     map_, crossed = WorkspaceMap.of(problem, seed, repeats), [0]
     with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
         map_.stop = stopped(lambda: crossed.append(_follow_changes(map_.run(), seed)))
-    status, told = _status(map_, crossed[-1])
+    status, message = _status(map_, crossed[-1])
     found = InputSingularities(
         system.name,
         tuple(table[k] for k in problem.outputs),
         tuple(table[k] for k in places),
         tuple(_curve(branch, places) for branch in map_.branches if _is_singular(branch)),
         status,
-        f"{system.name}: {told}",
+        f"{system.name}: {message}",
         lost,
         tuple(problem.table[k].unit for k in problem.outputs),
         tuple(problem.table[k].unit for k in places),
@@ -100,7 +100,7 @@ def input_singularities(
 
 def _status(map_: WorkspaceMap, crossed: int) -> tuple[Status, str]:
     """The status of the curves, and why."""
-    lost = [branch.trouble for branch in map_.branches if branch.trouble]
+    lost = [branch.failure for branch in map_.branches if branch.failure]
     if map_.stop:
         return map_.stop.status, f"{map_.stop.reason}. Curves may be missing"
     if map_.explorer.endless:
@@ -129,11 +129,11 @@ def _refuse_counts(problem: Problem, inputs: int) -> None:
         raise SarrusError(f"singular curves are of two outputs, not {len(problem.outputs)}; name as many")
     freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
     if inputs != freedoms:
-        told = f"{name} has {freedoms} degrees of freedom, but {inputs} inputs are given"
-        raise SarrusError(f"{told}; give as many inputs")
+        message = f"{name} has {freedoms} degrees of freedom, but {inputs} inputs are given"
+        raise SarrusError(f"{message}; give as many inputs")
     if problem.freedoms != 2:
-        told = f"{name} has {problem.freedoms} degrees of freedom beside what is fixed"
-        raise SarrusError(f"{told}; fix functions until two are left, so that singularities are curves")
+        message = f"{name} has {problem.freedoms} degrees of freedom beside what is fixed"
+        raise SarrusError(f"{message}; fix functions until two are left, so that singularities are curves")
 
 
 def _is_singular(branch: Branch) -> bool:

@@ -65,13 +65,13 @@ def dexterity(
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
     positions = np.atleast_2d(np.asarray(q, dtype=float))
     if positions.shape[-1] != problem.n or not np.isfinite(positions).all():
-        told = (
+        message = (
             f"q must be finite coordinates, shape ({problem.n},) or (k, {problem.n}), got {positions.shape}"
         )
-        raise SarrusError(f"{told}. Pass system.q0 or a result's q.")
+        raise SarrusError(f"{message}. Pass system.q0 or a result's q.")
     if len(problem.normal) not in (problem.freedoms, problem.freedoms + len(problem.held)):
-        told = f"{system.name}: {problem.freedoms} degrees of freedom, but {len(problem.normal)} inputs"
-        raise SarrusError(f"{told}. Give as many inputs.")
+        message = f"{system.name}: {problem.freedoms} degrees of freedom, but {len(problem.normal)} inputs"
+        raise SarrusError(f"{message}. Give as many inputs.")
     positions = positions / problem.scale
     return ResultList(dexterity_at(problem, one, problem.normal) for one in positions)
 

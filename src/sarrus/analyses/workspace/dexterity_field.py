@@ -27,7 +27,7 @@ from .regions.mapping import WorkspaceMap
 from .regions.reach import reach
 
 CELLS = {2: 60, 3: 30}
-STARTS = 200  # random positions from which ways of assembly are filled
+STARTS = 200  # random positions from which assembly modes are filled
 TRIES = 8  # known positions nearby, of a place that nothing led to
 
 
@@ -45,7 +45,7 @@ def workspace_field(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceField:
-    """Tell how well inputs move the outputs at all places of a workspace, how many solutions and which turns there are.
+    """Dexterity at all places of a workspace, with the number of solutions and the ranges of orientation.
 
     All solutions of the inverse kinematics are looked for at the centres of a grid's cells: from random positions, by
     Newton's method from each solution to its neighbours, and along motions that leave the outputs where they are.
@@ -56,7 +56,7 @@ def workspace_field(
         Two degrees of freedom are left beside what is fixed, or three, so that the mechanism can turn at a place.
     inputs : functions of the position, as many as there are degrees of freedom; without them, manipulability and
         conditioning are left out
-    turn : an angle whose range is told, such as ``"platform.rotation_z"``, with three degrees of freedom
+    turn : an angle whose range is computed, such as ``"platform.rotation_z"``, with three degrees of freedom
     cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
     starts : random positions
     seed : of these
@@ -80,11 +80,16 @@ def workspace_field(
     refuse_counts(starts=starts, seed=seed, **({} if cells is None else {"cells": cells}))
     map_: WorkspaceMap = found.map
     _, output, limits, fixed = map_.asked
-    driven, turns = list(functions(inputs)), [] if turn is None else [turn]
+    driven, rotating = list(functions(inputs)), [] if turn is None else [turn]
     problem = formulate(
-        map_.problem.system, output, limits=limits, fixed=fixed, inputs=[*driven, *turns], singular="inputs"
+        map_.problem.system,
+        output,
+        limits=limits,
+        fixed=fixed,
+        inputs=[*driven, *rotating],
+        singular="inputs",
     )
-    _refuse_counts(problem, len(driven), bool(turns))
+    _refuse_counts(problem, len(driven), bool(rotating))
     _refuse_nothing(found)
     x, y, inside = _grid(found, CELLS[problem.freedoms] if cells is None else cells)
     if not inside.any():
@@ -95,16 +100,18 @@ def workspace_field(
     drawn = islice(Samples(problem, seed), starts)
     with watched(progress, len(places), done="filled", unit=COUNTED, time_limit=time_limit):
         stop = stopped(lambda: _fill(flood, drawn, map_.met))
-    values = {name: np.full(inside.shape, np.nan) for name in _quantities(problem, bool(driven), bool(turns))}
+    values = {
+        name: np.full(inside.shape, np.nan) for name in _quantities(problem, bool(driven), bool(rotating))
+    }
     for name, column in _columns(flood, problem.normal[: len(driven)], problem.normal[len(driven) :]):
         values[name][inside] = column
     names = [problem.table[k].name for k in problem.normal]
-    told = names[-1] if turns else ""
+    rotation = names[-1] if rotating else ""
     counts = [len(some) for some in flood.at]
     field = WorkspaceField(
         found,
         tuple(names[: len(driven)]),
-        told,
+        rotation,
         x,
         y,
         values,
@@ -121,11 +128,11 @@ def _shortcoming(field: WorkspaceField, stop: Stop | None) -> str:
         return (
             f"{field.name}: {stop.reason}, and solutions are missing. Allow more time, or give fewer cells."
         )
-    told = f"{field.name}: no position was found at {field.missed} places inside the boundary"
-    return f"{told}. Give more starts."
+    message = f"{field.name}: no position was found at {field.missed} places inside the boundary"
+    return f"{message}. Give more starts."
 
 
-def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
+def _refuse_counts(problem: Problem, inputs: int, rotating: bool) -> None:
     name, freedoms = problem.system.name, problem.freedoms
     if freedoms not in (2, 3):
         raise SarrusError(
@@ -134,15 +141,15 @@ def _refuse_counts(problem: Problem, inputs: int, turns: bool) -> None:
     held = len(problem.fixed) - len(problem.locked)
     if inputs not in (0, freedoms, freedoms + held):
         given = "1 input is" if inputs == 1 else f"{inputs} inputs are"
-        told = f"{name} has {freedoms} degrees of freedom, but {given} given"
-        raise SarrusError(f"{told}; give as many inputs")
-    if turns and freedoms == 2:
+        message = f"{name} has {freedoms} degrees of freedom, but {given} given"
+        raise SarrusError(f"{message}; give as many inputs")
+    if rotating and freedoms == 2:
         raise SarrusError(f"{name} cannot turn while its two outputs keep their values; leave turn out")
-    if turns and problem.table[problem.normal[-1]].kind != "angle":
+    if rotating and problem.table[problem.normal[-1]].kind != "angle":
         raise SarrusError(f"{problem.table[problem.normal[-1]].name} is no angle; turn is for one")
-    if not inputs and not turns and freedoms == 3:
+    if not inputs and not rotating and freedoms == 3:
         raise SarrusError(
-            f"{name} has endless solutions at every place; name its inputs, or what turns there"
+            f"{name} has endless solutions at every place; name its inputs, or what rotates there"
         )
 
 
@@ -182,7 +189,7 @@ def _fill(flood: Flood, drawn: Iterable[Array], met: Iterable[Array]) -> None:
             flood.spread()
 
 
-def _quantities(problem: Problem, driven: bool, turns: bool) -> list[Quantity]:
+def _quantities(problem: Problem, driven: bool, rotating: bool) -> list[Quantity]:
     by_inputs: list[Quantity] = [
         "manipulability",
         "worst_manipulability",
@@ -190,24 +197,24 @@ def _quantities(problem: Problem, driven: bool, turns: bool) -> list[Quantity]:
         "worst_conditioning",
     ]
     found: list[Quantity] = ["solutions"] if problem.freedoms == 2 else []
-    return [*found, *(by_inputs if driven else []), *(["turn"] if turns else [])]  # type: ignore[list-item]
+    return [*found, *(by_inputs if driven else []), *(["turn"] if rotating else [])]  # type: ignore[list-item]
 
 
-def _columns(flood: Flood, driven: Array, turns: Array) -> Iterator[tuple[Quantity, Array]]:
+def _columns(flood: Flood, driven: Array, rotating: Array) -> Iterator[tuple[Quantity, Array]]:
     """Quantities at all places."""
     problem = flood.problem
     if problem.freedoms == 2:
         yield "solutions", np.array([len(some) or np.nan for some in flood.at])
     if len(driven):
-        told = [[dexterity_at(problem, q, driven) for q in some] for some in flood.at]
+        measures = [[dexterity_at(problem, q, driven) for q in some] for some in flood.at]
         for name in ("manipulability", "conditioning"):
-            numbers = [[getattr(one, name) for one in some] or [np.nan] for some in told]
+            numbers = [[getattr(one, name) for one in some] or [np.nan] for some in measures]
             best: Quantity = "manipulability" if name == "manipulability" else "conditioning"
             worst: Quantity = "worst_manipulability" if name == "manipulability" else "worst_conditioning"
             yield best, np.array([max(some) for some in numbers])
             yield worst, np.array([min(some) for some in numbers])
-    if len(turns):
-        yield "turn", np.array([_range(problem, turns[0], strides) for strides in flood.strides])
+    if len(rotating):
+        yield "turn", np.array([_range(problem, rotating[0], strides) for strides in flood.strides])
 
 
 def _range(problem: Problem, turn: int, strides: list[tuple[Array, Array]]) -> float:

@@ -21,6 +21,7 @@ CLASSES = {  # names of `sarrus`
     "TravelStop": "DisplacementStop",
 }
 ATTRIBUTES = {  # by class
+    "Branch": {"trouble": "failure"},
     "JointMotion": {"travel": "displacement"},
     "Mobility": {"kept": "independent_rows"},
     "System": {"number_names": "parameter_names"},

@@ -86,6 +86,6 @@ class InputSingularities(Result):
         )
         closed = sum(curve.closed for curve in self.curves)
         count = f"{len(self.curves)} curve{'s' * (len(self.curves) != 1)}, {closed} of them closed"
-        told = self.message.removeprefix(f"{self.name}: ")
+        message = self.message.removeprefix(f"{self.name}: ")
         lost = f"{self.name}: {' and '.join(names)} {what} on {count if self.curves else 'no curve'}"
-        return f"{lost}. {told[0].upper()}{told[1:]}."
+        return f"{lost}. {message[0].upper()}{message[1:]}."

@@ -151,7 +151,7 @@ class Verification:
         return 1 - 0.05 ** (1 / self.samples) if self.samples else 1.0
 
     def __str__(self) -> str:
-        told = [
+        message = [
             f"Of {self.samples} random admissible positions {self.outside or 'none'} lay outside.",
             f"{self.known_rays} of {self.rays} rays ended on known curves.",
             *self._crossed(),
@@ -159,13 +159,13 @@ class Verification:
         ]
         if self.found_late:
             many = ("curves", "they are") if self.found_late > 1 else ("curve", "it is")
-            told.append(
+            message.append(
                 f"The tests led to {self.found_late} {many[0]} that had been missed; {many[1]} traced now."
             )
-        told.append(
+        message.append(
             f"With 95 % confidence less than {100 * self.missed_share:.3g} % of admissible positions were missed."
         )
-        return " ".join(told)
+        return " ".join(message)
 
     def _crossed(self) -> Iterator[str]:
         if self.crossings:
@@ -238,7 +238,7 @@ class Workspace(Result):
         if not self.success:
             announce(
                 [
-                    f"{self.name}: the map is not complete, so that places may be told wrongly. See its message."
+                    f"{self.name}: the map is not complete, so that places may be classified wrongly. See its message."
                 ]
             )
         loops = [loop for part in self.components for loop in part.loops]

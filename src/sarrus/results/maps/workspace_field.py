@@ -41,7 +41,7 @@ class WorkspaceField(Result):
     Attributes
     ----------
     workspace : on which the grid lies
-    inputs : by which J takes derivatives; `turn` the name of the function whose range is told
+    inputs : by which J takes derivatives; `turn` the name of the function whose range is computed
     x, y : (nx,), (ny,) values of the outputs
     values : quantity -> (ny, nx)
     positions : how many positions of the mechanism were found
@@ -73,8 +73,8 @@ class WorkspaceField(Result):
         """What a quantity is, in words."""
         if quantity not in (*MEANINGS,):
             raise ModelError(f"There is no quantity {show(quantity)}. Choose one of {', '.join(MEANINGS)}.")
-        told = MEANINGS[quantity]
-        return f"{told} {self.turn} [rad]" if quantity == "turn" else told
+        message = MEANINGS[quantity]
+        return f"{message} {self.turn} [rad]" if quantity == "turn" else message
 
     @exports
     def to_csv(self, path: Any) -> None:
@@ -95,8 +95,8 @@ class WorkspaceField(Result):
     def to_netcdf(self, path: Any) -> None:
         """Write the grid in the NetCDF format: x, y, and an array (y, x) for each quantity."""
         names, units = self.workspace.outputs, self.workspace.units
-        told = [{"long_name": name, "units": unit} for name, unit in zip(names, units, strict=True)]
-        columns = {"x": Column(("x",), self.x, told[0]), "y": Column(("y",), self.y, told[1])}
+        message = [{"long_name": name, "units": unit} for name, unit in zip(names, units, strict=True)]
+        columns = {"x": Column(("x",), self.x, message[0]), "y": Column(("y",), self.y, message[1])}
         for quantity, values in self.values.items():
             meaning = {"long_name": self.meaning(quantity)}
             columns[quantity] = Column(("y", "x"), values, meaning)
@@ -115,9 +115,9 @@ class WorkspaceField(Result):
         for quantity, values in self.values.items():
             known = values[np.isfinite(values)]
             if len(known):
-                told = f"from {known.min():.4g} to {known.max():.4g}, median {np.median(known):.4g}"
-                told = f"{known.min():.4g} everywhere" if known.min() == known.max() else told
-                lines.append(f"{self.meaning(quantity)[0].upper()}{self.meaning(quantity)[1:]}: {told}.")
+                message = f"from {known.min():.4g} to {known.max():.4g}, median {np.median(known):.4g}"
+                message = f"{known.min():.4g} everywhere" if known.min() == known.max() else message
+                lines.append(f"{self.meaning(quantity)[0].upper()}{self.meaning(quantity)[1:]}: {message}.")
         if self.missed:
             lines.append(f"At {self.missed} places inside the boundary no position was found.")
         return "\n".join(lines)

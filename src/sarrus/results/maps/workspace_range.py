@@ -65,7 +65,7 @@ class WorkspaceRange(Result):
 
     def summary(self) -> str:
         """The result in words."""
-        told = (
+        message = (
             " and ".join(f"{low:.9g} to {high:.9g} {self.unit}" for low, high in self.intervals) or "nowhere"
         )
         if not self.success:
@@ -73,4 +73,4 @@ class WorkspaceRange(Result):
         ends = {end for pair in self.intervals for end in pair}
         causes = [f"{one.value:.9g} by {one.cause}" for one in self.critical if one.value in ends]
         different = "; ".join(dict.fromkeys(causes))  # many positions may have the same end
-        return f"{self.name}: {self.output} can be from {told}. Ends: {different}. {self.message}."
+        return f"{self.name}: {self.output} can be from {message}. Ends: {different}. {self.message}."

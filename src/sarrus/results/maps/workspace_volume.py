@@ -105,7 +105,7 @@ class VolumeRates:
     total, missed : derivatives of the integral of the slices by all numbers, and by how much half as many slices differ
     kinked : area of the boundary where derivatives have two sides
     jumps : heights of level parts of the boundary, with the area that the slices lose there
-    slices, reach : the problem of the slices; the range of the third output, which tells how heights change
+    slices, reach : the problem of the slices; the range of the third output, from which heights change
     """
 
     total: Array

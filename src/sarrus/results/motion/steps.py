@@ -222,7 +222,7 @@ def until(steps: StepsTaken, t: float) -> StepsTaken:
 
 
 def first_of(steps: StepsTaken, count: int) -> StepsTaken:
-    """The first ones of some steps, which do not hold the room that these have."""
+    """The first ones of some steps, which do not hold the memory of these."""
     cut = {name: getattr(steps, name)[: count + at_nodes].copy() for name, at_nodes in _lengths(steps)}
     return replace(steps, **cut)
 
@@ -237,18 +237,18 @@ def led(lead: Kind | None, steps: Kind) -> Kind:
     """Steps with those just before them, if there are any."""
     if lead is None:
         return steps
-    one, other = _telling(lead, steps), _telling(steps, lead)
+    one, other = _with_left_out(lead, steps), _with_left_out(steps, lead)
     both = ((name, getattr(one, name)[: len(one)], getattr(other, name)) for name, _ in _lengths(other))
-    told: dict[str, Any] = {name: np.concatenate([before, own]) for name, before, own in both}
-    return replace(other, **told)
+    message: dict[str, Any] = {name: np.concatenate([before, own]) for name, before, own in both}
+    return replace(other, **message)
 
 
-def _telling(steps: Kind, other: StepsTaken) -> Kind:
-    """Steps that tell which equations are left out, if others do."""
+def _with_left_out(steps: Kind, other: StepsTaken) -> Kind:
+    """Steps with their left-out equations, if others have them."""
     if len(steps.left_out) or not len(other.left_out):
         return steps
-    told: dict[str, Any] = {"left_out": np.zeros(steps.lam.shape, dtype=bool)}
-    return replace(steps, **told)
+    message: dict[str, Any] = {"left_out": np.zeros(steps.lam.shape, dtype=bool)}
+    return replace(steps, **message)
 
 
 def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:

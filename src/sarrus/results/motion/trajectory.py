@@ -100,9 +100,9 @@ class Trajectory(Result):
     def summary(self) -> str:
         """What became of it, in one line."""
         reached = f"t = {self.t[-1]:g} s" if len(self.t) else "no time"
-        told = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"
-        kept = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
-        return f"{told}; {reached} in {self.nsteps} steps{kept}; bodies {', '.join(self.bodies)}"
+        message = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"
+        gap = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
+        return f"{message}; {reached} in {self.nsteps} steps{gap}; bodies {', '.join(self.bodies)}"
 
     def __getitem__(self, name: str) -> Any:
         """The motion of a body, a `BodyMotion`, or the values of an output (nt,), ``run["spring.tension"]``.
@@ -132,8 +132,8 @@ class Trajectory(Result):
             If there is no joint of this name that has any.
         """
         if self.joints is None:
-            told = f"this trajectory of {self.name} was made without joints"
-            raise KeyError(f"{told}. Read a saved run with its system: sarrus.load_run(folder, system).")
+            message = f"this trajectory of {self.name} was made without joints"
+            raise KeyError(f"{message}. Read a saved run with its system: sarrus.load_run(folder, system).")
         values, rates = self.joints.along(self.t, self.q, self.v, self.revolutions)
         names = {own: self.joints.index(f"{name}.{own}") for own in self.joints.of_joint(name)}
         of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
@@ -155,7 +155,8 @@ class Trajectory(Result):
         rows = np.flatnonzero(self.t == t)
         if not len(rows):
             raise ValueError(
-                f"{self.name}: no state was kept at t = {t!r} s. Choose one of `t`, or simulate with dense_output=True."
+                f"{self.name}: no state was stored at t = {t!r} s. Choose one of `t`, or "
+                "simulate with dense_output=True."
             )
         names = ("q", "v", "a", "lam", "memory", "revolutions")
         n, arrays = int(rows[0]), (getattr(self, name) for name in names)
@@ -188,8 +189,8 @@ class Trajectory(Result):
             If the trajectory does not know its system.
         """
         if self.system is None:
-            told = f"{self.name}: this trajectory does not know its system, so it has no reactions"
-            raise ValueError(f"{told}. Read a saved run with it: sarrus.load_run(folder, system).")
+            message = f"{self.name}: this trajectory does not know its system, so it has no reactions"
+            raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
         CHECKS["name"]("joint", joint)
         return reaction(self, joint)
 

@@ -41,8 +41,8 @@ class NotSavedError(SarrusError, OSError):
 
     def __init__(self, folder: Path, wrong: OSError) -> None:
         remedy = REMEDIES.get(wrong.errno or 0, "Remedy the cause")
-        told = f"{folder}: cannot be written ({wrong.strerror or wrong})."
-        super().__init__(f"{told} {remedy}, or choose another place.")
+        message = f"{folder}: cannot be written ({wrong.strerror or wrong})."
+        super().__init__(f"{message} {remedy}, or choose another place.")
 
 
 @contextmanager
@@ -96,8 +96,8 @@ def read_file(path: Path) -> bytes:
 
 def damaged(path: Path) -> SavedDataError:
     """The error for a file whose content is not what was written."""
-    told = "is damaged: its checksum is wrong. Restore it from a copy, or compute it anew."
-    return SavedDataError(f"{path}: {told}")
+    message = "is damaged: its checksum is wrong. Restore it from a copy, or compute it anew."
+    return SavedDataError(f"{path}: {message}")
 
 
 def replace_file(path: Path, data: bytes) -> None:

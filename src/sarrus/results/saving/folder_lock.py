@@ -62,8 +62,8 @@ class FolderLock:
         """Lock the file, which its last owner may have removed after it was opened here; then the new one."""
         while True:
             if self._is_taken():
-                told = f"{folder}: is being written by {self._writer()}."
-                raise FolderTakenError(f"{told} Wait until it ends, or choose another folder.")
+                message = f"{folder}: is being written by {self._writer()}."
+                raise FolderTakenError(f"{message} Wait until it ends, or choose another folder.")
             with suppress(FileNotFoundError):
                 if os.path.samestat(os.fstat(self._file.fileno()), self._path.stat()):
                     break
@@ -139,8 +139,8 @@ def lock_folder(folder: Path) -> FolderLock:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
-        told = f"{folder}: is a file, not a folder, or below a file."
-        raise FolderTakenError(f"{told} Choose another folder.") from None
+        message = f"{folder}: is a file, not a folder, or below a file."
+        raise FolderTakenError(f"{message} Choose another folder.") from None
     return FolderLock(folder)
 
 

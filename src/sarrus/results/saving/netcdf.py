@@ -45,8 +45,8 @@ def _encoded(value: Any) -> Any:
 
 def flags(names: Sequence[str], chosen: Sequence[str], dimension: str) -> Column:
     """Names as numbers, explained by attributes as the CF conventions have it; blanks become underscores."""
-    told = {
+    attributes = {
         "flag_values": np.arange(len(names), dtype=np.int32),
         "flag_meanings": " ".join(name.replace(" ", "_") for name in names),
     }
-    return Column((dimension,), np.array([names.index(one) for one in chosen], dtype=np.int32), told)
+    return Column((dimension,), np.array([names.index(one) for one in chosen], dtype=np.int32), attributes)

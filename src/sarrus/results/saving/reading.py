@@ -44,13 +44,13 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     """
     folder = Path(path)
     about, arrays, state = arrays_of(folder)
-    told = json.loads(str(state["told"]))
+    record = json.loads(str(state["told"]))
     if system is None and trusted:
         system = recipe_of(folder)["system"]()
     violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))
     names = ("q", "v", "a", "lam", "history", "memory", "revolutions")
     states: dict[str, Any] = {name: arrays[name] for name in names}
-    counts: dict[str, Any] = {name: told[name] for name in COUNTS}
+    counts: dict[str, Any] = {name: record[name] for name in COUNTS}
     return Trajectory(
         name=about["name"],
         bodies=tuple(about["bodies"]),
@@ -60,12 +60,12 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         velocity_violation=violation[:, 1],
         kinetic_energy=energy[:, 0],
         potential_energy=energy[:, 1],
-        success=told["status"] in ("finished", "event"),
-        status=told["status"],
-        message=told["message"],
+        success=record["status"] in ("finished", "event"),
+        status=record["status"],
+        message=record["message"],
         events=tuple(event_records(state)),
-        singular=tuple(told.get("singular", ())),
-        warnings=tuple(told.get("warnings", ())),
+        singular=tuple(record.get("singular", ())),
+        warnings=tuple(record.get("warnings", ())),
         final=State.stored(state),
         joints=None if system is None else system.joint_coordinates,
         system=system,

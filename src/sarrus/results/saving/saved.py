@@ -3,7 +3,7 @@
 A run is a folder in the Zarr format (version 3): every array by chunks, a file for each, with the names of its axes;
 what it is about in its attributes. Whole chunks are written once and never touched again. What does not yet fill a
 chunk is stored with the state of the method and the checksums of all chunks in one more file, the checkpoint, which is
-replaced in one step when the chunks are on the disk: it says how far all else is valid.
+replaced in one step when the chunks are on the disk: it limits how far all else is valid.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ COLUMNS = {
 }
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
-BEGUN = frozenset(
+INITIAL_FILES = frozenset(
     (LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY)
 )  # before its metadata
 UNFINISHED = ("cut short", "stopped", "time limit")
@@ -127,7 +127,7 @@ class Store:
             "revolutions": system.joint_coordinates.m,
         }
         chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
-        told = {
+        attributes = {
             "format": FORMAT,
             "run": uuid4().hex,
             **versions(),
@@ -135,7 +135,7 @@ class Store:
             "chunk": chunk,
             **_written_recipe(folder, recipe),
         }
-        group = {"zarr_format": 3, "node_type": "group", "attributes": told}
+        group = {"zarr_format": 3, "node_type": "group", "attributes": attributes}
         replace_file(folder / METADATA, json.dumps(group, indent=1).encode())
         stored_array.create(folder / "t", len(times), (), chunk, ("time",))
         for name, width in widths.items():
@@ -144,7 +144,7 @@ class Store:
         empty = {"t": np.zeros(0), HISTORY: np.zeros((0, 5))}
         empty |= {name: np.zeros((0, width)) for name, width in widths.items()}
         arrays = {name: ArrayWriter(folder / name, _rows(name, chunk), rest) for name, rest in empty.items()}
-        return cls(folder, lock, told, arrays)
+        return cls(folder, lock, attributes, arrays)
 
     @classmethod
     def reopen(cls, path: str | os.PathLike[str]) -> tuple[Store, dict[str, Any]]:
@@ -199,20 +199,20 @@ class Store:
                 found |= array.state()
             self._replace(found)
 
-    def retell(self, told: str) -> bool:
-        """Let the last checkpoint tell something else, a JSON text; all else of it stays. False if there is none."""
-        if is_begun(self.path):
+    def replace_record(self, record: str) -> bool:
+        """Replace the record of the last checkpoint, a JSON text, and nothing else. False if there is none."""
+        if awaits_checkpoint(self.path):
             return False
         with writing(self.path):
-            self._replace({**checkpoint(self.path), "told": np.array(told)})
+            self._replace({**checkpoint(self.path), "told": np.array(record)})
         return True
 
     def warn(self, messages: Iterable[str]) -> None:
         """Add warnings to those of the last checkpoint."""
         with writing(self.path):
-            told = json.loads(str(checkpoint(self.path)["told"]))
-        told["warnings"] = list(dict.fromkeys((*told.get("warnings", ()), *messages)))
-        self.retell(json.dumps(told))
+            record = json.loads(str(checkpoint(self.path)["told"]))
+        record["warnings"] = list(dict.fromkeys((*record.get("warnings", ()), *messages)))
+        self.replace_record(json.dumps(record))
 
     def _replace(self, numbers: Mapping[str, Any]) -> None:
         content = io.BytesIO()
@@ -234,13 +234,13 @@ def _rows(name: str, chunk: int) -> int:
 def _locked(folder: Path) -> FolderLock:
     """The right to write the folder of a run, which is made if it is not there."""
     if folder.exists() and not _is_ours(folder):
-        told = f"{folder}: is there and is no saved run, so it is not touched."
-        raise FolderTakenError(f"{told} Choose another name for `save`.")
+        message = f"{folder}: is there and is no saved run, so it is not touched."
+        raise FolderTakenError(f"{message} Choose another name for `save`.")
     return lock_folder(folder)
 
 
 def _is_ours(folder: Path) -> bool:
-    """Whether a folder is empty, or that of a run, also of one that was just begun."""
+    """Whether a folder is empty, or that of a run, also of one that has just started."""
     if not folder.is_dir():
         return False
     names = {place.name for place in folder.iterdir()}
@@ -249,7 +249,11 @@ def _is_ours(folder: Path) -> bool:
     if METADATA in names:
         return {"format", "sarrus"} <= set(_attributes(folder))
     checks = {LOCK: is_lock, RECIPE: _is_checked}
-    return names <= BEGUN and bool(found := names & set(checks)) and all(checks[n](folder / n) for n in found)
+    return (
+        names <= INITIAL_FILES
+        and bool(found := names & set(checks))
+        and all(checks[n](folder / n) for n in found)
+    )
 
 
 def _is_checked(path: Path) -> bool:
@@ -262,7 +266,7 @@ def _is_checked(path: Path) -> bool:
 
 def _refuse_run(folder: Path) -> None:
     """Refuse a folder that holds states."""
-    if is_begun(folder):
+    if awaits_checkpoint(folder):
         return
     try:
         status = json.loads(str(checkpoint(folder)["told"]))["status"]
@@ -284,12 +288,12 @@ def _clear(folder: Path) -> None:
 
 
 def _written_recipe(folder: Path, recipe: Any) -> dict[str, str]:
-    """Store model and options; the attributes that tell its checksum, or why it cannot be stored."""
+    """Store model and options; the attributes with its checksum, or the reason why it cannot be stored."""
     try:
         content = pickle.dumps(recipe)
-    except (pickle.PicklingError, AttributeError, TypeError) as trouble:
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
         (folder / RECIPE).unlink(missing_ok=True)
-        return {"no_recipe": str(trouble)}
+        return {"no_recipe": str(error)}
     write_checked(folder / RECIPE, content)
     return {"recipe": checksum(content).hex()}
 
@@ -312,8 +316,8 @@ def checkpoint(folder: Path) -> dict[str, Any]:
         return {name: found[name] for name in found.files}
 
 
-def is_begun(folder: Path) -> bool:
-    """Whether a run was stopped before its first checkpoint, so that it can only be begun anew."""
+def awaits_checkpoint(folder: Path) -> bool:
+    """Whether a run was stopped before its first checkpoint, so that it can only be started anew."""
     return not (folder / CHECKPOINT).exists() and not any(folder.glob("*/c*"))
 
 
@@ -330,12 +334,12 @@ def recipe_of(folder: Path) -> Any:
     path = folder / RECIPE
     about = about_of(folder) if (folder / METADATA).exists() or not path.exists() else {}
     if "no_recipe" in about:
-        told = f"{folder}: does not hold its model and options ({about['no_recipe']})."
-        raise SavedDataError(f"{told} Define the functions of a run in a module, not as lambda.")
+        message = f"{folder}: does not hold its model and options ({about['no_recipe']})."
+        raise SavedDataError(f"{message} Define the functions of a run in a module, not as lambda.")
     if about and about["sarrus"] != versions()["sarrus"]:
-        told = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {versions()['sarrus']}."
+        message = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {versions()['sarrus']}."
         raise SavedDataError(
-            f"{told} Open it with load_run; to continue or repeat it, install Sarrus {about['sarrus']}."
+            f"{message} Open it with load_run; to continue or repeat it, install Sarrus {about['sarrus']}."
         )
     content = read_checked(path)
     if about and checksum(content).hex() != about.get("recipe"):
@@ -343,27 +347,27 @@ def recipe_of(folder: Path) -> Any:
     try:
         return pickle.loads(content)
     except Exception as wrong:
-        told = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
-        raise SavedDataError(f"{told} Make the modules of the run's functions importable here.") from None
+        message = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
+        raise SavedDataError(f"{message} Make the modules of the run's functions importable here.") from None
 
 
 def about_of(folder: Path) -> dict[str, Any]:
     """The attributes of a run; errors as `arrays_of`."""
     if not (folder / METADATA).exists():
-        told = "holds no saved run" if folder.exists() else "there is no such folder"
-        raise NoSavedDataError(f"{folder}: {told}. Give the folder that was passed as `save`.")
+        message = "holds no saved run" if folder.exists() else "there is no such folder"
+        raise NoSavedDataError(f"{folder}: {message}. Give the folder that was passed as `save`.")
     about = _attributes(folder)
     if "sarrus" not in about:
         raise damaged(folder / METADATA)
     if about.get("format") != FORMAT:
-        told = f"{folder}: was written by Sarrus {about['sarrus']} in format {about.get('format')}"
-        told += f", and Sarrus {versions()['sarrus']} reads format {FORMAT}."
-        raise SavedDataError(f"{told} Open it with Sarrus {about['sarrus']}, or simulate anew.")
+        message = f"{folder}: was written by Sarrus {about['sarrus']} in format {about.get('format')}"
+        message += f", and Sarrus {versions()['sarrus']} reads format {FORMAT}."
+        raise SavedDataError(f"{message} Open it with Sarrus {about['sarrus']}, or simulate anew.")
     return about
 
 
 def _attributes(folder: Path) -> dict[str, Any]:
-    """What stands in the metadata; nothing where they are damaged."""
+    """The metadata; nothing where they are damaged."""
     try:
         about = json.loads(read_file(folder / METADATA))["attributes"]
     except (ValueError, KeyError, TypeError):
@@ -381,9 +385,9 @@ def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dic
     SavedDataError
         If it is damaged, or in another format.
     """
-    if (folder / RECIPE).exists() and is_begun(folder):
-        told = f"{folder}: holds a run that was stopped before its first checkpoint."
-        raise NoSavedDataError(f"{told} Begin it again with sarrus.resume({str(folder)!r}).")
+    if (folder / RECIPE).exists() and awaits_checkpoint(folder):
+        message = f"{folder}: holds a run that was stopped before its first checkpoint."
+        raise NoSavedDataError(f"{message} Begin it again with sarrus.resume({str(folder)!r}).")
     about, state = about_of(folder), checkpoint(folder)
     if state["about"] != _checksum_of(about):
         raise damaged(folder / METADATA)
@@ -396,9 +400,11 @@ def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dic
 
 
 def other_versions(about: Mapping[str, Any]) -> list[str]:
-    """A warning where a run was begun with other versions of what numbers depend on."""
+    """A warning where a run was started with other versions of what numbers depend on."""
     here = versions()
     names = [name for name in ("python", "numpy", "numba", "scipy") if about.get(name) != here[name]]
     was, now = (", ".join(f"{name} {of.get(name)}" for name in names) for of in (about, here))
-    told = f"{about['name']}: begun with {was}, resumed with {now}. The last digits may differ from a run in one go."
-    return [told] if names else []
+    message = (
+        f"{about['name']}: started with {was}, resumed with {now}. The last digits may differ from one run."
+    )
+    return [message] if names else []

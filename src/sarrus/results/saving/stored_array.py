@@ -1,7 +1,7 @@
 """An array on disk: a folder of chunks in the Zarr format, each with a checksum that is stored elsewhere, by its place.
 
 Chunks are written whole and once, uncompressed and little-endian, a file for each range of rows. Checksums and the
-rows that do not fill a chunk are handed to whoever stores them, a checkpoint: it says how much of the folder is valid.
+rows that do not fill a chunk are handed to whoever stores them, a checkpoint, which limits the valid part.
 A chunk that is damaged, missing, older or from another place or run does not have the checksum of its place.
 """
 
@@ -140,8 +140,8 @@ class StoredArray:
             except OSError:
                 found = -1
             if found != size:
-                told = "is missing" if found < 0 else f"has {found} bytes in place of {size}"
-                raise SavedDataError(f"{path}: {told}. Restore it from a copy, or compute it anew.")
+                message = "is missing" if found < 0 else f"has {found} bytes in place of {size}"
+                raise SavedDataError(f"{path}: {message}. Restore it from a copy, or compute it anew.")
 
     def check(self) -> None:
         """Read all chunks; errors as of indexing."""

@@ -29,11 +29,15 @@ def refuse_dependent(problem: Problem) -> None:
     names = [problem.table[k].name for k in problem.outputs]
     for k, name in enumerate(names):
         if all(np.linalg.norm(U[k]) < DEPENDENT for U in slopes):
-            told = f"output: {name} does not change in any motion of {problem.system.name}"
-            raise SarrusError(f"{told}. Choose another output.")
+            message = f"output: {name} does not change in any motion of {problem.system.name}"
+            raise SarrusError(f"{message}. Choose another output.")
     if all(_rank(U) < len(names) for U in slopes):
-        told = f"output: {', '.join(names[:-1])} and {names[-1]} depend on each other, so that they cover no"
-        raise SarrusError(f"{told} {'area' if len(names) == 2 else 'volume'}. Choose fewer or other outputs.")
+        message = (
+            f"output: {', '.join(names[:-1])} and {names[-1]} depend on each other, so that they cover no"
+        )
+        raise SarrusError(
+            f"{message} {'area' if len(names) == 2 else 'volume'}. Choose fewer or other outputs."
+        )
 
 
 def _slopes(problem: Problem, q: Array) -> Array:

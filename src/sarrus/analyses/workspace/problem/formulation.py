@@ -45,18 +45,18 @@ def formulate(
     SarrusError
         If a name is unknown, a limit is empty, or the outputs cannot move.
     """
-    given, kept_at = (
+    given, fixed_values = (
         _mapping("limits", _of_model(system) if limits == "model" else limits),
         _mapping("fixed", fixed),
     )
-    groups = [functions(output), list(given), list(kept_at), functions(inputs)]
+    groups = [functions(output), list(given), list(fixed_values), functions(inputs)]
     table, places = _table(system, groups)
     for kind, mine in zip(("output", "limits", "fixed", "inputs"), places, strict=True):
         refuse_twice(kind, mine, [one.name for one in table])
     outputs, limited, held, driven = places
     _refuse_outputs([table[k] for k in outputs])
     bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
-    targets = {k: value_of(table[k].name, x) for k, x in zip(held, kept_at.values(), strict=True)}
+    targets = {k: value_of(table[k].name, x) for k, x in zip(held, fixed_values.values(), strict=True)}
     targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
     _refuse_held([table[k].name for k in outputs if k in targets])
     _refuse_beyond(table, targets, bounds)
@@ -66,20 +66,20 @@ def formulate(
     size = _size(system)
     rough = Problem(system, table, outputs, normal, targets, {}, free, (), size)
     positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
-    kept = _independent(system, positions, free)
+    rows = _independent(system, positions, free)
     idle = locks(rough, [q / rough.scale for q in positions])
     locked = range(len(table), len(table) + len(idle))
     anywhere = Problem(system, table, outputs, normal, {}, {}, free, (), size) if targets else rough
     drawn = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(anywhere, seed=7), strict=False)]
     targets |= dict.fromkeys(locked, 0.0)
-    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, kept, locked, size, drawn)
+    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, rows, locked, size, drawn)
 
 
 def _mapping(kind: str, given: Any) -> dict[Any, Any]:
     """Limits or fixed values by function."""
     if given is not None and not isinstance(given, Mapping):
-        told = "(lowest, highest)" if kind == "limits" else "value"
-        raise TypeError(f"{kind} must be a dict, got {given!r}. Pass {{'q1.angle': {told}}}.")
+        message = "(lowest, highest)" if kind == "limits" else "value"
+        raise TypeError(f"{kind} must be a dict, got {given!r}. Pass {{'q1.angle': {message}}}.")
     return dict(given or {})
 
 
@@ -149,8 +149,8 @@ def _refuse_beyond(
     for k in targets.keys() & bounds.keys():
         low, high = bounds[k]
         if not low <= targets[k] <= high:
-            told = f"{table[k].name} is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
-            raise SarrusError(f"{told}; fix it between them")
+            message = f"{table[k].name} is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
+            raise SarrusError(f"{message}; fix it between them")
 
 
 def _bites(one: Measure, pair: tuple[float, float]) -> bool:
@@ -183,16 +183,16 @@ def _levers(system: System) -> Iterator[float]:
 def _independent(system: System, positions: list[Array], free: Array) -> Array:
     """Rows of Φ that are independent at some random positions, chosen in the model's order.
 
-    So it is the last joint of a loop, which closes it, whose equations are left out; those that are kept are then
+    So it is the last joint of a loop, which closes it, whose equations are left out; the remaining ones are then
     independent wherever the mechanism itself is regular.
     """
     if not positions:
-        told = "check what is fixed, and whether the joints fit together"
-        raise SarrusError(f"{system.name} could not be assembled; {told}")
+        message = "check what is fixed, and whether the joints fit together"
+        raise SarrusError(f"{system.name} could not be assembled; {message}")
     first = np.argsort(~normalizations(system)[free], kind="stable")
     jacobians = [unit_rows(system.Phi_q(q)).toarray()[free][first] for q in positions]
-    kept = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT
-    return np.asarray(np.sort(free[first[kept]]))
+    rows = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT
+    return np.asarray(np.sort(free[first[rows]]))
 
 
 def _new(J: Array) -> Array:

@@ -36,7 +36,7 @@ class Handedness:
     Parameters
     ----------
     system : System
-    positions : (nq,) each, random ones: axes that are parallel in all of them are kept so by the constraints
+    positions : (nq,) each, random ones: axes that are parallel in all of them remain so by the constraints
     """
 
     def __init__(self, system: System, positions: Sequence[Array]) -> None:
@@ -57,6 +57,6 @@ class Handedness:
         found = [(A[one.i] @ one.on_i.T).T @ (A[one.j] @ one.on_j.T) for one in self._joints]
         return np.array(found).reshape(-1)
 
-    def kept(self, q: Array) -> bool:
+    def preserved(self, q: Array) -> bool:
         """Whether a position (nq,) is of the drawn kind."""
         return bool(np.all((self._products(q) * self._drawn)[self._parallel] > 0))

@@ -25,7 +25,7 @@ STEADY = 1e-6  # of an axis that stays in the body
 
 
 def locks(problem: Problem, positions: Sequence[Array]) -> list[Measure]:
-    """Functions that hold all idle spins when they are kept at zero; positions are scaled."""
+    """Functions that hold all idle spins when they are fixed at zero; positions are scaled."""
     return [one for body in range(problem.n // WIDTH) for one in _of_body(problem, positions, body)]
 
 

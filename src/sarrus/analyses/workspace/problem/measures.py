@@ -32,7 +32,7 @@ class Measure(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Of what the user is told."""
+        """Unit of the value that the user sees."""
         return self.given or ("rad" if self.kind == "angle" else "m")
 
     def value(self, wanted: float) -> float:
@@ -44,7 +44,7 @@ class Measure(NamedTuple):
         return 2 * wanted if self.kind == "square" else 1.0
 
     def shown(self, found: Any) -> Any:
-        """What the user is told for what the element shows."""
+        """The value that the user sees for a value of the element."""
         return abs(found) ** 0.5 if self.kind == "square" else found
 
 
@@ -66,8 +66,8 @@ def _measure(system: System, thing: Any) -> Measure:
         measuring = placed(system, thing)
         return Measure(thing.label, measuring, _kind(measuring))
     if not isinstance(thing, str):
-        told = "give a name like 'pin.angle' or 'tool.x', or a function like tool.point(1, 0, 0)['x']"
-        raise SarrusError(f"{thing!r} is no function of a position; {told}")
+        message = "give a name like 'pin.angle' or 'tool.x', or a function like tool.point(1, 0, 0)['x']"
+        raise SarrusError(f"{thing!r} is no function of a position; {message}")
     output = find_output(system, thing, Level.POSITION, WHERE)
     measuring = placed_of(system, output, WHERE)
     return Measure(output.name, measuring, _kind(measuring), output.unit)

@@ -13,7 +13,7 @@ from ...equations.normalizations import normalizations
 def tree_rows(system: System) -> Array:
     """Rows of Φ of joints that close no loop, in the model's order, and of the Euler parameters."""
     parent = list(range(len(system.bodies) + 1))
-    pattern, kept = system.pattern("Phi_q"), [np.flatnonzero(normalizations(system))]
+    pattern, found = system.pattern("Phi_q"), [np.flatnonzero(normalizations(system))]
     for joint in system.model.joints:
         rows = system.rows.get(joint.name, np.zeros(0, dtype=int))
         columns = np.concatenate(
@@ -23,10 +23,10 @@ def tree_rows(system: System) -> Array:
         bodies |= {0} if len(bodies) == 1 else set()
         roots = {_root(parent, body) for body in bodies}
         if len(roots) == len(bodies):
-            kept.append(rows)
+            found.append(rows)
             for root in roots:
                 parent[root] = min(roots)
-    return np.sort(np.concatenate(kept)).astype(int)
+    return np.sort(np.concatenate(found)).astype(int)
 
 
 def _root(parent: list[int], body: int) -> int:

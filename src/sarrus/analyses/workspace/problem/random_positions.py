@@ -20,20 +20,20 @@ TRIES = 80  # per position that is found
 class Samples:
     """An endless iterator of random positions that satisfy constraints and limits.
 
-    Some are assembled from random guesses, so that all ways of assembly are met, half of them where guesses succeed;
+    Some are assembled from random guesses, so that all assembly modes are found, half of them where guesses succeed;
     the others are walked to from a position found before. Positions with axes turned round are left out, see
     `Handedness`.
 
     Attributes
     ----------
-    tried, found : how many were begun, how many were admissible
+    tried, found : how many were tried, how many were admissible
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:
         self._problem, self._random = problem, np.random.default_rng(seed)
         self._rows, self._goal = constrained(problem)
         self._near = problem.system.q0 / problem.scale
-        self._tree = np.flatnonzero(np.isin(problem.kept, tree_rows(problem.system)))
+        self._tree = np.flatnonzero(np.isin(problem.independent, tree_rows(problem.system)))
         drawn = settle(problem, self._near, self._rows, self._goal)
         self._known = [] if drawn is None else [drawn]
         self.tried = self.found = 0

@@ -109,15 +109,15 @@ def pair_of(name: str, given: Any) -> tuple[float, float]:
     SarrusError
         If they are no two numbers, or None.
     """
-    told = f"limits: those of {name} must be a pair (lowest, highest) of numbers or None, got {given!r}"
+    message = f"limits: those of {name} must be a pair (lowest, highest) of numbers or None, got {given!r}"
     ends = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else []
     if len(ends) != 2 or not all(one is None or isinstance(one, Real) for one in ends):
-        raise SarrusError(f"{told}. Pass e.g. (-1.0, 1.0).")
+        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0).")
     low, high = (
         inf if one is None else float(one) for one, inf in zip(ends, (-math.inf, math.inf), strict=True)
     )
     if math.isnan(low) or math.isnan(high) or low == math.inf or high == -math.inf:
-        raise SarrusError(f"{told}. Pass e.g. (-1.0, 1.0).")
+        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0).")
     return low, high
 
 

@@ -36,7 +36,7 @@ class Problem:
     normal : places of the functions whose gradients become dependent: the outputs, or the inputs
     fixed : place -> value that it keeps
     limits : place -> (lowest, highest), infinite where there is none
-    kept : rows of Φ that are independent (and no driver's)
+    independent : rows of Φ that are independent (and no driver's)
     locked : places of functions that hold idle freedoms; they are among the fixed ones
     size : L [m]
     positions : random ones (nq,) with nothing held fixed, by which axes are found that stay parallel
@@ -56,15 +56,20 @@ class Problem:
         normal: Sequence[int],
         fixed: Mapping[int, float],
         limits: Mapping[int, tuple[float, float]],
-        kept: Array,
+        independent: Array,
         locked: Sequence[int],
         size: float,
         positions: Sequence[Array] = (),
     ) -> None:
         self.system, self.table, self.size = system, tuple(table), size
         self.outputs, self.normal = np.array(outputs, dtype=int), np.array(normal, dtype=int)
-        self.fixed, self.limits, self.kept, self.locked = dict(fixed), dict(limits), kept, tuple(locked)
-        self.n, self.m = system.nq, len(kept)
+        self.fixed, self.limits, self.independent, self.locked = (
+            dict(fixed),
+            dict(limits),
+            independent,
+            tuple(locked),
+        )
+        self.n, self.m = system.nq, len(independent)
         self.freedoms = self.n - self.m - len(fixed)
         self.units = np.array([self._unit(k) for k in range(len(table))])
         self.output_angles = np.array([table[k].kind == "angle" for k in outputs], dtype=bool)
@@ -83,7 +88,7 @@ class Problem:
             self.normal.tolist(),
             {**self.fixed, k: value},
             self.limits,
-            self.kept,
+            self.independent,
             self.locked,
             self.size,
             self._positions,
@@ -112,17 +117,17 @@ class Problem:
         system, self.functions = self.system, JointCoordinates(self._placed(), len(self.system.bodies))
         self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
         self.row_scale = self._row_scales()
-        kept_at = np.full(system.m, NO_NUMBERS)
-        kept_at[self.kept] = np.arange(len(self.kept))
+        place_of = np.full(system.m, NO_NUMBERS)
+        place_of[self.independent] = np.arange(len(self.independent))
         function_at, inverse = self.m + np.arange(len(self.table)), 1 / self.units
         every = np.arange(self.n)
-        parts = ((system, kept_at, self.row_scale), (self.functions, function_at, inverse))
+        parts = ((system, place_of, self.row_scale), (self.functions, function_at, inverse))
         self._Phi = [
-            Vector(system, "Phi", self.kept, self.row_scale[self.kept]),
+            Vector(system, "Phi", self.independent, self.row_scale[self.independent]),
             Vector(self.functions, "Phi", np.arange(len(self.table)), inverse),
         ]
         self._gamma = [
-            Vector(system, "gamma", self.kept, self.row_scale[self.kept]),
+            Vector(system, "gamma", self.independent, self.row_scale[self.independent]),
             Vector(self.functions, "gamma", np.arange(len(self.table)), inverse),
         ]
         self._Phi_q = [Matrix(of, "Phi_q", at, row, self.scale) for of, at, row in parts]
@@ -188,16 +193,16 @@ class Problem:
     def unscaled(self, weights: Array) -> tuple[Array, Array]:
         """Multipliers of Φ (m,) and of the functions in real units."""
         lam = np.zeros(self.system.m)
-        lam[self.kept] = weights[: self.m] * self.row_scale[self.kept]
+        lam[self.independent] = weights[: self.m] * self.row_scale[self.independent]
         return lam, weights[self.m :] / self.units
 
     def shown(self, k: int, scaled: Any) -> Any:
-        """A function's value as the user is told."""
+        """A function's value as the user sees it."""
         return self.table[k].shown(scaled * self.units[k])
 
     def built(self, q: Array) -> bool:
         """Whether a scaled position can be built from the parts as drawn; see `Handedness`."""
-        return self._handedness.kept(q * self.scale)
+        return self._handedness.preserved(q * self.scale)
 
     def margins(self, values: Array) -> Array:
         """How far every limited function is above its lowest and below its highest value (count, 2), scaled."""

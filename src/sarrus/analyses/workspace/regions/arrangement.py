@@ -60,15 +60,15 @@ def _cut(pieces: list[Piece], cuts: dict[int, list[float]]) -> list[Piece]:
 
 def _apart(arc: Arc, places: list[float]) -> list[float]:
     """Places that are no nearer to each other or to the ends than `TOUCH`."""
-    kept: list[float] = []
+    chosen: list[float] = []
     for at in places:
-        neighbours = [0.0 if not kept else kept[-1], arc.end]
+        neighbours = [0.0 if not chosen else chosen[-1], arc.end]
         close = [
             np.linalg.norm(arc.point(at) - arc.point(x)) < TOUCH and abs(at - x) < 1.0 for x in neighbours
         ]
         if not any(close):
-            kept.append(at)
-    return kept
+            chosen.append(at)
+    return chosen
 
 
 def _part(piece: Piece, a: float, b: float) -> Piece:

@@ -40,7 +40,7 @@ class Crossing(NamedTuple):
     side : +1 or -1: the outputs stay on the side of c or -c, a barrier; 0: they can go to both sides
     terms : -lam_i sigma_i of the active limits, then the eigenvalues of the form
     sure : false where further limits are reached by coincidence, which are not in the terms, or where some terms
-        vanish, as for a freedom that moves none of the outputs; the others then tell the side
+        vanish, as for a freedom that moves none of the outputs; the others then determine the side
     """
 
     x: Array
@@ -73,9 +73,9 @@ def examine(stratum: Stratum, x: Array) -> Crossing:
     turning = _turning(stratum, J, H, pushes, float(np.linalg.norm(c)))
     Z = _null_space(stratum, J, turning)
     terms = np.concatenate([pushes[~turning], np.linalg.eigvalsh(Z.T @ H @ Z)])
-    telling = terms[abs(terms) > VANISHES]
-    side = 0 if not len(telling) else 1 if np.all(telling > 0) else -1 if np.all(telling < 0) else 0
-    known = len(telling) > 0 and (side == 0 or len(telling) == len(terms))
+    decisive = terms[abs(terms) > VANISHES]
+    side = 0 if not len(decisive) else 1 if np.all(decisive > 0) else -1 if np.all(decisive < 0) else 0
+    known = len(decisive) > 0 and (side == 0 or len(decisive) == len(terms))
     return Crossing(x, side, terms, known and _unrestrained(stratum, q, J, Z, side))
 
 

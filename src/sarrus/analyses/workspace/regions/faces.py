@@ -60,7 +60,7 @@ class Cells:
         return {node: self._sorted(node, sides) for node, sides in leaving.items()}
 
     def _sorted(self, node: int, sides: list[Side]) -> list[Side]:
-        """By the directions at a distance at which tangential curves can be told apart in spite of the node's size."""
+        """Directions at a distance at which tangential curves can be distinguished in spite of the node's size."""
         pieces, centre = self.division.pieces, self.division.nodes[node]
         farthest = 0.3 * min(pieces[n].arc.length for n, _ in sides)
         best, order = 0.0, np.arange(len(sides))

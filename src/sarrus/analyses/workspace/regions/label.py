@@ -1,4 +1,4 @@
-"""Which cells of the plane can be reached: told by the curves around them, by positions that were met, or by search."""
+"""Which cells of the plane can be reached: by the curves around them, by known positions, or by search."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .crossing import Crossing
 from .faces import Cells
 from .reach import reach
 
-SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross cannot be told from one
+SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross look like one
 TOUCHING = (
     0.05  # free of units: on pieces that are shorter, curves that touch (curvatures 6e-3 apart) look like one
 )
@@ -32,8 +32,8 @@ def labels(
 ) -> Array:
     """Whether each cell can be reached (count,).
 
-    A barrier tells that the cell on its open side can be reached, a curve that can be crossed tells both. Cells of
-    which no curve tells anything are decided by admissible positions `met` (k, n), then by inverse kinematics from so
+    The cell on the open side of a barrier can be reached, those on both sides of a curve that can be crossed.
+    Cells that no curve decides are decided by admissible positions `met` (k, n), then by inverse kinematics from so
     many of them.
     """
     found = np.zeros(len(cells.cells), dtype=bool)
@@ -58,7 +58,7 @@ def labels(
 def _sides(
     k: int, branches: Sequence[Branch], crossings: Sequence[Crossing], cells: Cells
 ) -> tuple[bool, bool]:
-    """Whether the curves on a piece tell that its left and its right can be reached."""
+    """Whether its left and its right can be reached according to the curves on a piece."""
     piece, left, right = cells.division.pieces[k], False, False
     slope = piece.arc.slope(0.5 * piece.arc.end)
     for n, _, low, high in piece.owners:

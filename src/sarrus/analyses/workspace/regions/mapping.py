@@ -1,4 +1,4 @@
-"""A map under way: starts are found and curves traced until nothing new turns up; it can be stopped and resumed."""
+"""A map under way: starts are found and curves traced until nothing new is found; it can be stopped and resumed."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
 def _refuse_counts(problem: Problem) -> None:
     name, freedoms = problem.system.name, problem.freedoms
     if len(problem.outputs) != 2:
-        told = "see workspace_range for one, workspace_volume for three"
-        raise SarrusError(f"a map is of two outputs, not {len(problem.outputs)}; {told}")
+        message = "see workspace_range for one, workspace_volume for three"
+        raise SarrusError(f"a map is of two outputs, not {len(problem.outputs)}; {message}")
     if freedoms < 2:
-        told = f"{name} has {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
-        raise SarrusError(f"{told}; fix less, or ask for the range of one output (workspace_range)")
+        message = f"{name} has {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
+        raise SarrusError(f"{message}; fix less, or ask for the range of one output (workspace_range)")
 
 
 class WorkspaceMap:
@@ -173,7 +173,7 @@ class WorkspaceMap:
     @property
     def is_closed(self) -> bool:
         """Whether every curve so far ends where others begin, and bounds what can be reached."""
-        lost = self.explorer.open or any(branch.trouble for branch in self.explorer.branches)
+        lost = self.explorer.open or any(branch.failure for branch in self.explorer.branches)
         return not lost and self.region().is_consistent
 
     def region(self) -> Region:
@@ -240,24 +240,24 @@ class WorkspaceMap:
     def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
         name = self.problem.system.name
         if self.stop:
-            told = "The curves traced so far are returned; go on with its `map`, or allow more time"
-            return self.stop.status, f"{name}: {self.stop.reason}. {told}"
-        trouble = self._trouble(region, tests)
-        if trouble:
-            return "incomplete", f"{name}: {trouble}"
+            message = "The curves traced so far are returned; go on with its `map`, or allow more time"
+            return self.stop.status, f"{name}: {self.stop.reason}. {message}"
+        error = self._failure(region, tests)
+        if error:
+            return "incomplete", f"{name}: {error}"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
-        told = (
+        message = (
             f"the last {self.in_a_row} starts led to nothing new, so with {100 * CONFIDENCE:.0f} % confidence"
         )
         return (
             "mapped",
-            f"{name}: mapped; {told} curves that were missed attract less than {share:.1%} of starts",
+            f"{name}: mapped; {message} curves that were missed attract less than {share:.1%} of starts",
         )
 
-    def _trouble(self, region: Region, tests: Verification | None) -> str:
+    def _failure(self, region: Region, tests: Verification | None) -> str:
         """What keeps a map from being complete, in words."""
         branches = self.explorer.branches
-        lost = [branch.trouble for branch in branches if branch.trouble]
+        lost = [branch.failure for branch in branches if branch.failure]
         if not self.met:
             return (
                 "no position within the limits was found. Widen them, or check that they can be met together"
@@ -269,8 +269,8 @@ class WorkspaceMap:
         if self.explorer.open or self.in_a_row < self.repeats:
             return "the map is not complete. Go on with it, or give it more starts"
         if lost:
-            told = f"{len(lost)} of {len(branches)} curves were lost, the first because {lost[0]}"
-            return f"{told}. Take smaller steps (longest)"
+            message = f"{len(lost)} of {len(branches)} curves were lost, the first because {lost[0]}"
+            return f"{message}. Take smaller steps (longest)"
         if not region.is_consistent:
             return "the curves contradict each other about what can be reached. Take smaller steps (longest)"
         failed = tests is not None and not tests.success
@@ -280,9 +280,9 @@ class WorkspaceMap:
         """Where a function is held at a critical value: the mechanism is singular on a whole curve."""
         p = self.problem
         held = [(p.table[k].name, p.fixed[k]) for k in p.fixed if k not in p.locked]
-        told = "the mechanism is singular on whole curves of configurations, where boundary curves cross without end"
+        message = "the mechanism is singular on whole curves of configurations, where boundary curves cross without end"
         if not held:
-            return f"{told}. Change its dimensions a little, or map other outputs"
+            return f"{message}. Change its dimensions a little, or map other outputs"
         name, value = held[-1]
         beside = value + BESIDE * (abs(value) or p.size)
-        return f"{told}: {name} = {value:.9g} is a critical value. Fix it beside, such as at {beside:.9g}"
+        return f"{message}: {name} = {value:.9g} is a critical value. Fix it beside, such as at {beside:.9g}"

@@ -152,8 +152,8 @@ class Region:
     def _causes(self, k: int) -> frozenset[Cause]:
         """What makes a piece of the boundary: limits that are reached, and whether it is a singularity."""
         owners = {n for n, *_ in self.division.pieces[k].owners}
-        telling = {n for n in owners if self.crossings[n].side} or owners
-        strata = [self.branches[n].stratum for n in telling]
+        decisive = {n for n in owners if self.crossings[n].side} or owners
+        strata = [self.branches[n].stratum for n in decisive]
         return frozenset((stratum.active, stratum.dimension > 1) for stratum in strata)
 
     def kind_of(self, k: int, owner: int) -> CurveKind:

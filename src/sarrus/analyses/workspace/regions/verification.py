@@ -110,7 +110,7 @@ def tested(map_: WorkspaceMap, samples: int, rays: int, executor: Executor | Non
 
 
 def reported(map_: WorkspaceMap, tests: Verification | None = None) -> Workspace:
-    """The result of a map; a warning tells if it is not complete."""
+    """The result of a map; a warning is given if it is not complete."""
     found = map_.result(tests)
     announce([] if found.success else [f"{found.message}."])
     return found
@@ -187,7 +187,7 @@ def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Star
 
 
 def look_around(map_: WorkspaceMap, q: Array) -> None:
-    """Rays from a position outside; if they find nothing new, it tells that its cell can be reached."""
+    """Rays from a position outside; if they find nothing new, its cell can be reached."""
     starts = [map_.ray(q) for _ in range(DIRECTIONS)]
     led = [map_.explorer.start(*start) for start in starts if start is not None]
     if "new" not in led:

@@ -17,7 +17,7 @@ from .stratum import Linear, Stratum
 
 DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
 FLAT = 1e-9  # of a coefficient, relative to the largest
-STANDS = 1e-8  # of a direction in which only multipliers change
+AT_REST = 1e-8  # of a direction in which only multipliers change
 
 
 def directions(stratum: Stratum, x: Array, linear: Linear) -> list[Array]:
@@ -27,7 +27,7 @@ def directions(stratum: Stratum, x: Array, linear: Linear) -> list[Array]:
     c = [float(psi @ stratum.second(x, s, t)) for s, t in ((one, one), (one, other), (other, other))]
     found = [a * one + b * other for a, b in _roots(*c)]
     return [
-        t / np.linalg.norm(t) for t in found if np.linalg.norm(t[: stratum.n]) > STANDS * np.linalg.norm(t)
+        t / np.linalg.norm(t) for t in found if np.linalg.norm(t[: stratum.n]) > AT_REST * np.linalg.norm(t)
     ]
 
 

@@ -45,7 +45,7 @@ class Trace:
     ----------
     points : so far
     event : at the end, when it is reached
-    trouble : why there is none
+    failure : why there is none
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Trace:
     ) -> None:
         self.stratum, self.points, self.tally = stratum, [start], tally
         self.event: Event | None = None
-        self.trouble = ""
+        self.failure = ""
         self._own, self._closes, self._longest, self._most = own, closes, longest, most
         self._h = self._wanted(start)
 
@@ -69,19 +69,19 @@ class Trace:
         return self
 
     def __next__(self) -> Point:
-        if self.event is not None or self.trouble:
+        if self.event is not None or self.failure:
             raise StopIteration
         check()
-        told = "the curve bends too much at its start"
+        message = "the curve bends too much at its start"
         while self._h > SHORTEST:
             try:
                 return self._step()
             except _Again:
                 continue
-            except NoPoint as trouble:
+            except NoPoint as error:
                 self._h *= 0.4
-                told = str(trouble)
-        self.trouble = f"the step became too short: {told}"
+                message = str(error)
+        self.failure = f"the step became too short: {message}"
         raise StopIteration
 
     def _wanted(self, point: Point) -> float:
@@ -97,7 +97,7 @@ class Trace:
             raise NoPoint("the curve bends too much")
         b = self._near(a, point_at(stratum, x, linear, a.t, self.tally), h)
         if float(a.t @ b.t) < np.cos(1.6 * ANGLE):
-            raise NoPoint("the curve turns too much")
+            raise NoPoint("the curve bends too much")
         if Step(a, b).doubt() > DOUBT:
             raise NoPoint("the curve bends too quickly")
         self._take(a, b)
@@ -123,7 +123,7 @@ class Trace:
         self.points.append(b)
         self.event = event
         if event is None and len(self.points) > self._most:
-            self.trouble = "it has too many points"
+            self.failure = "it has too many points"
 
     def _crossed(self, a: Point, b: Point) -> Point:
         """A crossing with the exact direction of the curve that was followed."""

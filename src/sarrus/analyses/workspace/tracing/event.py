@@ -16,7 +16,7 @@ from .stratum import Linear, Stratum
 
 STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
 NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
-SLACK = 1e-10  # of a limit that counts as kept, free of units
+SLACK = 1e-10  # of a limit that counts as satisfied, free of units
 ITERATIONS = 40
 SETTLED = 1e-13  # of the parameter of a step
 LOOKS = 8  # places of a step at which margins and multipliers are looked at
@@ -26,7 +26,7 @@ BENDS = PLACES @ np.diag([2.0, 6.0, 12.0, 20.0], 2)  # of their second derivativ
 
 
 class Event(NamedTuple):
-    """What happens at a point between two others: tau = 0 ... 1 tells where.
+    """An event at a point between two others, at tau = 0 ... 1.
 
     `kind` is "hit" (a limit is reached), "release" (its multiplier vanishes), "cusp" (the outputs stand still),
     "branch" (curves cross) or "closed"; `limit` which limit is meant.
@@ -69,14 +69,14 @@ def first_event(
 def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | None] | None) -> Iterator[Guess]:
     yield from _hits(stratum, step, own)
     yield from _releases(stratum, step, own)
-    cusp = _turns_back(stratum, step) and own not in STILL
+    cusp = _reverses(stratum, step) and own not in STILL
     if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
         yield Guess(_crossing(_speeds(step)) if cusp else 0.5, "branch", None)
     elif cusp:
         yield Guess(_crossing(_speeds(step)), "cusp", None)
 
 
-def _turns_back(stratum: Stratum, step: Step) -> bool:
+def _reverses(stratum: Stratum, step: Step) -> bool:
     """Whether the outputs turn back; where they stand still all along, signs of their speed mean nothing."""
     a, b = step.a.speed, step.b.speed
     return stratum.problem.has_cusps and a * b < 0 and max(abs(a), abs(b)) > SLACK
@@ -129,8 +129,8 @@ def _sinks(polynomial: Array, from_zero: bool) -> float | None:
     if not _may_sink(polynomial):
         return None
     slope = polynomial[1:] * np.arange(1, 6)
-    turns = [tau for tau in _zeros(slope) if 0 < tau < 1]
-    if min(float(tau**POWERS @ polynomial) for tau in (*turns, 1.0)) >= -SLACK:
+    extremes = [tau for tau in _zeros(slope) if 0 < tau < 1]
+    if min(float(tau**POWERS @ polynomial) for tau in (*extremes, 1.0)) >= -SLACK:
         return None
     zeros = _zeros(polynomial[1:] if from_zero else polynomial)
     return min((tau for tau in zeros if tau ** POWERS[:5] @ slope <= 0), default=0.5)
@@ -162,7 +162,7 @@ def _located(stratum: Stratum, step: Step, guess: Guess, tally: Tally) -> Event:
     if guess.kind == "release":
         assert guess.limit is not None
         return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit), tally)
-    if guess.kind == "cusp" or _turns_back(stratum, step):
+    if guess.kind == "cusp" or _reverses(stratum, step):
         return _by_bracket(stratum, step, guess, _speed, tally)
     return _by_bracket(stratum, step, guess, _Determinant(stratum), tally)
 

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ....algebra import Array
+from ....model.checks.deprecated import accepts_deprecated_attributes
 from ...progress import TimeLimit
 from ..problem.rows import Problem
 from ..problem.watch import POINTS, reached
@@ -28,6 +29,7 @@ MOST_SINGULAR = (
 ON_CURVE = 1e-4  # of unknowns from a curve's interpolation, free of units
 
 
+@accepts_deprecated_attributes
 @dataclass(eq=False)
 class Branch:
     """A curve of candidates between two vertices: its points, with the limits that are active."""
@@ -36,7 +38,7 @@ class Branch:
     points: list[Point]
     start: Vertex
     end: Vertex
-    trouble: str = ""
+    failure: str = ""
 
     def steps(self) -> list[Step]:
         """Its steps."""
@@ -119,7 +121,7 @@ class Explorer:
         half.done = True
         end = self._end(stratum, trace, vertex)
         reached(self.tally.points, POINTS)
-        branch = Branch(stratum, trace.points, vertex, end, trace.trouble)
+        branch = Branch(stratum, trace.points, vertex, end, trace.failure)
         self.branches.append(branch)
         return branch
 

@@ -52,8 +52,8 @@ class Factors:
     """
 
     def __init__(self, matrix: Array) -> None:
-        self.lu, self.pivots, trouble = lapack.dgetrf(matrix.T)
-        if trouble:
+        self.lu, self.pivots, error = lapack.dgetrf(matrix.T)
+        if error:
             raise NoPoint("the equations of the curve are singular here")
 
     def solve(self, right: Array) -> Array:

@@ -22,7 +22,7 @@ from .same_point import SAME, apart, body_signs
 from .stratum import Active, Stratum
 
 Strata = Callable[[Active], Stratum]
-STANDS = 1e-6
+AT_REST = 1e-6
 Own = tuple[str, tuple[int, int] | None] | None
 
 
@@ -124,8 +124,8 @@ def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:
         If the position does not move along the curve, but only its normal, or if it is on no single curve.
     """
     point = _isolated(stratum, x, tally)
-    if np.linalg.norm(point.t[: stratum.n]) < STANDS:
-        raise NoPoint("the position stands still along this curve")
+    if np.linalg.norm(point.t[: stratum.n]) < AT_REST:
+        raise NoPoint("the position does not move along this curve")
     return Vertex("seed", x[: stratum.n], stratum.key, None, point.u, list(_both(stratum, point, None)))
 
 
@@ -147,7 +147,7 @@ def _isolated(stratum: Stratum, x: Array, tally: Tally) -> Point:
     _, sizes, along = singular(linear.G_x)
     free = along[np.count_nonzero(sizes >= DROPS * sizes[0]) :, : stratum.n]
     outputs = linear.J[stratum.problem.m + stratum.problem.outputs]
-    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < STANDS:
+    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < AT_REST:
         raise NoPoint("the outputs stand still along this curve")
     return _regular(stratum, x, tally)
 

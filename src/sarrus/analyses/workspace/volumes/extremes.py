@@ -1,4 +1,4 @@
-"""Critical values of one output: positions at which it stands still against all motions that limits allow."""
+"""Critical values of one output: positions at which it is stationary for all motions that limits allow."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from ..tracing.seeds import Start, random_start
 from ..tracing.stratum import Stratum
 
 ONE = 1e-7  # free of units: nearer values are one
-MOST_ALIKE = 8  # positions with one value and the same active limits that are kept
+MOST_ALIKE = 8  # positions stored with one value and the same active limits
 TRIES = 20
 
 
@@ -112,7 +112,7 @@ class Search:
                 break
 
     def _is_new(self, start: Start) -> bool:
-        """Whether it is another position; one of a family of positions with the same value tells nothing new."""
+        """Whether it is another position; one of a family of positions with the same value adds nothing."""
         n, value = self.problem.n, self._value(start.x[: self.problem.n])
         alike = [one for one in self.found if one.key == start.key]
         if any(apart(one.x[:n], start.x[:n]) < SAME for one in alike):
@@ -161,8 +161,8 @@ class Search:
         if not self.found:
             return "No end was found. Check that a limit or a singularity ends it"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
-        told = f"The last {self.in_a_row} starts led to nothing new, so with {CONFIDENCE:.0%} confidence"
-        return f"{told} ends that were missed attract less than {share:.1%} of starts"
+        message = f"The last {self.in_a_row} starts led to nothing new, so with {CONFIDENCE:.0%} confidence"
+        return f"{message} ends that were missed attract less than {share:.1%} of starts"
 
     def _critical(self) -> list[CriticalValue]:
         found = [self._one(start) for start in self.found]
@@ -181,10 +181,10 @@ class Search:
     def _can(self, low: float, high: float, critical: list[CriticalValue]) -> bool:
         """Whether values between two neighbouring critical ones can be reached."""
         near = 1e-9 * (1 + abs(low) + abs(high))
-        told = [c for c in critical if c.sure]
-        if any(c.side >= 0 and abs(c.value - low) < near for c in told):
+        message = [c for c in critical if c.sure]
+        if any(c.side >= 0 and abs(c.value - low) < near for c in message):
             return True
-        if any(c.side <= 0 and abs(c.value - high) < near for c in told):
+        if any(c.side <= 0 and abs(c.value - high) < near for c in message):
             return True
         unit = float(self.problem.units[self.problem.outputs[0]])
         inside = [low < self._value(q) * unit < high for q in self.met]

@@ -16,7 +16,7 @@ Edge = tuple[int, int]
 
 
 class Sheet:
-    """Vertices and triangles; `level` of a vertex tells which critical height it belongs to."""
+    """Vertices and triangles; `level` of a vertex is the index of its critical height."""
 
     def __init__(self) -> None:
         self.vertices: list[tuple[float, float, float]] = []
@@ -79,10 +79,10 @@ def _level(sheet: Sheet, edges: Sequence[Edge]) -> None:
     corners = points[triangles]
     around = _winding(sheet, edges, corners.mean(axis=1))
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    turns = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    for (a, b, c), winding, turn in zip(triangles.tolist(), around, turns, strict=True):
+    areas = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    for (a, b, c), winding, area in zip(triangles.tolist(), around, areas, strict=True):
         if winding:
-            b, c = (b, c) if (turn > 0) == (winding > 0) else (c, b)
+            b, c = (b, c) if (area > 0) == (winding > 0) else (c, b)
             sheet.add(numbers[a], numbers[b], numbers[c])
 
 

@@ -128,7 +128,7 @@ class Integral:
         self.slicer.at(z for low, high in self.ranges for z in _inside(low, high))
 
     def rates(self, reach: WorkspaceRange) -> VolumeRates | None:
-        """Derivatives of the volume by all numbers, if a slice has any; `reach` tells how critical heights move."""
+        """Derivatives of the volume by all parameters, if a slice has any; `reach`: those of critical heights."""
         if all(one.rates is None for one in self.slicer.known.values()):
             return None
         total, half = (np.sum([self._by_numbers(piece, n) for piece in self.pieces], axis=0) for n in (1, 2))

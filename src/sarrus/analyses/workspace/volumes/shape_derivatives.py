@@ -51,7 +51,7 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     Parameters
     ----------
     found : Workspace
-    wrt : names of numbers: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
+    wrt : parameters: of the model (``"q2.point.x"``), of its elements (``"q2[point].s_i.x"``), of the functions
         (``"link_3(1, 0, 0).x[x].s_j.x"`` for the point that is the output), or ends of limits (``"q1.angle highest"``)
     strict : raise the first warning as a `StrictError`
 
@@ -59,7 +59,7 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     -------
     ShapeDerivative
         The area has a kink where two curves with different causes lie on each other; the length of such parts of the
-        boundary is told in `kinked`, and the derivative is that with one of them.
+        boundary is reported in `kinked`, and the derivative is that with one of them.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     Returns
     -------
     ShapeDerivative
-        `error` tells by how much half as many slices differ; `kinked` is the area of parts of the boundary that two
+        `error` is the difference to half as many slices; `kinked` is the area of parts of the boundary that two
         causes make at once.
 
     Raises
@@ -115,8 +115,8 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     refuse_incomplete(found, WorkspaceVolume)
     names, rates = listed(wrt), found.rates
     if rates is None:
-        told = "map it by workspace_volume(..., derivatives=True)"
-        raise SarrusError(f"{found.name}: this volume was mapped without derivatives; {told}")
+        message = "map it by workspace_volume(..., derivatives=True)"
+        raise SarrusError(f"{found.name}: this volume was mapped without derivatives; {message}")
     of_slices, of_heights = rates.slices, rates.reach.search.problem
     known = [set(_Numbers(problem, ()).own) for problem in (of_slices, of_heights)]
     mine, theirs = [
@@ -155,20 +155,20 @@ def end_gradient(
     problem: Problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
     values = [one * unit for one in search.values()]
-    told = min(values, key=lambda one: abs(one - value), default=value)
+    message = min(values, key=lambda one: abs(one - value), default=value)
     alike = [
         (abs(one - value), n)
         for n, one in enumerate(values)
-        if abs(one - told) < ONE * unit and abs(search.found[n].x[-1]) > LEAST
+        if abs(one - message) < ONE * unit and abs(search.found[n].x[-1]) > LEAST
     ]
     if not alike:
         raise SarrusError(
-            f"{found.output} has no end at {told:.6g} that moves; ask for another of its critical values"
+            f"{found.output} has no end at {message:.6g} that moves; ask for another of its critical values"
         )
     start = search.found[min(alike)[1]]
     numbers = _Numbers(problem, names)
     rates = numbers.derivatives(numbers.row(Stratum(problem, start.key), start.x) / start.x[-1]) * unit
-    return ShapeDerivative(found.output, told, dict(zip(names, rates, strict=True)))
+    return ShapeDerivative(found.output, message, dict(zip(names, rates, strict=True)))
 
 
 @reports_warnings
@@ -176,7 +176,7 @@ def end_gradient(
 def distance_gradient(
     found: Workspace, point: ArrayLike, wrt: Iterable[str], *, strict: bool = False
 ) -> ShapeDerivative:
-    """The exact derivative of the distance of a place from the boundary of a workspace: how much room is left.
+    """The exact derivative of the distance of a place from the boundary of a workspace: the distance that is left.
 
     The foot of the perpendicular is found by Newton's method; where it lies moves to first order only along the
     boundary, so that the boundary's speed there is the derivative.
@@ -209,10 +209,10 @@ def distance_gradient(
     length = float(np.linalg.norm(c))
     if length < LEAST:
         raise SarrusError(f"{found.name}: the nearest place of the boundary has no speed; take another")
-    room = -side * float((u - p) @ c) / length
+    distance = -side * float((u - p) @ c) / length
     speed = -side * numbers.row(branch.stratum, x) / length
     rates = numbers.derivatives(speed) * float(units[0])
-    return ShapeDerivative("distance", room * float(units[0]), dict(zip(names, rates, strict=True)))
+    return ShapeDerivative("distance", distance * float(units[0]), dict(zip(names, rates, strict=True)))
 
 
 def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
@@ -305,9 +305,9 @@ class _Numbers:
         others = [name for name in names if name not in self._places]
         try:
             self._parameters = Parameters(system, others) if others else None
-        except UnknownParameter as trouble:
+        except UnknownParameter as error:
             raise SarrusError(
-                f"{trouble}; or of a function or limit: {suggest(others[0], self._places)}"
+                f"{error}; or of a function or limit: {suggest(others[0], self._places)}"
             ) from None
         if self._parameters and self._parameters.names != others:
             raise SarrusError(f"name numbers one by one: {', '.join(self._parameters.names)}")

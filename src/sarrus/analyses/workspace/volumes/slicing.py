@@ -72,7 +72,7 @@ class Asked(NamedTuple):
 
 
 class Slicer:
-    """Slices by height; those that are known are kept.
+    """Slices by height; those that are known are stored.
 
     The numbers do not depend on the executor: every slice starts from the nearest ones that were known when it was
     asked for.
@@ -364,21 +364,21 @@ def _loops(region: Region) -> Iterator[Loop]:
     units = region.problem.units[region.problem.outputs]
     for number, (_, _, loops) in enumerate(region.components()):
         for loop in loops:
-            causes = tuple(_told(region.problem, cause) for cause in loop.causes)
-            yield Loop(number, _turns(loop.line) < 0, loop.line * units, loop.corners, causes)
+            causes = tuple(_described(region.problem, cause) for cause in loop.causes)
+            yield Loop(number, _signed_area(loop.line) < 0, loop.line * units, loop.corners, causes)
 
 
-def _turns(line: Array) -> float:
+def _signed_area(line: Array) -> float:
     x, y = line.T
     return float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
 
 
-def _told(problem: Problem, causes: frozenset[Cause]) -> str:
+def _described(problem: Problem, causes: frozenset[Cause]) -> str:
     """Causes in words."""
-    told = []
+    message = []
     for active, singular in causes:
         names = [
             f"{problem.table[problem.limited[i]].name} {('lowest', 'highest')[end]}" for i, end in active
         ]
-        told.append(", ".join([*(["singularity"] if singular else []), *names]))
-    return " or ".join(sorted(told))
+        message.append(", ".join([*(["singularity"] if singular else []), *names]))
+    return " or ".join(sorted(message))

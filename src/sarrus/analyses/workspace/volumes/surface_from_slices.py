@@ -53,7 +53,7 @@ class Aligned(NamedTuple):
     causes: tuple[str, ...]
 
 
-def loft(groups: Sequence[Sequence[Sequence[Slice]]]) -> Surface:
+def surface(groups: Sequence[Sequence[Sequence[Slice]]]) -> Surface:
     """The surface through slices, which are given for every range of heights, and there between critical heights."""
     sheet = Sheet()
     for runs in groups:

@@ -28,7 +28,7 @@ from ..tracing.curve import LONGEST
 from .extremes import workspace_range
 from .quadrature import NEAR, Integral
 from .slicing import NEARLY, Asked, Slicer
-from .surface_from_slices import loft
+from .surface_from_slices import surface
 
 WALK = 5  # positions of a random walk from each assembled one
 RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
@@ -67,7 +67,7 @@ def workspace_volume(
     output : three functions of the position
     between : lowest and highest value of the third output; by default all that it can reach
     rtol : error of the volume, relative
-    most : slices; no more are made, and the error that is left is told
+    most : slices; no more are made, and the remaining error is reported
     samples : random admissible positions, which must lie inside; slices also start from them, and draw some of their
         own. A part of the volume that none of them meets is not covered by its error
     executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
@@ -117,8 +117,8 @@ def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
     if not found.success:
         yield f"{found.name}: the volume is not complete, so that none is given. {found.message}."
     elif found.volume_error > rtol * found.volume:
-        told = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"
-        yield f"{told}. Allow more slices (most)."
+        message = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"
+        yield f"{message}. Allow more slices (most)."
 
 
 class _Search:
@@ -188,7 +188,7 @@ class _Search:
             tuple(found),
             whole.value if whole and status == "mapped" else np.nan,
             whole.error if whole and status == "mapped" else np.nan,
-            *loft(whole.groups() if whole else []),
+            *surface(whole.groups() if whole else []),
             status,
             message,
             self.system.model,
@@ -199,16 +199,16 @@ class _Search:
         if stop:
             return stop.status, f"{stop.reason[0].upper()}{stop.reason[1:]}; {len(found)} slices were made"
         lost = sum(not one.success for one in found)
-        told = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
+        message = f"{lost} of {len(found)} slices are incomplete" if lost else "All slices are complete"
         if not found:
             heights = "between these heights" if self.between else "over a range of heights"
-            told = f"Nothing can be reached {heights}"
+            message = f"Nothing can be reached {heights}"
         known = self.reach is not None and self.reach.success
-        told += (
+        message += (
             "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
         )
-        told += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
-        return "mapped" if known and not lost and not self.outside else "incomplete", told
+        message += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
+        return "mapped" if known and not lost and not self.outside else "incomplete", message
 
 
 def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:

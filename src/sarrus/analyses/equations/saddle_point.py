@@ -24,8 +24,8 @@ class Saddle:
     """
 
     def __init__(self, system: System, weight: str, rows: Array | None = None) -> None:
-        self._rows = np.arange(system.m) if rows is None else rows
-        self.nq, self.m, self._all = system.nq, len(self._rows), system.m
+        self._independent = np.arange(system.m) if rows is None else rows
+        self.nq, self.m, self._all = system.nq, len(self._independent), system.m
         found = _all_independent(system, weight) if rows is None else _places_in(system, weight, rows)
         self._rows, self._columns, self._used = found
         size = self.nq + self.m
@@ -69,12 +69,12 @@ class Saddle:
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """x (nq,) and y (m,) for the right side f, g, or a column of both for each of theirs."""
-        right = np.concatenate([f / self._unit, g[self._rows]])
+        right = np.concatenate([f / self._unit, g[self._independent]])
         solution = self._solved(right)
         if not np.all(np.isfinite(solution)):
             raise SingularSystem("the matrix is singular to working precision")
         y = np.zeros((self._all, *f.shape[1:]))
-        y[self._rows] = self._unit * solution[self.nq :]
+        y[self._independent] = self._unit * solution[self.nq :]
         return solution[: self.nq], y
 
     def _solved(self, right: Array) -> Array:

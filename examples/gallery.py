@@ -102,6 +102,8 @@ SCRIPTS = (  # each draws into a folder
     "estimate_parameters",
     "torque_history",
     "uncertain_spring",
+    "implicit_midpoint",
+    "bdf2",
 )
 
 

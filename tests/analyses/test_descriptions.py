@@ -1,9 +1,11 @@
 """Descriptions of methods: the steps that the time integration loops take are those that are described."""
 
+import runpy
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.examples.problems import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -11,12 +13,16 @@ from sarrus.analyses.dynamics.methods.collocation import radau
 from sarrus.analyses.dynamics.methods.description import Affine, Operation
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 
+OWN = {  # methods of users, in scripts of the gallery
+    name: runpy.run_path(str(FOLDER / f"{name}.py"))["METHOD"] for name in ("implicit_midpoint", "bdf2")
+}
 METHODS = {
     "HHT": sr.HHT(),
     "generalized-alpha": sr.GeneralizedAlpha(0.7),
     "stabilized HHT": sr.HHT(stabilized=True),
     "stabilized generalized-alpha": sr.GeneralizedAlpha(0.7, stabilized=True),
     "Radau": sr.Radau(),
+    **OWN,
 }
 
 
@@ -60,9 +66,10 @@ def test_steps_are_those_that_are_described(method: Any) -> None:
     one, count = record.operations[STEP], len(steps)
     step = one.operation.step
     removed = getattr(steps, "removed", np.zeros(count))
+    first = {name: getattr(steps, name)[0] for name in ("q", "v", "a", "lam")}
+    extra = {name: combined(by, first, 0, 1) for name, by in record.extra.items()}
     for n in range(count):
-        known = {"q": steps.q[n], "v": steps.v[n].copy(), "a": steps.a[n], "lam": steps.lam[n]}
-        known |= {"x": steps.x[n]} if hasattr(steps, "x") else {}
+        known = {"q": steps.q[n], "v": steps.v[n].copy(), "a": steps.a[n], "lam": steps.lam[n], **extra}
         if removed[n]:
             known["v"] -= removed[n] * steps.correction[n]
         stages = one.stages_at(n)
@@ -82,8 +89,9 @@ def test_steps_are_those_that_are_described(method: Any) -> None:
                     assert abs(found - wanted).max() < 1e-10 * max(1.0, abs(wanted).max()), (n, s, name)
         gap = max(abs(value).max() for value in residuals(system, steps, one.operation, stages, n))
         assert gap < 2e-8 * abs(steps.a).max(), (n, gap)
+        extra = {name: combined(step.update[name], known, n, count) for name in extra}
         for name, affine in step.update.items():
-            after = getattr(steps, name)[n + 1]
+            after = getattr(steps, name)[n + 1] if hasattr(steps, name) else extra[name]
             assert abs(combined(affine, known, n, count) - after).max() < 1e-10 * max(
                 1.0, abs(after).max()
             ), (n, name)

@@ -10,7 +10,7 @@ import sarrus as sr
 from sarrus.analyses.dynamics.stepper import Settings
 from sarrus.analyses.dynamics.tolerance import Tolerances
 from sarrus.analyses.equations.motion import Motion
-from sarrus.results import StabilizedSteps
+from sarrus.results import DescribedSteps
 
 METHODS = (sr.HHT(stabilized=True), sr.GeneralizedAlpha(0.8, stabilized=True))
 EXACT = 3.715022003716  # x of the slider after 2 s
@@ -147,9 +147,9 @@ def test_going_on_from_a_saved_state_gives_the_same_bits() -> None:
 def test_steps_are_stored_with_both_multipliers(method: object) -> None:
     system = slider_crank()
     run = sr.simulate(system, until=0.1, method=method, store_steps=True)
-    assert isinstance(run.steps, StabilizedSteps)
-    assert run.steps.eta.shape == (len(run.steps), system.m)
-    assert np.any(run.steps.eta)
+    assert isinstance(run.steps, DescribedSteps)
+    assert len(run.steps.stages) == len(run.steps)
+    assert np.any(run.steps.stages)
     for t, q, v in zip(run.steps.t, run.steps.q, run.steps.v, strict=True):
         assert abs(system.Phi(q, t)).max() < 1e-12
         assert abs(system.Phi_q_xi(q, v, t) + system.Phi_t(q, t)).max() < 1e-11

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from tests.examples.problems import FOLDER
 
+import sarrus as sr
+
 
 def of(script: str) -> Any:
     return runpy.run_path(str(FOLDER / f"{script}.py"))["main"]
@@ -62,3 +64,37 @@ def test_workspace_in_a_box(tmp_path: Path) -> None:
     assert after > 4 * before
     assert room > -0.05
     assert (tmp_path / "workspace_in_a_box.png").stat().st_size > 5000
+
+
+@pytest.mark.parametrize("script", ["implicit_midpoint", "bdf2"])
+def test_methods_of_your_own_are_short(script: str) -> None:
+    assert len((FOLDER / f"{script}.py").read_text(encoding="utf-8").splitlines()) <= 60
+
+
+def test_implicit_midpoint(tmp_path: Path) -> None:
+    """Its energy stays, HHT loses some; derivatives of the last position are those of Radau."""
+    runs, gradient, hessian = of("implicit_midpoint")(tmp_path)
+    energy = {name: run.total_energy for name, run in runs.items()}
+    assert abs(energy["implicit midpoint"]).max() < 0.02
+    assert energy["HHT"].min() < -0.05
+    assert [len(run.events) for run in runs.values()] == [26, 26]  # every 1.93 s
+    system = next(iter(runs.values())).system
+    exact = sr.simulate(system, until=1.0, method=sr.Radau(), rtol=1e-9, atol=1e-11, store_steps=True)
+    response, numbers = sr.Final("rod.x"), [*gradient.names]
+    assert sr.sensitivity(exact, response, numbers).matrix == pytest.approx(gradient.matrix, rel=0.05)
+    assert sr.hessian(exact, response, numbers).matrix == pytest.approx(hessian.matrix, rel=0.05)
+    assert (tmp_path / "implicit_midpoint.png").stat().st_size > 5000
+
+
+def test_bdf2(tmp_path: Path) -> None:
+    """A stiff spring and two impacts: the last angle and its gradient are those of Radau."""
+    run, gradient = of("bdf2")(tmp_path)
+    assert run.success
+    assert len(run.events) == 2
+    stop = sr.Event("rod.x", direction=-1, reset=sr.Impact(0.6), name="stop")
+    tight = {"rtol": 1e-9, "atol": 1e-11, "store_steps": True}
+    exact = sr.simulate(run.system, until=2.0, method=sr.Radau(), events=stop, **tight)
+    found = sr.sensitivity(exact, sr.Final("pin.angle"), [*gradient.names])
+    assert gradient.values == pytest.approx(found.values, rel=1e-3)
+    assert gradient.matrix == pytest.approx(found.matrix, rel=0.02)
+    assert (tmp_path / "bdf2.png").stat().st_size > 5000

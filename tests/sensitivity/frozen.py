@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import sarrus as sr
+from sarrus.analyses.dynamics.simulation import differentiable
 from sarrus.analyses.sensitivity.evaluation import Evaluation
 from sarrus.analyses.sensitivity.parameters import Parameters
 from sarrus.model.written import with_numbers
@@ -18,7 +19,7 @@ def again(
     changed = sr.System(with_numbers(system.model, numbers))
     ends = np.array([steps.t[0], steps.t[-1]])
     settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
-    run = method.run(changed, sr.assemble(changed), ends, **settings)
+    run = differentiable(method).run(changed, sr.assemble(changed), ends, **settings)
     assert run.success, run.message
     if isinstance(steps, Steps):
         assert np.array_equal(run.steps.removed != 0, steps.removed != 0)

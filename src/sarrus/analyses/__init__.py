@@ -13,6 +13,11 @@ from .dynamics import Radau as Radau
 from .dynamics import repeat as repeat
 from .dynamics import resume as resume
 from .dynamics import simulate as simulate
+from .dynamics.methods import Description as Description
+from .dynamics.methods import Equation as Equation
+from .dynamics.methods import Estimate as Estimate
+from .dynamics.methods import Stage as Stage
+from .dynamics.methods import Step as Step
 from .equilibria.linearization import linearize as linearize
 from .equilibria.statics import equilibrium as equilibrium
 from .equilibria.vibration import modes as modes

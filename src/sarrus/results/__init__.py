@@ -18,7 +18,7 @@ from .modes import Modes
 from .motion.events import EventRecord
 from .motion.parts import BodyMotion, JointMotion, Reaction
 from .motion.solution import NoSolution, Solution, State
-from .motion.steps import AlphaSteps, Pieces, RadauSteps, StabilizedSteps, Steps, StepsTaken, Turn
+from .motion.steps import DescribedSteps, Pieces, RadauSteps, Steps, StepsTaken, Turn
 from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
 from .result import Product, ResultList
@@ -26,13 +26,13 @@ from .saving.reading import load_run
 from .singularity import Singularities, Singularity
 
 __all__ = [
-    "AlphaSteps",
     "Asked",
     "Assembly",
     "BodyMotion",
     "BoundaryCurve",
     "Component",
     "CriticalValue",
+    "DescribedSteps",
     "Effort",
     "Equilibrium",
     "EventRecord",
@@ -56,7 +56,6 @@ __all__ = [
     "Singularity",
     "Slice",
     "Solution",
-    "StabilizedSteps",
     "StartReport",
     "State",
     "StateDerivatives",

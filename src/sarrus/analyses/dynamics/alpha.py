@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW, SingularSystem
 from ...linalg.sparse_solver import SingularMatrix
 from ...model.checks.arguments import Number, real
-from ...results import Assembly, StabilizedSteps, Steps, StepsTaken
+from ...results import Assembly, Steps, StepsTaken
 from ...system import System
 from ..equations.block_matrix import PRECISE, PlacedMatrix
 from ..equations.closure import round_off_of
@@ -22,6 +22,8 @@ from . import alpha_loop as loop
 from .implicit import GROUPS, Accelerations, Implicit, entries
 from .keeping import Keeping
 from .march import CHUNK
+from .methods.generalized_alpha import generalized_alpha
+from .methods.leading_error import Leading
 from .newton_matrix import newton_matrix, weigh
 from .nodes import Nodes
 from .prescribed import Prescribed
@@ -74,9 +76,9 @@ class _Alpha(Prescribed):
             )
         if not self.stabilized:
             return AlphaStepper(system, scheme, start, settings)
-        from .stabilized import StabilizedStepper
+        from .described import DescribedStepper
 
-        return StabilizedStepper(system, scheme, start, settings)
+        return DescribedStepper(system, generalized_alpha(*scheme, stabilized=True), start, settings)
 
 
 @dataclass(frozen=True)
@@ -120,15 +122,6 @@ class GeneralizedAlpha(_Alpha):
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 
 
-def _record(system: System, room: int, kind: type[StepsTaken] | None) -> loop.Record:
-    """Room for the steps of one call of the loop, with what only steps of a kind have if they are stored."""
-    nq, m, places = system.nq, system.m, len(system.memory_places)
-    corrected, stabilized = (room if kind is one else 0 for one in (Steps, StabilizedSteps))
-    shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (corrected, nq), (corrected, m), (stabilized, m)]
-    shapes += [(room, places), *[(room,)] * 3, (0,)]
-    return loop.Record._make(np.zeros(shape) for shape in shapes)
-
-
 def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
     """Second-order accurate coefficients (Chung and Hulbert 1993), and the error h³ ȧ of a step in q."""
     shift = alpha_m - alpha_f
@@ -147,7 +140,7 @@ class AlphaStepper(Implicit):
     apart = True
     kind: type[StepsTaken] = Steps
 
-    def __init__(self, system: System, scheme: loop.Scheme, start: Assembly, settings: Settings) -> None:
+    def __init__(self, system: System, scheme: Any, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
         self.b = (system.b if settings.b is None else settings.b).copy()
         self.t, self.tally = start.t, Tally()
@@ -156,10 +149,8 @@ class AlphaStepper(Implicit):
         self.independence = independence_at(system, start)
         self._make()
         nq, m = system.nq, system.m
-        self._control: loop.Control = loop.Control.zeros()
         self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        kind = self.kind if settings.store_steps else None
-        self.keeping = Keeping(system, _record(system, self._chunk, kind), self.kind, settings)
+        self.keeping = Keeping(system, self._record(self._chunk), self.kind, settings)
         self._tolerance = settings.tolerances.for_loop()
         self._arrays: Any = None
         self._vain = 0
@@ -169,12 +160,22 @@ class AlphaStepper(Implicit):
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix = newton_matrix(system)
         self.matrix.numbers.keep(self.independence.kept)
-        self._advance, self._weigh = link(loop.advance), weigh
+        self._advance, self._weigh, self._passed = link(loop.advance), weigh, self.scheme
         self._entries: Any = loop.Entries(**entries(system, KINDS))
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m, nq + m)
         self._memory: Any = loop.Memory(*(np.zeros(length) for length in rows))
         widths = (nq, nq, nq, nq, m, nq, nq, nq, nq, m, nq, m)
         self._state: Any = loop.State(*(np.zeros(length) for length in widths))
+        self._control: loop.Control = loop.Control.zeros()
+        self.first_error = Leading(3, self.scheme.error)
+
+    def _record(self, room: int) -> Any:
+        """Room for the steps of one call of the loop, with what only sweeps need if they are stored."""
+        nq, m, places = self.system.nq, self.system.m, len(self.system.memory_places)
+        corrected = room if self.settings.store_steps else 0
+        shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (corrected, nq), (corrected, m)]
+        shapes += [(room, places), *[(room,)] * 3, (0,)]
+        return loop.Record._make(np.zeros(shape) for shape in shapes)
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state: a and λ of the equations of motion, ã = a, a first step of its own."""
@@ -184,18 +185,27 @@ class AlphaStepper(Implicit):
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
-        for place in self._state:
-            place[:] = 0.0
-        for name, value in {"q": q, "v": v, "a": a, "x": a, "lam": lam}.items():
-            for place in (getattr(self._state, f"{name}0"), getattr(self._state, f"{name}1")):
-                place[:] = value
+        self._begin_at(q, v, a, lam)
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
         control, given = self._control, self.keeping.given()
         control.clear()
         control.t, control.defect = t, 1.0
         control.h = control.x_h = given[0] if len(given) else self._first_step(motion)
         self._renew_pivots()
-        self.keeping.begin(self.matrix.numbers.left_out, t=t, q=q, v=v, a=a, x=a, lam=lam)
+        self.keeping.begin(self.matrix.numbers.left_out, **self._node())
+
+    def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
+        """The first state."""
+        for place in self._state:
+            place[:] = 0.0
+        for name, value in {"q": q, "v": v, "a": a, "x": a, "lam": lam}.items():
+            for place in (getattr(self._state, f"{name}0"), getattr(self._state, f"{name}1")):
+                place[:] = value
+
+    def _node(self) -> dict[str, Any]:
+        """The present state, as it is stored."""
+        state = self._state
+        return {"t": self.t, "q": state.q0, "v": state.v0, "a": state.a0, "x": state.x0, "lam": state.lam0}
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -210,7 +220,7 @@ class AlphaStepper(Implicit):
             self._renew_pivots()
         limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
-            self.scheme, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
+            self._passed, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
             self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self._tolerance,
         )  # fmt: skip
         self.t = float(control.t)
@@ -305,10 +315,10 @@ class AlphaStepper(Implicit):
         return float(np.sqrt(np.mean(relative**2))) / loop.NEWTON_SHARE
 
     def _first_step(self, motion: Accelerations) -> float:
-        """A step whose error h³ ȧ is well below the tolerance, ȧ by a difference along the motion."""
+        """A step whose error is well below the tolerance: h² a, or h³ ȧ, ȧ by a difference along the motion."""
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
-        state, span = self._state, self._span
+        state, span, (exponent, constant) = self._state, self._span, self.first_error
         longest = max(0.01 * span, self._finest())  # the loop cuts a step at the end
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
@@ -316,10 +326,9 @@ class AlphaStepper(Implicit):
             a, _ = motion.acceleration(self.t + ahead, q, v)
         except SingularSystem:
             a = state.a0
-        tolerances = self.settings.tolerances
-        jerk = self.scheme.error * (a - state.a0) / ahead / tolerances.of_q(state.q0)
-        size = float(np.sqrt(np.mean(jerk**2)))
-        guess = 0.4 * size ** (-1 / 3) if size > 0 else span
+        slope = (a - state.a0) / ahead if exponent > 2 else a
+        size = float(np.sqrt(np.mean((constant * slope / self.settings.tolerances.of_q(state.q0)) ** 2)))
+        guess = 0.4 * size ** (-1 / min(exponent, 3)) if size > 0 else span
         guess = float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
         return max(self._within_tolerance(motion, guess), min(1e-7 * span, guess))
 
@@ -329,16 +338,17 @@ class AlphaStepper(Implicit):
         ȧ vanishes where a spring is released at rest: it says nothing there of the steps that follow.
         """
         state, tolerance = self._state, self.settings.tolerances.of_q(self._state.q0)
+        exponent, constant = self.first_error
         for _ in range(FIRST_TRIALS):
             q, v = state.q0 + h * (state.v0 + 0.5 * h * state.a0), state.v0 + h * state.a0
             try:
-                change = motion.acceleration(self.t + h, q, v)[0] - state.a0
+                change = motion.acceleration(self.t + h, q, v)[0] - (state.a0 if exponent > 2 else 0.0)
             except SingularSystem:
                 return h
-            error = self.scheme.error * h**2 * float(np.sqrt(np.mean((change / tolerance) ** 2)))
+            error = constant * h**2 * float(np.sqrt(np.mean((change / tolerance) ** 2)))
             if not error > 1.0:
                 break
-            h *= min(max(0.8 * error ** (-1 / 3), 0.1), 0.5)
+            h *= min(max(0.8 * error ** (-1 / min(exponent, 3)), 0.1), 0.5)
         return h
 
     def state(self) -> dict[str, Array]:
@@ -361,8 +371,7 @@ class AlphaStepper(Implicit):
 
     def forget(self) -> None:
         """Of what was kept for derivatives nothing but the present state stays."""
-        state = self._state
-        self.keeping.forget(t=self.t, q=state.q0, v=state.v0, a=state.a0, x=state.x0, lam=state.lam0)
+        self.keeping.forget(**self._node())
 
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""

@@ -151,6 +151,8 @@ class Control(StepControl):
     old_factors : whether the factors are those of an earlier step
     corrections, solved_steps : corrections with these factors, and steps solved with them
     failure : why a step was last rejected, `NEWTON` or `ERROR`
+    ratio, projected : of described methods: the ratio of steps that the coefficients belong to, and whether the defect
+        of the velocities before the step has been computed
     """
 
     x_h: float
@@ -160,6 +162,8 @@ class Control(StepControl):
     corrections: int
     solved_steps: int
     failure: int
+    ratio: float
+    projected: bool
 
 
 class Record(NamedTuple):
@@ -169,7 +173,6 @@ class Record(NamedTuple):
     error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     t, q, v, a, x, lam : its end
     correction, impulse : s and σ of `rescale`, if there is room for them; zero where nothing was removed
-    eta : multipliers of the stabilized equations, if there is room for them
     memory : what elements remember there
     given : lengths to take, without error control (none: chosen as the tolerances ask)
     """
@@ -184,7 +187,6 @@ class Record(NamedTuple):
     lam: Array
     correction: Array
     impulse: Array
-    eta: Array
     memory: Array
     error: Array
     iterations: Array
@@ -206,8 +208,8 @@ def update(scheme: Scheme, h: float, state: State) -> None:
 
 @compiled
 def residual(
-    entries: Entries, b: Array, t: float, state: State, memory: Memory, left_out: Array, beta: float,
-    ignored: float,
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, left_out: Array,
+    beta: float, ignored: float,
 ) -> None:  # fmt: skip
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step.
 
@@ -287,8 +289,8 @@ def weights_of(scheme: Scheme, h: Any) -> tuple[Any, Any]:
 
 @compiled
 def renew(
-    entries: Entries, b: Array, t: float, state: State, matrix: Matrix, control: Control, beta: float,
-    gamma: float,
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, matrix: Matrix, control: Control,
+    beta: float, gamma: float,
 ) -> bool:  # fmt: skip
     """Factor the matrix at the end of the step, as it is now; false if pivots must be renewed."""
     control.matrices += 1
@@ -318,21 +320,18 @@ def ignored_round_off(h: float, state: State, tol: Tolerance) -> float:
 
 
 @compiled
-def multiplier_change(state: State, memory: Memory, beta: float) -> float:
-    """The largest change of a multiplier by the last correction; `size` sees accelerations alone."""
-    change = 0.0
-    for k in range(len(state.lam1)):
-        change = max(change, abs(memory.solution[len(state.q0) + k]))
-    return change
+def settled(scheme: Scheme, state: State, memory: Memory) -> bool:
+    """Whether the last correction changed the multipliers by less than `SETTLED` of the largest.
 
-
-@compiled
-def settled(state: State, memory: Memory, beta: float) -> bool:
-    """Whether the last correction changed the multipliers by less than `SETTLED` of the largest."""
-    largest = 0.0
+    `size` sees accelerations alone.
+    """
+    largest, change = 0.0, 0.0
     for k in range(len(state.lam1)):
-        largest = max(largest, abs(state.lam1[k]))
-    return multiplier_change(state, memory, beta) <= SETTLED * largest
+        largest, change = (
+            max(largest, abs(state.lam1[k])),
+            max(change, abs(memory.solution[len(state.q0) + k])),
+        )
+    return change <= SETTLED * largest
 
 
 @compiled
@@ -349,13 +348,13 @@ def polish(
     enough, renewed = max(EXACT, ROUND * round_off(h, state, tol)), False
     ignored = ignored_round_off(h, state, tol)
     for taken in range(POLISHES):
-        if before * (rate if rate > 0.0 else 1.0) <= enough and settled(state, memory, beta):
+        if before * (rate if rate > 0.0 else 1.0) <= enough and settled(scheme, state, memory):
             return taken
-        residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
+        residual(scheme, entries, b, t, h, state, memory, matrix.left_out, beta, ignored)
         control.residuals += 1
         old = before
         if not renewed and before > NOISE and before * rate**FURTHER > enough:
-            if not renew(entries, b, t, state, matrix, control, beta, gamma):
+            if not renew(scheme, entries, b, t, h, state, matrix, control, beta, gamma):
                 return -1
             renewed, old = True, 0.0
         before = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
@@ -388,9 +387,9 @@ def newton(
     ignored = ignored_round_off(h, state, tol)
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
-        residual(entries, b, t, state, memory, matrix.left_out, beta, ignored)
+        residual(scheme, entries, b, t, h, state, memory, matrix.left_out, beta, ignored)
         control.residuals += 1
-        if control.beta != beta and not renew(entries, b, t, state, matrix, control, beta, gamma):
+        if control.beta != beta and not renew(scheme, entries, b, t, h, state, matrix, control, beta, gamma):
             return -1, 0.0, 0.0
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
@@ -421,7 +420,7 @@ def predict(ratio: float, state: State) -> None:
 
 
 @compiled
-def accept(state: State) -> None:
+def accept(scheme: Scheme, h: float, state: State) -> None:
     """The end of the step is the start of the next."""
     for k in range(len(state.a0)):
         state.a_change[k] = state.a1[k] - state.a0[k]
@@ -471,8 +470,56 @@ def rescale(
 
 
 @compiled
+def prepare(
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    control: Control,
+) -> None:  # fmt: skip
+    """The state before a step of length h, and the first guess of its unknowns."""
+    if h != control.x_h:
+        rescale(entries, b, t, h / control.x_h, state, memory, matrix, control)
+        control.x_h = h
+    predict(h / control.last_h if control.last_h > 0.0 else 0.0, state)
+
+
+@compiled
+def local_error(
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    tol: Tolerance,
+) -> float:  # fmt: skip
+    """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
+    for k in range(len(state.x0)):
+        memory.previous[k] = state.x1[k] - state.x0[k]
+    error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, tol.rtol_q, tol.atol_q)
+    if tol.speed > 0.0:
+        speed = size(memory.previous, scheme.error * h, state.v0, state.v1, tol.rtol_v, tol.atol_v)
+        error = max(error, speed * speed**0.5)  # it falls with h²: as if it fell with h³
+    return error
+
+
+@compiled
+def factor_to(scheme: Scheme, error: float) -> float:
+    """By how much the next step may be longer than one with this error."""
+    return float(SAFETY * max(error, 1e-8) ** (-1.0 / 3.0))
+
+
+@compiled
+def finish(
+    scheme: Scheme, entries: Entries, b: Array, t: float, state: State, memory: Memory, matrix: Matrix
+) -> bool:
+    """What follows from a step that was solved to the end; false if pivots must be renewed."""
+    return True
+
+
+@compiled
 def keep(
-    record: Record, row: int, t: float, h: float, state: State, memory: Memory, control: Control
+    scheme: Scheme,
+    record: Record,
+    row: int,
+    t: float,
+    h: float,
+    state: State,
+    memory: Memory,
+    control: Control,
 ) -> None:
     """Write an accepted step into the record."""
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
@@ -510,8 +557,7 @@ def advance(
     -------
     a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
     """
-    n, free = len(state.q0), len(record.given) == 0
-    taken = 0
+    taken, free = 0, len(record.given) == 0
     while control.t < until and taken < limit and (free or taken < len(record.given)):
         t0 = control.t
         h = min(control.h, h_max) if free else record.given[taken]
@@ -521,10 +567,7 @@ def advance(
             h = 0.5 * (until - t0)
         if control.h <= 1e-14 * max(abs(t0), until - t0, 1e-3) and free:
             return TOO_SMALL, taken
-        if h != control.x_h:
-            rescale(entries, b, t0, h / control.x_h, state, memory, matrix, control)
-            control.x_h = h
-        predict(h / control.last_h if control.last_h > 0.0 else 0.0, state)
+        prepare(scheme, entries, b, t0, h, state, memory, matrix, control)
         iterations, rate, change = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
             return REPIVOT, taken
@@ -539,13 +582,10 @@ def advance(
             else:
                 return TOO_SMALL, taken
             continue
-        for k in range(n):
-            memory.previous[k] = state.x1[k] - state.x0[k]
-        error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, tol.rtol_q, tol.atol_q)
-        if tol.speed > 0.0:
-            speed = size(memory.previous, scheme.error * h, state.v0, state.v1, tol.rtol_v, tol.atol_v)
-            error = max(error, speed * speed**0.5)  # it falls with h²: as if it fell with h³
-        wanted = SAFETY * max(error, 1e-8) ** (-1.0 / 3.0)
+        error = local_error(scheme, entries, b, t0 + h, h, state, memory, matrix, tol)
+        if error < 0.0:
+            return REPIVOT, taken
+        wanted = factor_to(scheme, error)
         if error > 1.0 and free:
             control.rejected += 1
             control.rejected_since += 1
@@ -557,13 +597,13 @@ def advance(
             polished = polish(
                 scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate, change
             )
-            if polished < 0:
+            if polished < 0 or not finish(scheme, entries, b, t0 + h, state, memory, matrix):
                 return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         control.t = until if ended else t0 + h
-        keep(record, taken, control.t, h, state, memory, control)
+        keep(scheme, record, taken, control.t, h, state, memory, control)
         record.error[taken], record.iterations[taken] = error, iterations
-        accept(state)
+        accept(scheme, h, state)
         control.last_h, control.defect = h, 1.0
         remember(entries, b, places, control.t, state.q0, record.memory[taken])
         control.old_factors = True

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from .alpha import HHT, GeneralizedAlpha
-from .radau import Radau
+from .prescribed import Prescribed
 
 
 def refuse(method: object, saved: bool) -> None:
@@ -14,7 +13,9 @@ def refuse(method: object, saved: bool) -> None:
     ValueError
         For other methods, and for a run that is saved, whose folder has room for the steps since the last event only.
     """
-    if not isinstance(method, HHT | GeneralizedAlpha | Radau):
-        raise ValueError("steps are kept by HHT(), GeneralizedAlpha() and Radau() only; take one")
+    if not isinstance(method, Prescribed):
+        raise ValueError(
+            "steps are kept by HHT(), GeneralizedAlpha(), Radau() and descriptions only; take one"
+        )
     if saved:
         raise ValueError("the steps of a run with events are not saved; leave save= or store_steps= away")

@@ -33,6 +33,26 @@ GROUPS = {
 }
 
 
+def motion_entries(system: System) -> loop.Entries:
+    """The kernels of the equations of motion, for compiled code."""
+    groups = (*GROUPS.values(), ("potentials",), ("remembered",))
+    return loop.Entries._make([entry_of(system, *names) for names in groups])
+
+
+def motion_work(system: System) -> loop.Work:
+    """Arrays that compiled code works on where it solves the equations of motion."""
+    nq, m, places = system.nq, system.m, len(system.memory_places)
+    widths = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, places, m)
+    return loop.Work._make(np.zeros(width) for width in widths)
+
+
+def motion_arrays(matrix: PlacedMatrix) -> loop.Matrix:
+    """The matrix of the equations of motion, as compiled code takes it."""
+    numbers = matrix.numbers
+    own = (numbers.values, *numbers.of(("M", "Phi_q")), numbers.row_of, numbers.left_out, matrix.placed)
+    return loop.Matrix._make(own)
+
+
 class Sampler:
     """States of one system made consistent, by compiled code.
 
@@ -61,25 +81,7 @@ class Sampler:
         self.matrix = motion_matrix(system, host)
         self.matrix.numbers.keep(independence.kept)
         self.unsettled: list[float] = []
-        entries = [entry_of(system, *names) for names in (*GROUPS.values(), ("potentials",), ("remembered",))]
-        self._entries = loop.Entries._make(entries)
-        nq, m = system.nq, system.m
-        rows = (
-            m,
-            nq,
-            nq,
-            nq,
-            nq,
-            m,
-            m,
-            m,
-            nq + m,
-            nq + m,
-            system.potentials.size,
-            len(system.memory_places),
-            m,
-        )
-        self._work = loop.Work(*(np.zeros(length) for length in rows))
+        self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)
         self._arrays: Any = None
 
@@ -146,6 +148,10 @@ class Sampler:
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
         out.energy[n] = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
 
+    def singular_at(self, t: float) -> bool:
+        """Whether the state at a time could not be settled."""
+        return bool(self.unsettled) and self.unsettled[-1] == t
+
     def _choose(self, t: float, q: Array) -> None:
         """Where equations are dependent, another choice of those to solve, if the present one is poor."""
         if self.independence.renew(t, q):
@@ -173,9 +179,7 @@ class Sampler:
 
     def _show_matrix(self) -> None:
         """The matrix as the loop takes it."""
-        numbers = self.matrix.numbers
-        of_numbers = (numbers.values, *numbers.of(("M", "Phi_q")), numbers.row_of, numbers.left_out)
-        self._arrays = loop.Matrix._make([*of_numbers, self.matrix.placed])
+        self._arrays = motion_arrays(self.matrix)
 
     def choices(self) -> dict[str, Array]:
         """The choices made so far, which decide on the last digits; for `resume`."""

@@ -20,11 +20,14 @@ from ..progress import monitor
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
 from .breakpoints import stops_of
+from .described import Described
 from .events import Event
 from .ida import IDA
 from .march import Plan
+from .methods.description import Description
 from .ode import ODE
 from .outcome import nothing
+from .prescribed import Prescribed
 from .radau import Radau
 from .recipe import Recipe
 from .room import refuse_too_large
@@ -34,7 +37,8 @@ from .tolerance import Given, Tolerances
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
-Method = HHT | GeneralizedAlpha | Radau | ODE | IDA
+Differentiable = HHT | GeneralizedAlpha | Radau | Description  # their steps can be stored
+Method = Differentiable | ODE | IDA
 
 
 def refuse_end(until: float, begin: float = 0.0) -> None:
@@ -85,7 +89,7 @@ def simulate(
         time with all revolutions, an `Equilibrium`, or coordinates (nq,), which are assembled; by default the model's
     until : end time [s], not the duration: the start is at its own time, which is 0 by default
     t_eval : times to keep, rising, between the start and `until`; by default 1001 equidistant ones
-    method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE` or `IDA`
+    method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE`, `IDA`, or the `Description` of another method
     rtol, atol : tolerances of the local error: a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
         are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]; `atol` by kind takes texts
@@ -96,7 +100,7 @@ def simulate(
         are hit exactly, and the method starts anew there
     dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
-        `GeneralizedAlpha` and `Radau`)
+        `GeneralizedAlpha`, `Radau` and descriptions)
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
         continues it; `load_run` opens it. A folder with anything in it is refused, a run unless `overwrite`
@@ -170,18 +174,29 @@ def _first(step: float | None) -> float:
     return step or 0.0
 
 
-def _budget(max_steps: int | None, max_step: float, method: Method) -> StepBudget:
+def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudget:
     if max_steps is not None and not max_steps >= 1:
         raise ValueError(f"max_steps must be 1 at least, but is {max_steps}. Leave it out for the default.")
     return StepBudget(max_steps, min(max_step, getattr(method, "step", None) or np.inf), method)
 
 
-def _method(given: Method | None) -> Method:
-    if given is None:
-        return HHT()
-    if not isinstance(given, Method):
+def _method(given: Method | None) -> Prescribed | ODE | IDA:
+    return given if isinstance(given, ODE | IDA) else differentiable(given)
+
+
+def differentiable(given: Differentiable | None) -> Prescribed:
+    """A method whose steps can be stored, at its default: HHT.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    """
+    if isinstance(given, Description):
+        return Described(given)
+    if given is not None and not isinstance(given, Prescribed):
         raise TypeError(
-            f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE() or IDA(), but is {given!r}; "
-            'for a solver of SciPy give ODE("DOP853")'
+            f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE(), IDA() or a Description, got {given!r}. "
+            'For a solver of SciPy give ODE("DOP853").'
         )
-    return given
+    return HHT() if given is None else given

@@ -1,31 +1,29 @@
-"""The Newton matrix of implicit methods on the stabilized index-2 equations: where operators stand, and their weights.
+"""The Newton matrix of Radau on the stabilized index-2 equations: where operators stand, and their weights.
 
-    [ 1 I             -I             0     Pᵀ  ] [ δq    ]
+    [ 1 I             -I             0     Φ_qᵀ] [ δq    ]
     [ β' (...)_q      M + γ' (...)_v  Φ_qᵀ  0  ] [ β' δa ]
     [ Φ_q              0             0     0   ] [ β' δλ ]
     [ β'/γ' (Φ_q v + Φ_t)_q   Φ_q    0     0   ] [ δη    ],    δv = γ' δa,
 
-P = Φ_q, at the same or another state. Its condition does not depend on the step. With Radau β' = 1/s² and γ' = 1/s.
+β' = 1/s² and γ' = 1/s. Its condition does not depend on the step.
 """
 
 from __future__ import annotations
 
 from ..._jit.link import compiled
 from ...algebra import Array
-from ...system import System
-from ..equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
+from ..equations.block_matrix import LEFT_OUT, UNIT, Part
 
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
-START = "Phi_q_start"  # Φ_q at the start of the step
 
 
-def newton_parts(nq: int, m: int, P: str = "Phi_q") -> list[Part]:
+def newton_parts(nq: int, m: int) -> list[Part]:
     """Where operators stand in the Newton matrix; (Φ_q v + Φ_t)_q is -½ γ_v. `weigh` has their weights."""
     v, lam, mu = nq, 2 * nq, 2 * nq + m
     return [
         Part(UNIT, 0, 0),
         Part(UNIT, 0, v),
-        Part(P, 0, mu, transposed=True),
+        Part("Phi_q", 0, mu, transposed=True),
         Part("Phi_q", v, lam, transposed=True),
         Part("M_a_q", v, 0),
         Part("Phi_qT_lam_q", v, 0),
@@ -49,9 +47,3 @@ def weigh(weights: Array, beta: complex, gamma: complex) -> None:
     weights[4], weights[5], weights[6], weights[7] = beta, beta, -beta, -beta
     weights[9], weights[10] = -gamma, -gamma
     weights[13] = -0.5 * beta / gamma
-
-
-def stabilized_matrix(system: System) -> PlacedMatrix:
-    """The matrix of a stabilized α method, with Φ_q at the start of a step."""
-    numbers = Numbers(system, (*MATRICES, START, UNIT, LEFT_OUT), {START: "Phi_q"})
-    return PlacedMatrix(numbers, 2 * (system.nq + system.m), newton_parts(system.nq, system.m, START))

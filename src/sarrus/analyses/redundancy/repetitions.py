@@ -12,6 +12,7 @@ from ..position.restraint import restraint
 
 PIVOT = 1e-4  # least part that an equation has in a combination from which it follows
 PART = 1e-5  # least part of an equation that counts as taking part
+LENGTH = 1e-6
 
 
 def repetitions(system: System, q: Array, J: csr_array, null: Array) -> tuple[Repetition, ...]:

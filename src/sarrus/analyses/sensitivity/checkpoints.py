@@ -18,9 +18,9 @@ from ...model.announcement import announce, reports_warnings
 from ...outputs.recording import Angles
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
-from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
+from ..dynamics import Event
 from ..dynamics.events import restitutions_of
-from ..dynamics.simulation import refuse_end
+from ..dynamics.simulation import Differentiable, differentiable, refuse_end
 from ..dynamics.stepper import Settings, Trouble
 from ..dynamics.tolerance import Given, Tolerances
 from ..position.assembly_derivatives import AssemblyDerivatives
@@ -59,7 +59,7 @@ def sensitivity_by_checkpoints(
     *,
     until: float,
     start: Start | None = None,
-    method: HHT | GeneralizedAlpha | Radau | None = None,
+    method: Differentiable | None = None,
     rtol: Given = RTOL,
     atol: Given = ATOL,
     max_step: float = np.inf,
@@ -123,7 +123,7 @@ class LongTask:
 
     start: Assembly
     until: float
-    method: HHT | GeneralizedAlpha | Radau | None
+    method: Differentiable | None
     rtol: Given
     atol: Given
     max_step: float
@@ -142,10 +142,9 @@ class LongTask:
         """
         per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
         settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, store_steps=True)
-        told = (self.start, self.method or HHT(), settings, self.until, self.memory, per_step)
+        told = (self.start, differentiable(self.method), settings, self.until, self.memory, per_step)
         run = LongRun(system, *told, self.events, self.progress)
-        precise = isinstance(self.method, Radau)
-        wanted = [fine(response) for response in responses] if precise else responses
+        wanted = [fine(response) for response in responses] if run.precise else responses
         return LongGradient(run, wanted, parameters).gradient(self.back)
 
 

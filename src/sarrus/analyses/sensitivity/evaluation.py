@@ -14,7 +14,7 @@ from ...model.announcement import announce
 from ...model.laws.tape import Traced
 from ...outputs import Outputs
 from ...outputs.recording import Angles, Key
-from ...results import Pieces, RadauSteps, StepsTaken
+from ...results import Pieces, StepsTaken
 from ...system import System
 from .chain import Nodes
 from .consistent import READ, ConsistentSampling, Turned
@@ -94,7 +94,7 @@ class Evaluation:
         angles: Angles | None = None,
         samplings: Sequence[Sampling] | None = None,
     ) -> None:
-        self._precise = isinstance(steps.pieces[0] if isinstance(steps, Pieces) else steps, RadauSteps)
+        self._precise = (steps.pieces[0] if isinstance(steps, Pieces) else steps).precise
         self._system, self._steps, self._parameters = system, steps, parameters
         self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()

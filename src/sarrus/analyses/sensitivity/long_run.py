@@ -14,14 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Pieces, RadauSteps, Steps, StepsTaken, Trajectory, Turn
+from ...results import Assembly, Pieces, StepsTaken, Trajectory, Turn
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.breakpoints import stops_of
 from ..dynamics.events import Event
 from ..dynamics.march import CROWD, March, Plan
 from ..dynamics.nodes import Nodes
-from ..dynamics.radau import Radau
 from ..dynamics.stepper import KeepingStepper, Settings, Trouble
 from .pieces import LOW, Course
 from .sampling import HIGH, LINEAR, late
@@ -103,7 +102,7 @@ class LongRun(March):
     Attributes
     ----------
     start : of the simulation
-    kind : of steps
+    precise : see `StepsTaken`
     course : the nodes, and the events that change velocities or end the run
     late : the last steps before a checkpoint within which states depend on nodes behind it
 
@@ -134,8 +133,7 @@ class LongRun(March):
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = room / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
-        self.start, self.kind = start, RadauSteps if isinstance(method, Radau) else Steps
-        self._precise = self.kind is RadauSteps
+        self.start, self.precise = start, not self.stepper.apart
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
         self._begins: list[Begin] = []
@@ -145,7 +143,7 @@ class LongRun(March):
         self._make_room()
         times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
         self.course = Course([np.concatenate(t) for t in times], self._turns)
-        self.late = late(HIGH if self._precise else LOW if self._turns else LINEAR)
+        self.late = late(HIGH if self.precise else LOW if self._turns else LINEAR)
 
     def __len__(self) -> int:
         """Number of stretches."""
@@ -243,7 +241,7 @@ class LongRun(March):
         """A checkpoint; what is kept of the steps before it is forgotten."""
         stepper, steps = self.stepper, self.stepper.steps()
         if len(steps):
-            self._lead = last_of(led(self._lead, steps), (HIGH if self._precise else LOW) - 2)
+            self._lead = last_of(led(self._lead, steps), (HIGH if self.precise else LOW) - 2)
         stepper.forget()
         stepper.tally.history.clear()
         del self.watches.happened[:-CROWD]

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...outputs.recording import Key, States
-from ...results import RadauSteps, StepsTaken
+from ...results import StepsTaken
 from .chain import Nodes
 from .reported import Reported
 
@@ -269,7 +269,7 @@ def _placed(t: Array, before: Array, times: Array) -> Places:
 
 def apart(steps: StepsTaken) -> bool:
     """Whether q and v are interpolated apart between nodes, as those of order two are."""
-    return not isinstance(steps, RadauSteps)
+    return not steps.precise
 
 
 def interpolation(s: Array, h: Array, separate: bool) -> Weights:

@@ -55,7 +55,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.show(
         f"constraints satisfied to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
     )
-    answer.show(_times(system))
+    answer.show(_times(system, start))
     for file in _plots(folder, motion, report):
         answer.wrote(file)
     seconds = time.perf_counter() - began
@@ -77,7 +77,7 @@ def _folder(folder: Path) -> Path:
     return folder
 
 
-def _times(system: Any) -> str:
+def _times(system: Any, start: Any) -> str:
     """One line: microseconds of each group of derivatives."""
     from ...analyses.paper import consistent_state, exact_seconds
     from ...elements import GROUPS

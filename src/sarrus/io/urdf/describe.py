@@ -38,7 +38,7 @@ def describe(path: Path, gravity: Vec3) -> Description:
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
         links=links,
-        edges=in_order(edges, start, file),
+        edges=in_order(edges, links, start, file),
         root=start,
         gravity=gravity,
         limits=_limits(joint_parts),

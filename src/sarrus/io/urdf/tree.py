@@ -30,7 +30,7 @@ def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> 
     return roots[0].name
 
 
-def in_order(edges: Mapping[str, Edge], root: str, file: str) -> list[Edge]:
+def in_order(edges: Mapping[str, Edge], links: Mapping[str, Link], root: str, file: str) -> list[Edge]:
     """Return the edges from the root outward, or raise a ModelError if some hang together in a circle."""
     below: dict[str, list[Edge]] = {}
     for edge in edges.values():

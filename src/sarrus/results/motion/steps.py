@@ -17,7 +17,7 @@ class StepsTaken:
 
     Attributes
     ----------
-    scheme : the method's coefficients
+    scheme : the method's coefficients, or its description
     start : the assembly from which it started
     b : (len(system.b),) the numbers of the elements
     t : (n + 1,) start, then the end of each step [s]
@@ -49,39 +49,29 @@ class StepsTaken:
         return len(self.h)
 
     @property
+    def precise(self) -> bool:
+        """Whether states at the ends of steps are nodes of one polynomial in q, v and a: of an order above two."""
+        return False
+
+    @property
     def nbytes(self) -> int:
         """Memory that the states take [bytes]."""
         return sum(x.nbytes for x in (self.q, self.v, self.a, self.lam))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AlphaSteps(StepsTaken):
-    """The steps of HHT or generalized-α.
+class Steps(StepsTaken):
+    """The steps of HHT or generalized-α on the index-3 equations.
 
     Attributes
     ----------
     x : (n + 1, nq) the method's own acceleration
-    """
-
-    x: Array = field(repr=False)
-
-    @property
-    def nbytes(self) -> int:
-        """Memory that the states take [bytes]."""
-        return super().nbytes + self.x.nbytes
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Steps(AlphaSteps):
-    """The steps on the index-3 equations.
-
-    Attributes
-    ----------
     removed : (n,) which part of the defect of the velocity constraints was removed before each step
     correction, impulse : (n, nq), (n, m) change of the velocities that removes all of it, and its multipliers; zero
         where nothing was removed
     """
 
+    x: Array = field(repr=False)
     removed: Array = field(repr=False)
     correction: Array = field(repr=False)
     impulse: Array = field(repr=False)
@@ -89,24 +79,35 @@ class Steps(AlphaSteps):
     @property
     def nbytes(self) -> int:
         """Memory that the states take [bytes]."""
-        return super().nbytes + self.correction.nbytes + self.impulse.nbytes
+        return super().nbytes + self.x.nbytes + self.correction.nbytes + self.impulse.nbytes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class StabilizedSteps(AlphaSteps):
-    """The steps on the stabilized index-2 equations.
+class DescribedSteps(StepsTaken):
+    """The steps of a method that its description, `scheme`, alone defines.
 
     Attributes
     ----------
-    eta : (n, m) multipliers of the position constraints' stabilization
+    stages : (n, entries) all quantities of the stages of each step
+    removed, correction, impulse : as of `Steps`; (n, 0) where the method removes nothing
+    order : of the method
     """
 
-    eta: Array = field(repr=False)
+    stages: Array = field(repr=False)
+    removed: Array = field(repr=False)
+    correction: Array = field(repr=False)
+    impulse: Array = field(repr=False)
+    order: int = 2
+
+    @property
+    def precise(self) -> bool:
+        """See `StepsTaken`."""
+        return self.order > 2
 
     @property
     def nbytes(self) -> int:
-        """Memory that the states take [bytes]."""
-        return super().nbytes + self.eta.nbytes
+        """Memory that the states and stages take [bytes]."""
+        return super().nbytes + self.stages.nbytes + self.correction.nbytes + self.impulse.nbytes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,6 +124,11 @@ class RadauSteps(StepsTaken):
     stage_v: Array = field(repr=False)
     stage_lam: Array = field(repr=False)
     stage_mu: Array = field(repr=False)
+
+    @property
+    def precise(self) -> bool:
+        """See `StepsTaken`."""
+        return True
 
     @property
     def nbytes(self) -> int:

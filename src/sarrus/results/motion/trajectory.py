@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -226,11 +224,7 @@ class Trajectory(Result):
     def to_csv(self, path: str | Path, *outputs: str) -> None:
         """Write a table with named columns: t with some outputs, ``"spring.tension"``, or by default with q and v."""
         names, table = self._table(outputs)
-        head = StringIO()
-        csv.writer(head, lineterminator="").writerow(names)  # a point's name contains commas
-        np.savetxt(
-            path, table, delimiter=",", header=head.getvalue(), comments="", fmt="%.15g", encoding="utf-8"
-        )
+        np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:
         """The same as a pandas DataFrame; needs the extra `tables`.

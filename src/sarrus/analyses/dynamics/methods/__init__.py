@@ -1,1 +1,5 @@
-"""Implicit methods as data: each file describes the step of one method, see `description`. No algorithm lives here."""
+"""Implicit methods as data, see `description`, and what follows from it for a run. No algorithm lives here."""
+
+from .description import Description, Equation, Estimate, Stage, Step
+
+__all__ = ["Description", "Equation", "Estimate", "Stage", "Step"]

@@ -3,7 +3,7 @@
 A step of length h solves R(z; y₀, b) = 0 for its unknowns z. Everything is data: the stages (q, v, a, λ, μ) are affine
 in the state before the step, y₀, and in z, with coefficients that depend on h and on the ratio of h to the length of
 the step before; R consists of equations of a few kinds at the stages; the state after the step is affine in y₀ and z.
-Tangent, adjoint and second-order sweeps are derived from this, for all methods.
+Runs, and their tangent, adjoint and second-order sweeps are derived from this, for all methods.
 
 Choose unknowns and scales so that the Newton matrix stays well conditioned as h falls: v h in place of v, and so on.
 """
@@ -11,7 +11,7 @@ Choose unknowns and scales so that the Newton matrix stays well conditioned as h
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 COORDINATES, CONSTRAINTS = "coordinates", "constraints"  # sizes of blocks: nq, and m
@@ -80,7 +80,22 @@ class Operation:
     step: Step
 
 
-@dataclass(frozen=True)
+class Estimate(NamedTuple):
+    """Estimate of the local error of a step in q; that in v is taken as this over h.
+
+    Attributes
+    ----------
+    order : of the method: the error falls with h^(order + 1)
+    constant : of the error of a first step, constant x h^(order + 1) x the derivative of q of that order
+    of : of h and ratio, as `Description.step`: the estimate by blocks of the state before the step and of the unknowns
+    """
+
+    order: int
+    constant: float
+    of: Callable[[Any, Any], Affine]
+
+
+@dataclass(frozen=True, eq=False)
 class Description:
     """An implicit method.
 
@@ -91,15 +106,19 @@ class Description:
     extra : blocks of the state besides q, v, a and λ: how each begins, by these
     projects : whether a part of the defect of the velocity constraints is removed when the step size changes
     damps : whether round-off in the multipliers decays from step to step
+    error : estimate of the local error; by default the leading term of the method's error, see `leading_error`
+    name : for messages
 
     Where the update has no a, accelerations and multipliers at the ends of steps are those of the equations of motion.
     """
 
     unknowns: Mapping[str, str]
     step: Callable[[Any, Any], Step]
-    extra: Mapping[str, Affine]
+    extra: Mapping[str, Affine] = field(default_factory=dict)
     projects: bool = False
     damps: bool = False
+    error: Estimate | None = None
+    name: str = "method"
 
     @property
     def state(self) -> dict[str, str]:

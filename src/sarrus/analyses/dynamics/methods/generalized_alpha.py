@@ -14,21 +14,33 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from .description import CONSTRAINTS, COORDINATES, Affine, Description, Equation, Stage, Step, combined
+from .description import (
+    CONSTRAINTS,
+    COORDINATES,
+    Affine,
+    Description,
+    Equation,
+    Estimate,
+    Stage,
+    Step,
+    combined,
+)
 
 DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
 
 
 def generalized_alpha(
-    alpha_m: float, alpha_f: float, beta: float, gamma: float, stabilized: bool = False
+    alpha_m: float, alpha_f: float, beta: float, gamma: float, error: float, stabilized: bool = False
 ) -> Description:
-    """The method with some coefficients."""
+    """The method with some coefficients, and an estimated error of `error` h³ ȧ."""
     blocks = {"A": COORDINATES, "L": CONSTRAINTS}
     if stabilized:
         blocks = {"Q": COORDINATES, **blocks, "E": CONSTRAINTS}
-    step = partial(_stabilized if stabilized else _plain, (alpha_m, alpha_f, beta, gamma))
+    method = alpha_m, alpha_f, beta, gamma
+    step = partial(_stabilized if stabilized else _plain, method)
     own: dict[str, Affine] = {"x": {"a": 1.0}}
-    return Description(blocks, step, own, projects=not stabilized, damps=gamma - 0.5 > DAMPS)
+    estimate = Estimate(2, error, partial(_error, method, error, stabilized))
+    return Description(blocks, step, own, not stabilized, gamma - 0.5 > DAMPS, estimate, "generalized-α")
 
 
 Coefficients = tuple[float, float, float, float]
@@ -48,6 +60,13 @@ def _weights(method: Coefficients, h: Any) -> tuple[Any, Any]:
     """β' and γ', the derivatives of q₁ and v₁ by a₁."""
     m, f, beta, gamma = method
     return beta * h * h * (1 - f) / (1 - m), gamma * h * (1 - f) / (1 - m)
+
+
+def _error(method: Coefficients, constant: float, stabilized: bool, h: Any, ratio: Any) -> Affine:
+    """h³ ȧ, of the change of ã."""
+    before: Affine = {"a": 1.0 - ratio, "x": ratio}
+    after = _end(method, h, ratio, 1 / _weights(method, h)[0] if stabilized else 1.0)[2]
+    return combined((constant * h * h, after), (-constant * h * h, before))
 
 
 def _plain(method: Coefficients, h: Any, ratio: Any) -> Step:

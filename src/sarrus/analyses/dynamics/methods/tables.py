@@ -12,15 +12,26 @@ import numpy as np
 from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
-from ...equations.block_matrix import LEFT_OUT, UNIT, Part
+from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, entries_of
 from .description import CONSTRAINTS, ROLES, Operation, Stage
-from .equations import GROUPS, KINDS, MULTIPLIERS, OPERATOR, Call, Lagrangian, calls_for, lagrangians
+from .equations import (
+    GROUPS,
+    KINDS,
+    MULTIPLIERS,
+    OF_CONSTRAINTS,
+    OPERATOR,
+    Call,
+    Lagrangian,
+    calls_for,
+    lagrangians,
+)
 
 Sizes = tuple[tuple[str, str], ...]
 Term = tuple[str, str]  # what is set, by which block
 Quantity = tuple[int, str]  # of a stage
 NOWHERE = -1
 DRIVERS = tuple(GROUPS)
+JACOBIAN, INERTIA, STIFFNESS, GAMMA_V, GAMMA_Q_V = range(5)  # their places
 
 
 class Structure(NamedTuple):
@@ -321,3 +332,15 @@ def operator_of(name: str) -> str:
 def tables_of(system: System, structure: Structure) -> Tables:
     """The tables for systems of one structure."""
     return Tables(structure, system.nq, system.m)
+
+
+@once_alike
+def constrained(system: System, structure: Structure) -> Array:
+    """Places of numbers in rows of constraints, and the constraint (entries, 2)."""
+    tables = tables_of(system, structure)
+    numbers, found = Numbers(system, tables.names, tables.like), [np.zeros((0, 2), np.int64)]
+    for name in tables.names:
+        if name.partition("@")[0] in OF_CONSTRAINTS:
+            rows = entries_of(system, operator_of(name))[0]
+            found.append(np.column_stack([numbers.start[name] + np.arange(len(rows)), rows]))
+    return np.concatenate(found).astype(np.int64)

@@ -14,11 +14,11 @@ from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
+from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
 from .layout import KIND, LAM, NU, XI, A, Q, T, V
 from .stacked import Row, at, row
 
 UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
-JACOBIAN, INERTIA, STIFFNESS, GAMMA_V, GAMMA_Q_V = range(5)  # see `tables.DRIVERS`
 UNEVALUATED, REDUNDANT, END = 0, 1, 2
 
 

@@ -11,9 +11,8 @@ from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
 from ...dynamics.methods.equations import MULTIPLIERS
-from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, tables_of
+from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, constrained, tables_of
 from ...equations.block_matrix import Numbers
-from .matrix import constrained
 from .stacked import Ragged, ragged
 
 TABLES = ("by_unknowns", "pieces", "calls", "constrained", "constraints", "groups")

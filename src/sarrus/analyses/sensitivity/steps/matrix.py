@@ -20,10 +20,9 @@ from ....linalg.panel_loop import Pattern, panel_ends
 from ....linalg.row_order import unsigned
 from ....linalg.sparse_solver import SingularMatrix, SparseLU
 from ....system import System
-from ....system.once import once_alike
-from ...dynamics.methods.equations import GROUPS, OF_CONSTRAINTS
-from ...dynamics.methods.tables import Structure, Tables, at_stage, operator_of, tables_of
-from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, entries_of, refactor
+from ...dynamics.methods.equations import GROUPS
+from ...dynamics.methods.tables import Tables, at_stage, constrained
+from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, refactor
 
 LEAST = 1e-10  # pivot over column, below which pivots are chosen among all stages
 
@@ -105,15 +104,3 @@ class OperationMatrix(PlacedMatrix):
         rows = np.concatenate([count * one.row_place.astype(np.int64) + i for i in range(count)])
         columns = one.column_order.astype(np.int64)[:, None] + len(one.column_order) * np.arange(count)
         return self._show(SparseLU.ordered(self._layout.indptr, self._layout.indices, rows, columns.ravel()))
-
-
-@once_alike
-def constrained(system: System, structure: Structure) -> Array:
-    """See `OperationMatrix.constrained`."""
-    tables = tables_of(system, structure)
-    numbers, found = Numbers(system, tables.names, tables.like), [np.zeros((0, 2), np.int64)]
-    for name in tables.names:
-        if name.partition("@")[0] in OF_CONSTRAINTS:
-            rows = entries_of(system, operator_of(name))[0]
-            found.append(np.column_stack([numbers.start[name] + np.arange(len(rows)), rows]))
-    return np.concatenate(found).astype(np.int64)

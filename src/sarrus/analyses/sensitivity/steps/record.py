@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ....algebra import Array
-from ....results import AlphaSteps, RadauSteps, StabilizedSteps, Steps, StepsTaken
+from ....results import DescribedSteps, RadauSteps, Steps, StepsTaken
 from ....system import System
 from ...dynamics.methods.collocation import radau
 from ...dynamics.methods.description import (
@@ -20,6 +20,7 @@ from ...dynamics.methods.description import (
     accelerations,
     projection,
 )
+from ...dynamics.methods.equations import MULTIPLIERS
 from ...dynamics.methods.generalized_alpha import generalized_alpha
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
@@ -115,13 +116,14 @@ def description_of(steps: StepsTaken) -> Description:
     """The method that took some steps."""
     if isinstance(steps, RadauSteps):
         return RADAU
-    assert isinstance(steps, AlphaSteps)
-    scheme = steps.scheme
-    coefficients = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
-    return generalized_alpha(*coefficients, isinstance(steps, StabilizedSteps))
+    if isinstance(steps, DescribedSteps):
+        found: Description = steps.scheme
+        return found
+    assert isinstance(steps, Steps)
+    return generalized_alpha(*steps.scheme)
 
 
-def _stages_of(steps: StepsTaken) -> dict[Quantity, Source]:
+def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
     """Where the stages of all steps are recorded."""
     if isinstance(steps, RadauSteps):
         moved = steps.stage_v - steps.v[:-1, None]
@@ -130,11 +132,12 @@ def _stages_of(steps: StepsTaken) -> dict[Quantity, Source]:
         count = a.shape[1]
         flat = {name: np.ascontiguousarray(x).reshape(-1, x.shape[2]) for name, x in own.items()}
         return {(i, name): Source(x, i, count) for i in range(count) for name, x in flat.items()}
-    end = 1 if isinstance(steps, StabilizedSteps) else 0
-    found = {(end, name): Source(getattr(steps, name), 1) for name in ("q", "v", "a", "lam")}
-    if isinstance(steps, StabilizedSteps):
-        found |= {(0, "q"): Source(steps.q), (0, "mu"): Source(steps.eta)}
-    return found
+    if isinstance(steps, Steps):
+        return {(0, name): Source(getattr(steps, name), 1) for name in ("q", "v", "a", "lam")}
+    assert isinstance(steps, DescribedSteps)
+    sizes = {key: tables.m if key[1] in MULTIPLIERS else tables.nq for key in tables.recorded}
+    rows = {key: slice(tables.stages[key], tables.stages[key] + size) for key, size in sizes.items()}
+    return {key: Source(np.ascontiguousarray(steps.stages[:, own])) for key, own in rows.items()}
 
 
 class Remembered(Protocol):
@@ -275,7 +278,7 @@ class Record(Operations):
         times = [ends.get(one.time, steps.t[:-1] + one.time * h) for one in operation.step.stages]
         every = np.arange(len(steps))
         tables = tables_of(self.system, structure_of(operation))
-        found = _stages_of(steps)
+        found = _stages_of(steps, tables)
         sources = {key: found[key] for key in tables.recorded}
         return Occurrences(operation, tables, every, every + 1, np.stack(times, axis=1), sources)
 
@@ -295,7 +298,7 @@ class Record(Operations):
     def _projections(self) -> Occurrences:
         steps = self.steps
         if self._description.projects:
-            assert isinstance(steps, Steps)
+            assert isinstance(steps, Steps | DescribedSteps)
             at = np.flatnonzero(steps.removed)
             s, sigma, removed = steps.correction[at], steps.impulse[at], steps.removed[at]
         else:

@@ -175,7 +175,7 @@ def _at_limit(
         along = point
     else:
         inner = point
-        along = _regular(narrow, _with(narrow, point.x, limit), tally)
+        along = _regular(narrow, _with(narrow, stratum, point.x, limit), tally)
     rate = inner.margins_s[limit]
     if rate:
         yield Half(wide.key, inner if rate > 0 else turned(inner), own)
@@ -186,7 +186,7 @@ def _without(stratum: Stratum, x: Array, limit: tuple[int, int]) -> Array:
     return np.delete(x, stratum.multiplier(limit))
 
 
-def _with(narrow: Stratum, x: Array, limit: tuple[int, int]) -> Array:
+def _with(narrow: Stratum, stratum: Stratum, x: Array, limit: tuple[int, int]) -> Array:
     return np.insert(x, narrow.multiplier(limit), 0.0)
 
 

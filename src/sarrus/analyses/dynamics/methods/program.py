@@ -1,0 +1,368 @@
+"""A description as the time integration loop takes it: places in a work array, affine maps between them, and formulas.
+
+All vectors of a step (state before and after, unknowns, stages, outputs of operators) are parts of one array x. An
+affine map is a list of terms x[to] (+)= r[register] x[of]. The registers r are the coefficients, which depend on the
+step size h and its ratio to the step before: their formulas are recorded once, and evaluated whenever h or the ratio
+changes. Nothing is compiled for a method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...._jit.curves import CODES
+from ...._jit.expression import Expression, Graph
+from ...._jit.replay import needed
+from ....algebra import Array
+from ....system import System
+from ...equations.block_matrix import Numbers
+from .description import CONSTRAINTS, Affine, Description, Operation, Stage, combined
+from .equations import KINDS
+from .tables import DRIVERS, Tables, at_stage, structure_of
+
+STAGES, UPDATE, CHANGE, ERROR, GUESS = range(5)  # affine maps
+RESIDUAL, MOMENTUM, FORCE, VELOCITY, GAMMA = range(5)  # groups of operators in the equations
+PREDICTED = ("q", "v", "a", "lam")  # quantities of the stages that are known from the motion so far
+NODE = ("q", "v", "a", "lam")
+TERMS: dict[
+    str, tuple[tuple[int, str, float], ...]
+] = {  # of equations: groups, which of their outputs, and signs
+    "motion": (
+        (MOMENTUM, "M_a", 1.0),
+        (RESIDUAL, "Phi_qT_lam", 1.0),
+        (FORCE, "Q", -1.0),
+        (MOMENTUM, "S", -1.0),
+    ),
+    "position": ((RESIDUAL, "Phi", 1.0),),
+    "velocity": ((VELOCITY, "rate", 1.0), (VELOCITY, "Phi_t", 1.0)),
+    "acceleration": ((VELOCITY, "rate", 1.0), (GAMMA, "gamma", -1.0)),
+    "kinematic": ((RESIDUAL, "Phi_qT_lam", 1.0),),
+}
+OUTPUTS = {
+    RESIDUAL: ("Phi", "Phi_qT_lam"),
+    MOMENTUM: ("M_a", "S"),
+    FORCE: ("Q",),
+    VELOCITY: ("rate", "Phi_t"),
+    GAMMA: ("gamma",),
+}
+OF_COORDINATES = ("Phi_qT_lam", "M_a", "S", "Q")
+
+
+class Program(NamedTuple):
+    """Tables of one method for one system.
+
+    Attributes
+    ----------
+    tape, constants : of the formulas: operation, and the registers that it takes; constants by register
+    terms, bounds : (n, 5) of all maps: to, of, how many entries, register, whether it is the first; where each begins
+    times : (stages,) parts of the step
+    calls : (n, 9) operators of the equations: group, stage, places of q and two operands; of two outputs begin, end
+    sums : (n, 4) terms of the equations: row, place, how many entries, sign
+    equations : (n, 4): row, how many entries, register of the scale, whether it is the position
+    operators : (n, 13) those of the matrix; of four outputs, in their values
+    constrained : (n, 2) places of values in rows of constraints, and the constraint
+    multipliers : (n, 2) rows of constraints, and the unknowns that are zero where these are redundant
+    forces : (n, 3) multipliers λ of the stages: place, unknowns that change them, register
+    weights : (parts,) registers of the weights of the matrix's parts
+    n, unknowns, state, after, stages, change, moved, error, before : sizes and places in x: how many unknowns; the
+        unknowns, the states before and after the step, all stages, changes of the unknowns, of q₁ and v₁, the error,
+        the last step's unknowns
+    slope, lam_slope : where the rates of change of a and λ are
+    exponent, constant : of the leading error
+    estimated : whether the method gives an estimate of its error
+    own_accelerations : whether its update gives a and λ
+    projects : see `Description`
+    """
+
+    tape: Array
+    constants: Array
+    terms: Array
+    bounds: Array
+    times: Array
+    calls: Array
+    sums: Array
+    equations: Array
+    operators: Array
+    constrained: Array
+    multipliers: Array
+    forces: Array
+    weights: Array
+    n: int
+    unknowns: int
+    state: int
+    after: int
+    stages: int
+    change: int
+    moved: int
+    error: int
+    before: int
+    slope: int
+    lam_slope: int
+    exponent: int
+    constant: float
+    estimated: bool
+    own_accelerations: bool
+    projects: bool
+
+
+class Formulas:
+    """The coefficients of a method as expressions of h and of its ratio, and their registers."""
+
+    def __init__(self, method: Description) -> None:
+        self._graph, self._wanted = Graph(), list[Expression]()
+        self.h, self.ratio = (self._graph.input(name) for name in ("h", "ratio"))
+        self.step = method.step(self.h, self.ratio)
+        self.error: Affine = method.error.of(self.h, self.ratio) if method.error else {}
+
+    def register(self, formula: Any) -> int:
+        """A place that `tape` replaces by a register."""
+        self._wanted.append(
+            formula if isinstance(formula, Expression) else self._graph.constant(float(formula))
+        )
+        return len(self._wanted) - 1
+
+    def tape(self, name: str) -> tuple[Array, Array, Array]:
+        """Operations, constants, and the register of each place.
+
+        Raises
+        ------
+        TypeError
+            If a coefficient uses a function that is not supported.
+        """
+        order = needed(self._graph, self._wanted)
+        place = {identity: n for n, identity in enumerate(order)}
+        tape, constants = np.zeros((len(order), 3), np.int64), np.zeros(len(order))
+        for n, identity in enumerate(order):
+            op, args, value = self._graph.nodes[identity]
+            if op not in CODES:
+                raise TypeError(f"{name}: coefficients cannot use {op}. Choose from {', '.join(CODES)}.")
+            tape[n, : 1 + len(args)] = [CODES[op], *(place[arg] for arg in args)]
+            if op == "constant":
+                constants[n] = value
+            elif op == "input":
+                tape[n, 1] = value == ("ratio",)
+        return tape, constants, np.array([place[one.id] for one in self._wanted], np.int64)
+
+
+class ProgramBuilder:
+    """Lays out x and writes the tables of a method for one system."""
+
+    def __init__(self, system: System, method: Description) -> None:
+        self.method, self.formulas = method, Formulas(method)
+        self.step = self.formulas.step
+        structure = structure_of(Operation(method.state, method.unknowns, self.step))
+        self.tables = Tables(structure, system.nq, system.m)
+        self._nq, self._m = system.nq, system.m
+        self.size, tables = 0, self.tables
+        widest = max(system.nq, system.m)
+        names = ("state", "after", "unknowns", "before", "change", "stages", "moved", "error", "zero")
+        sizes = (tables.state_size, tables.state_size, tables.n, tables.n, tables.n, tables.stage_size, 2 * self._nq,
+                 self._nq, widest)  # fmt: skip
+        self.place = {name: self._take(size) for name, size in zip(names, sizes, strict=True)}
+        self.place |= {"slope": self._take(self._nq), "lam_slope": self._take(self._m)}
+
+    def _take(self, size: int) -> int:
+        self.size += size
+        return self.size - size
+
+    def _taken(self, size: int) -> tuple[int, int]:
+        return self._take(size), self.size
+
+    def block(self, where: str, name: str) -> int:
+        """The place of a block of the state or of the unknowns."""
+        blocks = self.tables.state if where in ("state", "after") else self.tables.unknowns
+        return self.place[where] + blocks[name]
+
+    def quantity(self, stage: int, name: str | None) -> int:
+        """The place of a stage's quantity; zeros where it has none."""
+        at = self.tables.stages.get((stage, name or ""))
+        return self.place["zero"] if at is None else self.place["stages"] + at
+
+    def _height(self, name: str) -> int:
+        return self._m if name in ("lam", "mu") else self._nq
+
+    # ------------------------------------------------------------------------------------------------- affine maps
+    def _map(self, to: int, affine: Affine, height: int, unknowns: str = "unknowns") -> list[list[int]]:
+        rows = list[list[int]]()
+        for name, coefficient in affine.items():
+            of = self.block("state", name) if name in self.tables.state else self.block(unknowns, name)
+            rows.append([to, of, height, self.formulas.register(coefficient), not rows])
+        return rows
+
+    def _stages(self) -> list[list[int]]:
+        found = list[list[int]]()
+        for s, stage in enumerate(self.step.stages):
+            for name in Stage._fields[1:]:
+                found += self._map(self.quantity(s, name), getattr(stage, name), self._height(name))
+        return found
+
+    def _update(self) -> list[list[int]]:
+        found = list[list[int]]()
+        for name, size in self.method.state.items():
+            if name in self.step.update:
+                affine = self.step.update[name]
+                found += self._map(self.block("after", name), affine, self.tables.size(size))
+        return found
+
+    def _change(self) -> list[list[int]]:
+        """Changes of q and v after the step by those of the unknowns."""
+        found = list[list[int]]()
+        for n, name in enumerate(("q", "v")):
+            own = {u: c for u, c in self.step.update[name].items() if u in self.tables.unknowns}
+            found += self._map(self.place["moved"] + n * self._nq, own, self._nq, "change")
+        return found
+
+    def _guess(self) -> list[list[int]]:
+        """The unknowns that belong to the motion so far, continued: q''' and λ' stay.
+
+        An unknown of which no quantity of a stage alone depends begins where it was in the last step.
+        """
+        found = list[list[int]]()
+        for name, size in self.method.unknowns.items():
+            own = self._predicted(name)
+            to, height = self.block("unknowns", name), self.tables.size(size)
+            if own is None:
+                found.append([to, self.block("before", name), height, self.formulas.register(1.0), True])
+            for of, coefficient in own or ():
+                found.append(
+                    [to, of, height, self.formulas.register(coefficient), of == own[0][0] if own else True]
+                )
+        return found
+
+    def _predicted(self, unknown: str) -> list[tuple[int, Any]] | None:
+        """Places and coefficients by which an unknown follows from the motion so far, or None."""
+        for stage in self.step.stages:
+            for quantity in PREDICTED:
+                affine: Affine = getattr(stage, quantity)
+                if [name for name in affine if name in self.tables.unknowns] == [unknown]:
+                    known = {name: c for name, c in affine.items() if name != unknown}
+                    wanted = combined((1.0, self._motion(quantity, stage.time)), (-1.0, known))
+                    factor = 1 / affine[unknown]
+                    return [(self._moving(name), factor * c) for name, c in wanted.items()]
+        return None
+
+    def _motion(self, quantity: str, part: float) -> Affine:
+        """A quantity at a part of the step, by the state before and the slopes."""
+        t = part * self.formulas.h
+        return {
+            "q": {"q": 1.0, "v": t, "a": t * t / 2, "slope": t * t * t / 6},
+            "v": {"v": 1.0, "a": t, "slope": t * t / 2},
+            "a": {"a": 1.0, "slope": t},
+            "lam": {"lam": 1.0, "lam_slope": t},
+        }[quantity]
+
+    def _moving(self, name: str) -> int:
+        return self.place[name] if name in ("slope", "lam_slope") else self.block("state", name)
+
+    # --------------------------------------------------------------------------------------------------- equations
+    def _calls(self) -> tuple[list[list[int]], list[list[float]]]:
+        """Operators of the equations, and the terms that these are the sums of."""
+        calls, sums = list[list[int]](), list[list[float]]()
+        known = dict[tuple[int, int, str], int]()
+        for row, (kind, s, _) in zip(self.tables.equations, self.step.equations, strict=True):
+            for group, output, sign in TERMS[kind]:
+                third, fourth = self._operands(group, kind)
+                key = group, s, third
+                if key not in known:
+                    known[key] = len(calls)
+                    places = [self.quantity(s, name) for name in ("q", third, fourth)]
+                    outputs = [self._taken(self._output_size(name)) for name in OUTPUTS[group]]
+                    calls.append([group, s, *places, *_ends(outputs, 2)])
+                place = calls[known[key]][5 + 2 * OUTPUTS[group].index(output)]
+                sums.append([row, place, self._output_size(output), sign])
+            if kind == "kinematic":
+                sums.append([row, self.quantity(s, "rate"), self._nq, 1.0])
+        return calls, sums
+
+    def _output_size(self, name: str) -> int:
+        return self._nq if name in OF_COORDINATES else self._m
+
+    @staticmethod
+    def _operands(group: int, kind: str) -> tuple[str, str]:
+        if group == RESIDUAL:
+            return ("mu" if kind == "kinematic" else "lam"), ""
+        if group == VELOCITY and kind == "acceleration":
+            return "a", ""
+        return "v", "a"
+
+    def _equations(self) -> list[list[int]]:
+        rows = zip(self.tables.equations, self.step.equations, strict=True)
+        return [
+            [row, self.tables.size(KINDS[kind].size), self.formulas.register(scale), kind == "position"]
+            for row, (kind, _, scale) in rows
+        ]
+
+    def _weights(self) -> list[int]:
+        found = []
+        for sign, equation, coefficient in self.tables.weights:
+            weight = sign if equation is None else sign * self.step.equations[equation].scale
+            if coefficient is not None:
+                (s, name), by = coefficient
+                weight = weight * getattr(self.step.stages[s], name)[by]
+            found.append(self.formulas.register(weight))
+        return found
+
+    def _operators(self, values: Mapping[str, tuple[int, int]]) -> list[list[int]]:
+        """Operators of the matrix; `values` is where the values of each begin and end."""
+        found = []
+        for s, call in self.tables.calls:
+            third = call.operands[1 if call.group == "inertia" else -1]
+            operands = [self.quantity(s, name) for name in ("q", third, "a")]
+            outputs = [values[at_stage(name, s)] for name in call.outputs]
+            found.append([DRIVERS.index(call.group), s, *operands, *_ends(outputs, 4)])
+        return found
+
+    def _multipliers(self) -> list[list[int]]:
+        unknowns = [
+            self.block("unknowns", name) for name, size in self.method.unknowns.items() if size == CONSTRAINTS
+        ]
+        return [[row, at] for row, at in zip(self.tables.constraints, unknowns, strict=True)]
+
+    def _forces(self) -> list[list[int]]:
+        """The multipliers λ of the stages."""
+        stages = enumerate(self.step.stages)
+        return [
+            [self.quantity(s, "lam"), self.block("change", name), self.formulas.register(c)]
+            for s, stage in stages
+            for name, c in stage.lam.items()
+            if name in self.tables.unknowns
+        ]
+
+    def program(self, numbers: Numbers, constrained: Array, exponent: int, constant: float) -> Program:
+        """All tables; `numbers` are those of the matrix's operators, `constrained` places of them."""
+        values = {name: (at, at + len(numbers.views[name])) for name, at in numbers.start.items()}
+        error = self._map(self.place["error"], self.formulas.error, self._nq)
+        maps = [self._stages(), self._update(), self._change(), error, self._guess()]
+        bounds = np.cumsum([0, *map(len, maps)])
+        terms = _table((row for rows in maps for row in rows), 5)
+        calls, sums = self._calls()
+        equations, forces = _table(self._equations(), 4), _table(self._forces(), 3)
+        weights = np.array(self._weights(), np.int64)
+        tape, constants, registers = self.formulas.tape(self.method.name)
+        terms[:, 3], equations[:, 2], forces[:, 2] = (
+            registers[terms[:, 3]],
+            registers[equations[:, 2]],
+            registers[forces[:, 2]],
+        )
+        places = {name: self.place[name] for name in Program._fields if name in self.place}
+        return Program(
+            tape=tape, constants=constants, terms=terms, bounds=bounds, calls=_table(calls, 9),
+            times=np.array([stage.time for stage in self.step.stages]),
+            sums=np.array(sums, dtype=float).reshape(-1, 4), equations=equations,
+            operators=_table(self._operators(values), 13), constrained=constrained,
+            multipliers=_table(self._multipliers(), 2), forces=forces, weights=registers[weights], n=self.tables.n,
+            exponent=exponent, constant=constant, estimated=bool(error), own_accelerations="a" in self.step.update,
+            projects=self.method.projects, **places,
+        )  # fmt: skip
+
+
+def _table(rows: Iterable[list[int]], width: int) -> Array:
+    return np.array(list(rows), np.int64).reshape(-1, width)
+
+
+def _ends(outputs: list[tuple[int, int]], count: int) -> list[int]:
+    """Begins and ends of some outputs; of those that are missing zeros."""
+    return [place for pair in (outputs + [(0, 0)] * count)[:count] for place in pair]

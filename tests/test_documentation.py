@@ -60,8 +60,8 @@ def test_the_architecture_page(capsys: pytest.CaptureFixture[str]) -> None:
     ]
     assert shown
     assert {words for words, _ in shown} <= {words for words, _ in lines}
-    assert "is now `b[111]`" in page
-    assert lines[1] == ("# #", [111.0, 10.0])
+    assert "is now `b[90]`" in page
+    assert lines[1] == ("# #", [90.0, 10.0])
 
 
 def links(page: Path) -> list[str]:

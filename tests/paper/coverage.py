@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE, PAGE = ROOT / "src" / "sarrus", ROOT / "docs" / "equations.md"
 NUMBERS = range(9, 117)
-FORMULAS = ("algebra.py", "euler.py", "elements/*.py", "model/joints/*.py")
+FORMULAS = ("algebra.py", "euler.py", "elements/**/*.py", "model/joints/*.py")
 
 # Not contained in Sarrus, because they follow from other equations.
 FOLLOWS = {

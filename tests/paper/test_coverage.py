@@ -14,7 +14,7 @@ def test_the_page_is_up_to_date():
 def test_what_follows_is_not_coded():
     files = coded()
     assert [number for number in FOLLOWS if files.get(number, [])] == []
-    assert status(82, files) == "coded in `elements/dot1.py`"
+    assert status(82, files) == "coded in `elements/constraints/dot1.py`"
 
 
 def test_equation_numbers_in_prose():

@@ -1,95 +1,59 @@
-"""Elements: constraint primitives, inertias and forces of the paper, one file each, formulas only."""
+"""Elements: constraint primitives, inertias and forces, one file each, formulas only."""
 
-from .bushing import Bushing
-from .constant_angle import ConstantAngle
-from .coordinate_driver import CoordinateDriver
-from .coupling import AngleAngle, DisplacementAngle, DisplacementDisplacement
-from .displacement import Displacement, DisplacementDriver
-from .distance import Distance
-from .distance_driver import DistanceDriver
-from .dot1 import Dot1
-from .dot2 import Dot2
-from .drag import Drag, ViscousDrag
-from .eccentric_inertia import EccentricInertia
-from .element import Element, ElementError, Force, InertiaElement, Pair, Primitive, Single
-from .gravity import EccentricGravity, Gravity
-from .heading import Heading
-from .joint_angle import Angle, AngleDriver
-from .joint_friction import AngleFriction, DisplacementFriction
-from .normalization import Normalization
-from .operators import GROUPS, OPERATORS, Operator
+from .constraints.constant_angle import ConstantAngle as ConstantAngle
+from .constraints.coordinate_driver import CoordinateDriver as CoordinateDriver
+from .constraints.coupling import AngleAngle as AngleAngle
+from .constraints.coupling import DisplacementAngle as DisplacementAngle
+from .constraints.coupling import DisplacementDisplacement as DisplacementDisplacement
+from .constraints.displacement import Displacement as Displacement
+from .constraints.displacement import DisplacementDriver as DisplacementDriver
+from .constraints.distance import Distance as Distance
+from .constraints.distance import DistanceDriver as DistanceDriver
+from .constraints.dot1 import Dot1 as Dot1
+from .constraints.dot2 import Dot2 as Dot2
+from .constraints.heading import Heading as Heading
+from .constraints.joint_angle import Angle as Angle
+from .constraints.joint_angle import AngleDriver as AngleDriver
+from .constraints.normalization import Normalization as Normalization
+from .constraints.screw import Screw as Screw
+from .constraints.spherical import Spherical as Spherical
+from .element import Element as Element
+from .element import ElementError as ElementError
+from .element import Force as Force
+from .element import InertiaElement as InertiaElement
+from .element import Pair as Pair
+from .element import Primitive as Primitive
+from .element import Single as Single
+from .forces.bushing import Bushing as Bushing
+from .forces.drag import Drag as Drag
+from .forces.drag import ViscousDrag as ViscousDrag
+from .forces.gravity import EccentricGravity as EccentricGravity
+from .forces.gravity import Gravity as Gravity
+from .forces.joint_friction import AngleFriction as AngleFriction
+from .forces.joint_friction import DisplacementFriction as DisplacementFriction
+from .forces.point_force import FollowerForce as FollowerForce
+from .forces.point_force import PointForce as PointForce
+from .forces.point_force import VaryingFollowerForce as VaryingFollowerForce
+from .forces.point_force import VaryingForce as VaryingForce
+from .forces.rsda import RSDA as RSDA
+from .forces.rsda import NonlinearRSDA as NonlinearRSDA
+from .forces.sphere_contact import SphereContact as SphereContact
+from .forces.stop import AngleStop as AngleStop
+from .forces.stop import DisplacementStop as DisplacementStop
+from .forces.stop import LengthStop as LengthStop
+from .forces.torque import BodyTorque as BodyTorque
+from .forces.torque import Torque as Torque
+from .forces.torque import VaryingBodyTorque as VaryingBodyTorque
+from .forces.torque import VaryingTorque as VaryingTorque
+from .forces.tsda import TSDA as TSDA
+from .forces.tsda import NonlinearTSDA as NonlinearTSDA
+from .forces.tyre import RoadTyre as RoadTyre
+from .forces.tyre import Tyre as Tyre
+from .inertia import EccentricInertia as EccentricInertia
+from .inertia import RigidInertia as RigidInertia
+from .operators import GROUPS as GROUPS
+from .operators import OPERATORS as OPERATORS
+from .operators import Operator as Operator
 from .output import output as output
-from .point_force import FollowerForce, PointForce
-from .rigid_inertia import RigidInertia
-from .road_tyre import RoadTyre
-from .rsda import RSDA, NonlinearRSDA
-from .screw import Screw
-from .sphere_contact import SphereContact
-from .spherical import Spherical
-from .stop import AngleStop, DisplacementStop, LengthStop
-from .torque import BodyTorque, Torque
-from .tsda import TSDA, NonlinearTSDA
-from .tyre import Tyre
-from .varying_force import VaryingFollowerForce, VaryingForce
-from .varying_torque import VaryingBodyTorque, VaryingTorque
 
 BUILT_IN: tuple[type[Element], ...] = tuple(Element.registry.values())
-
-__all__ = [
-    "BUILT_IN",
-    "GROUPS",
-    "OPERATORS",
-    "RSDA",
-    "TSDA",
-    "Angle",
-    "AngleAngle",
-    "AngleDriver",
-    "AngleFriction",
-    "AngleStop",
-    "BodyTorque",
-    "Bushing",
-    "ConstantAngle",
-    "CoordinateDriver",
-    "Displacement",
-    "DisplacementAngle",
-    "DisplacementDisplacement",
-    "DisplacementDriver",
-    "DisplacementFriction",
-    "DisplacementStop",
-    "Distance",
-    "DistanceDriver",
-    "Dot1",
-    "Dot2",
-    "Drag",
-    "EccentricGravity",
-    "EccentricInertia",
-    "Element",
-    "ElementError",
-    "FollowerForce",
-    "Force",
-    "Gravity",
-    "Heading",
-    "InertiaElement",
-    "LengthStop",
-    "NonlinearRSDA",
-    "NonlinearTSDA",
-    "Normalization",
-    "Operator",
-    "Pair",
-    "PointForce",
-    "Primitive",
-    "RigidInertia",
-    "RoadTyre",
-    "Screw",
-    "Single",
-    "SphereContact",
-    "Spherical",
-    "Torque",
-    "Tyre",
-    "VaryingBodyTorque",
-    "VaryingFollowerForce",
-    "VaryingForce",
-    "VaryingTorque",
-    "ViscousDrag",
-    "output",
-]

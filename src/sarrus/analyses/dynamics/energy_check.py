@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ...elements.bushing import Bushing
-from ...elements.drag import ViscousDrag
-from ...elements.gravity import EccentricGravity, Gravity
-from ...elements.joint_friction import AngleFriction, DisplacementFriction
-from ...elements.rsda import RSDA, NonlinearRSDA
-from ...elements.tsda import TSDA, NonlinearTSDA
+from ...elements.forces.bushing import Bushing
+from ...elements.forces.drag import ViscousDrag
+from ...elements.forces.gravity import EccentricGravity, Gravity
+from ...elements.forces.joint_friction import AngleFriction, DisplacementFriction
+from ...elements.forces.rsda import RSDA, NonlinearRSDA
+from ...elements.forces.tsda import TSDA, NonlinearTSDA
 from ...results import Trajectory
 from ...system import System
 from .tolerance import Tolerances

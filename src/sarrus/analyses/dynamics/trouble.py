@@ -9,7 +9,7 @@ import numpy as np
 from ...algebra import Array
 from ...elements import OPERATORS, Element
 from ...elements.evaluation import dense, element_from
-from ...elements.gravity import EccentricGravity, Gravity
+from ...elements.forces.gravity import EccentricGravity, Gravity
 from ...linalg.rank import rank_of
 from ...system import System
 from ...system.local import GROUND, local

@@ -1,0 +1,114 @@
+"""Forces at a point of a body, fixed in space or rotating with the body; varying in time, constant ones at each t."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...algebra import I3, Array, Row
+from ...euler import A, B, D, K, rotate
+from ..element import ZERO_SINGLE, Curve, Force, Grid, Scalar, Single, Vec3
+
+
+class PointForce(Force, bodies=1):
+    """A force given in global axes: Q = [F; Bᵀ(p, s) F]."""
+
+    s: Vec3  # [m] point in the body
+    force: Vec3  # [N] in global axes
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        return self.force, self.force @ B(x.p, self.s)
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None, None), (None, D(self.s, self.force))
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return ZERO_SINGLE
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None, I3), (K(x.p, self.force), B(x.p, self.s).T)
+
+
+class FollowerForce(Force, bodies=1):
+    """A force given in body axes: Q = [f; Bᵀ(p, s) f], f = A(p) f'."""
+
+    s: Vec3  # [m] point in the body
+    force: Vec3  # [N] in body axes
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        f = rotate(x.p, self.force)
+        return f, f @ B(x.p, self.s)
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        f, B_f = rotate(x.p, self.force), B(x.p, self.force)
+        return (None, B_f), (None, D(self.s, f) + B(x.p, self.s).T @ B_f)
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return ZERO_SINGLE
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return (None, A(x.p)), (K(x.p, rotate(x.p, self.force)), B(x.p, self.s).T @ A(x.p))
+
+
+class Varying:
+    """A vector whose three components have their own curves over time; the kernels are those of a constant one."""
+
+    x: Curve
+    y: Curve
+    z: Curve
+
+    def at(self, t: Scalar) -> Any:
+        """The constant element of this moment."""
+        raise NotImplementedError
+
+    def factors(self, t: Scalar) -> Array:
+        """The curves' values."""
+        return np.array([self.x(t), self.y(t), self.z(t)])
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        return self.at(t).Q(x, v, t)
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return self.at(t).Q_q(x, v, t)
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return self.at(t).Q_v(x, v, t)
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        return tuple(_by_scale(line, self.factors(t)) for line in self.at(t).Q_b(x, v, t))
+
+
+def _by_scale(line: Row, factors: Array) -> Row:
+    """Derivatives to point and vector, then to the vector's scale; the curves are no numbers."""
+    vector = line[-1]
+    scaled = None if vector is None else vector * factors[None, :]
+    return (*line[:-1], scaled, None, None, None)
+
+
+class VaryingForce(Varying, Force, bodies=1, rare=True):
+    """A force given in global axes: F = (force_x x(t), force_y y(t), force_z z(t))."""
+
+    s: Vec3  # [m] point in the body
+    force: Vec3  # [N] scales of the curves, in global axes
+    x: Curve  # of time
+    y: Curve
+    z: Curve
+
+    def at(self, t: Scalar) -> PointForce:
+        """The constant force of this moment."""
+        return PointForce(self.s, self.force * self.factors(t))
+
+
+class VaryingFollowerForce(Varying, Force, bodies=1, rare=True):
+    """A force given in body axes: f' = (force_x x(t), force_y y(t), force_z z(t))."""
+
+    s: Vec3  # [m] point in the body
+    force: Vec3  # [N] scales of the curves, in body axes
+    x: Curve  # of time
+    y: Curve
+    z: Curve
+
+    def at(self, t: Scalar) -> FollowerForce:
+        """The constant force of this moment."""
+        return FollowerForce(self.s, self.force * self.factors(t))

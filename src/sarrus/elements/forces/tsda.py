@@ -1,0 +1,159 @@
+"""Translational spring-damper-actuators: a force along the line between two points. Eqs. (59)-(79).
+
+With the length l = |d|, its rate l̇ = l_q v and any law f(l, l̇, t), tension positive,
+
+    Q = -f l_qᵀ,    Q_q = -l_qᵀ (f_l l_q + f_l̇ l̇_q) - f l_qq,    Q_v = -f_l̇ l_qᵀ l_q.
+
+The paper's k and c are f_l and f_l̇. Singular at l = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..._jit.functions import sqrt
+from ...algebra import Array, Row, column, outer
+from ..constraints.segment import Segment
+from ..element import Curve, Force, Grid, Pair, Scalar, Vec3
+from ..output import output
+
+
+class Law(NamedTuple):
+    """Tension, its derivatives to length and rate, and to the law's own numbers (in the order of the fields)."""
+
+    f: Scalar
+    f_l: Scalar
+    f_rate: Scalar
+    f_b: tuple[Scalar, ...]
+
+
+class Length(NamedTuple):
+    """Length of a segment, its rate, and their derivatives to q."""
+
+    l: Scalar
+    rate: Scalar
+    l_q: list[Array]
+    rate_q: list[Array]
+
+
+class SpringDamper(Segment):
+    """Base of all TSDA: everything except the law."""
+
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
+        raise NotImplementedError
+
+    @output("m", "length")
+    def present_length(self, x: Pair) -> Scalar:
+        """|d|."""
+        d = self.d(x)
+        return sqrt(d @ d)
+
+    @output("m/s")
+    def rate(self, x: Pair, v: Pair) -> Scalar:
+        """l̇."""
+        return self._length(x, v).rate
+
+    @output("N")
+    def tension(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """f(l, l̇, t), positive where it pulls."""
+        return self.law(*self._length(x, v)[:2], t).f
+
+    def _length(self, x: Pair, v: Pair) -> Length:  # Eqs. (61), (62), (68), (76), (77)
+        d, w = self.d(x), self.d_xi(x, v)
+        l = sqrt(d @ d)
+        u = d / l
+        rate = u @ w
+        across = (w - rate * u) / l
+        l_q = [u @ block for block in self.d_q(x)]
+        rate_q = [across @ block for block in self.d_q(x)]
+        turn_i, turn_j = self.d_xi_q(v)
+        rate_q[1], rate_q[3] = rate_q[1] + u @ turn_i, rate_q[3] + u @ turn_j
+        return Length(l, rate, l_q, rate_q)
+
+    def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:  # Eqs. (59), (63)
+        size = self._length(x, v)
+        f = self.law(size.l, size.rate, t).f
+        return tuple(-f * block for block in size.l_q)
+
+    def Q_q(self, x: Pair, v: Pair, t: Scalar) -> Grid:  # Eqs. (64)-(72), both bodies
+        size, d_q, curvature = self._length(x, v), self.d_q(x), self.curvature(self.d(x))
+        law = self.law(size.l, size.rate, t)
+        tension = law.f / size.l
+        change = [
+            (law.f_l - tension) * a + law.f_rate * b for a, b in zip(size.l_q, size.rate_q, strict=True)
+        ]
+
+        def block(m: int, n: int) -> Array:
+            return -outer(size.l_q[m], change[n]) - tension * (d_q[m].T @ d_q[n] + curvature.get((m, n), 0))
+
+        return tuple(tuple(block(m, n) for n in range(4)) for m in range(4))
+
+    def Q_v(self, x: Pair, v: Pair, t: Scalar) -> Grid:  # Eqs. (73)-(79), both bodies
+        size = self._length(x, v)
+        f_v = [-self.law(size.l, size.rate, t).f_rate * block for block in size.l_q]
+        return tuple(tuple(outer(a, b) for b in f_v) for a in size.l_q)
+
+    def Q_b(self, x: Pair, v: Pair, t: Scalar) -> Grid:
+        size, law = self._length(x, v), self.law(*self._length(x, v)[:2], t)
+        by_s = self._by_points(x, v, size, law)
+        by_law = [[None if f_b is None else column(-f_b * block) for f_b in law.f_b] for block in size.l_q]
+        return tuple((by_s[0][m], by_s[1][m], *by_law[m]) for m in range(4))
+
+    def _by_points(self, x: Pair, v: Pair, size: Length, law: Law) -> list[list[Array]]:
+        d, w = self.d(x), self.d_xi(x, v)
+        result = []
+        for d_s, w_s, d_qT_d_s in zip(self.d_s(x), self.d_xi_s(x, v), self.d_qT_y_s(x, d), strict=True):
+            l_s = (d @ d_s) / size.l
+            rate_s = (w @ d_s + d @ w_s - size.rate * l_s) / size.l
+            change = (law.f_l - law.f / size.l) * l_s + law.f_rate * rate_s
+            blocks = zip(size.l_q, d_qT_d_s, strict=True)
+            result.append([-outer(l_q, change) - (law.f / size.l) * block for l_q, block in blocks])
+        return result
+
+
+class TSDA(SpringDamper, Force):
+    """Linear spring, damper and constant actuator: f = k (l - length) + c l̇ + force. Eq. (60)."""
+
+    s_i: Vec3  # [m] P_i in body i
+    s_j: Vec3  # [m] P_j in body j
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    length: Scalar  # [m] free length
+    force: Scalar  # [N] tension of the actuator
+
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
+        stretch = l - self.length
+        return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c, (stretch, rate, -self.k, 1))
+
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """½ k (l - length)² [J]; the actuator's work is none of it."""
+        d = self.d(x)
+        stretch = sqrt(d @ d) - self.length
+        return (self.k * stretch * stretch / 2,)
+
+
+class NonlinearTSDA(SpringDamper, Force):
+    """Curves for stiffness, damping and actuator: f = k κ(l) (l - length) + c χ(l̇) l̇ + force φ(t)."""
+
+    s_i: Vec3  # [m] P_i in body i
+    s_j: Vec3  # [m] P_j in body j
+    k: Scalar  # [N/m] scale of the stiffness curve
+    c: Scalar  # [N s/m] scale of the damping curve
+    length: Scalar  # [m] free length
+    force: Scalar  # [N] scale of the actuator curve
+    stiffness: Curve  # κ(l)
+    damping: Curve  # χ(l̇)
+    actuator: Curve  # φ(t)
+
+    def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
+        stretch, kappa, chi = l - self.length, self.stiffness(l), self.damping(rate)
+        spring, damper, actuator = stretch * kappa, chi * rate, self.actuator(t)
+        f_l = self.k * (kappa + stretch * self.stiffness.slope(l))
+        f_rate = self.c * (chi + rate * self.damping.slope(rate))
+        f_b: tuple[Any, ...] = (spring, damper, -self.k * kappa, actuator, None, None, None)
+        return Law(self.k * spring + self.c * damper + self.force * actuator, f_l, f_rate, f_b)
+
+    def potential(self, x: Pair) -> tuple[Scalar, ...]:
+        """∫ k κ(s) (s - length) ds from the free length on [J]; the actuator's work is none of it."""
+        d = self.d(x)
+        return (self.k * self.stiffness.moment(self.length, sqrt(d @ d)),)

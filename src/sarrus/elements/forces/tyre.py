@@ -1,0 +1,93 @@
+"""Tyres as a vertical spring and damper between a point of a body and a road: flat, or with a profile.
+
+The first also pulls. The second lifts off: the road under the wheel centre (x, ., z) is road + profile(x) + bump(t).
+With the compression δ = radius - (z - road), its rate δ̇ and the width w of the rounding, the force upwards is
+
+    F = σ(δ) (k δ + c δ̇)₊
+
+σ is `soft_step` of width w, the subscript `soft_ramp` of width k w: exactly k δ + c δ̇, as in `Tyre`, from δ = w/2 and
+F = k w/2 on; exactly zero for δ ≤ -w/2, and never a pull. Its derivatives are made by differentiating Q.
+"""
+
+from __future__ import annotations
+
+from ...algebra import I3, Array, Row, column, outer
+from ...euler import A, B, C, D, K, rotate
+from ..element import Curve, Force, Grid, Scalar, Single, Vec3
+from ..output import output
+from .laws import soft_ramp, soft_step
+
+UP: Array = I3[2]
+
+
+class Tyre(Force, bodies=1):
+    """F = k (R - z) - c ż upwards at the wheel centre, z its height above the road."""
+
+    s: Vec3  # [m] wheel centre in the body
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    radius: Scalar  # [m] unloaded
+    road: Scalar  # [m] height of the road
+
+    def _z_q(self, x: Single) -> Array:
+        return B(x.p, self.s)[2]
+
+    @output("m", "compression")
+    def _compression(self, x: Single) -> Scalar:
+        return self.radius - (x.r[2] + rotate(x.p, self.s)[2] - self.road)
+
+    def _rate(self, x: Single, v: Single) -> Scalar:
+        return v.r[2] + self._z_q(x) @ v.p
+
+    def _force(self, x: Single, v: Single) -> Scalar:
+        return self.k * self._compression(x) - self.c * self._rate(x, v)
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        F = self._force(x, v)
+        return F * UP, F * self._z_q(x)
+
+    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
+        z_p, rate_p = self._z_q(x), B(v.p, self.s)[2]
+        F_r, F_p = -self.k * UP, -self.k * z_p - self.c * rate_p
+        pp = outer(z_p, F_p) + D(self.s, self._force(x, v) * UP)
+        return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), pp)
+
+    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
+        z_p, F_r = self._z_q(x), -self.c * UP
+        F_p = -self.c * z_p
+        return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), outer(z_p, F_p))
+
+    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
+        z_p = self._z_q(x)
+        F_s = -self.k * A(x.p)[2] - self.c * C(x.p, v.p)[2]
+        scalars = (self._compression(x), -self._rate(x, v), self.k, self.k)
+        by_s = outer(UP, F_s), outer(z_p, F_s) + K(x.p, self._force(x, v) * UP)
+        return (by_s[0], *(column(f * UP) for f in scalars)), (by_s[1], *(column(f * z_p) for f in scalars))
+
+
+class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
+    """F = σ(δ) (k δ + c δ̇)₊ upwards at the wheel centre."""
+
+    s: Vec3  # [m] wheel centre in the body
+    k: Scalar  # [N/m]
+    c: Scalar  # [N s/m]
+    radius: Scalar  # [m] unloaded
+    road: Scalar  # [m] height that is added to both curves
+    width: Scalar  # [m] of the rounding
+    profile: Curve  # [m] over the global x [m]
+    bump: Curve  # [m] over time [s]
+
+    @output("m")
+    def compression(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """δ, negative where the tyre is off the road."""
+        place = x.r + rotate(x.p, self.s)
+        return self.radius - (place[2] - (self.road + self.profile(place[0]) + self.bump(t)))
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        B_s = B(x.p, self.s)
+        place, velocity = x.r + rotate(x.p, self.s), v.r + B_s @ v.p
+        rise = self.profile.slope(place[0]) * velocity[0] + self.bump.slope(t)
+        depth, rate = self.compression(x, v, t), rise - velocity[2]
+        touching = soft_step(depth, self.width)
+        F = touching * soft_ramp(self.k * depth + self.c * rate, self.k * self.width)
+        return F * UP, F * B_s[2]

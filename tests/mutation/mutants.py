@@ -31,7 +31,6 @@ NO_FORMULAS = {
     "evaluation",
     "operators",
     "recorder",
-    "varying_torque",
 }  # of the elements' folder
 FACTORS = (2, 3, 4, 8)
 OTHER_BODY = {f"{x}_{i}": f"{x}_{j}" for x in "rpasfh" for i, j in ("ij", "ji")}
@@ -53,8 +52,9 @@ class Mutant:
 
 def modules() -> list[str]:
     """Names of the modules that hold formulas."""
-    files = sorted(path.stem for path in (PACKAGE / "elements").glob("*.py") if path.stem not in NO_FORMULAS)
-    return ["sarrus.algebra", "sarrus.euler", *(f"sarrus.elements.{name}" for name in files)]
+    files = [path for path in sorted((PACKAGE / "elements").rglob("*.py")) if path.stem not in NO_FORMULAS]
+    names = [".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts) for path in files]
+    return ["sarrus.algebra", "sarrus.euler", *names]
 
 
 def mutants(name: str) -> Iterator[Mutant]:

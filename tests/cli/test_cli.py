@@ -1,6 +1,7 @@
 """The command line, called as a user calls it."""
 
 import json
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -310,7 +311,7 @@ def test_help_has_examples_that_parse(verb: str, capsys: pytest.CaptureFixture[s
         assert build([verb]).parse_args(words[1:]).verb == verb
 
 
-def test_bash_completes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_bash_completes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import shutil
     import subprocess
 
@@ -320,24 +321,30 @@ def test_bash_completes(capsys: pytest.CaptureFixture[str]) -> None:
     main(["completion", "bash"])
     script = capsys.readouterr().out
 
+    (tmp_path / "crank.yaml").touch()
+
     def completed(*words: str) -> list[str]:
+        """What the function that the script registers for ``sarrus`` answers, called as the shell calls it."""
         line = " ".join(f"'{word}'" for word in words)
-        ask = (
-            f"COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _sarrus; printf '%s\\n' \"${{COMPREPLY[@]}}\""
-        )
-        done = subprocess.run([bash, "-c", script + ask], capture_output=True, text=True, check=True)
-        return done.stdout.split()
+        ask = f"""
+            function=$(complete -p sarrus | sed 's/.*-F \\([^ ]*\\).*/\\1/')
+            COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; "$function" sarrus '{words[-1]}' '{words[-2]}'
+            printf '%s\\n' "${{COMPREPLY[@]}}"
+        """
+        call = [bash, "-c", script + ask]
+        return subprocess.run(call, capture_output=True, text=True, check=True, cwd=tmp_path).stdout.split()
 
     assert completed("sarrus", "ki") == ["kinematics"]
     assert completed("sarrus", "run", "--un") == ["--until"]
     assert completed("sarrus", "run", "--base", "") == ["fixed", "floating"]
-    assert completed("sarrus", "run", "cra") == []  # files are left to the shell
+    assert completed("sarrus", "run", "cra") == ["crank.yaml"]
+    assert completed("sarrus", "completion", "") == ["bash", "zsh", "fish", "tcsh", "powershell"]
 
 
 def test_zsh_and_fish_know_every_option(capsys: pytest.CaptureFixture[str]) -> None:
     main(["completion", "zsh"])
-    assert "'--until[end time (s) (1)]:value:_files'" in capsys.readouterr().out
+    assert r'"--until[end time \[s\] (1)]:until:_files"' in capsys.readouterr().out
     main(["completion", "fish"])
     told = capsys.readouterr().out
-    assert "'__fish_seen_subcommand_from run' -l until -r -d 'end time [s] (1)'" in told
-    assert "-l base -r -a 'fixed floating'" in told
+    assert re.search(r"using run' -l until -x.* -d 'end time \[s\] \(1\)'", told)
+    assert '-l base -xka "fixed floating"' in told

@@ -128,14 +128,14 @@ def test_what_does_not_move_is_told(folder: Path, capsys: pytest.CaptureFixture[
     assert "nothing moved" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "tcsh", "powershell"])
 def test_completion_is_a_script_of_its_shell(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["completion", shell]) == 0
     script = capsys.readouterr().out
     for verb in VERBS:
         assert verb in script
     program = shutil.which(shell)
-    if program is not None:
+    if program is not None and shell != "powershell":
         subprocess.run([program, "-n"], input=script, text=True, check=True)
 
 

@@ -59,7 +59,7 @@ def test_accelerations_do_not_depend_on_the_choice() -> None:
     system = linkages.bennett()
     with pytest.warns(sr.SarrusWarning, match="velocity"):
         start = sr.assemble(system, v=np.random.default_rng(1).normal(size=system.nq))
-    chosen = Independence(system, start.q).kept
+    chosen = Independence(system, start.q).rows
     assert chosen is not None
     want, _ = Motion(system, chosen).acceleration(0.0, start.q, start.v)
     others = 0
@@ -85,7 +85,7 @@ def test_a_choice_is_renewed_where_it_becomes_poor() -> None:
     )
     for q in run.q:
         independence.renew(0.0, q)
-        kept = system.Phi_q(q)[independence.kept].toarray()
+        kept = system.Phi_q(q)[independence.rows].toarray()
         assert np.linalg.svd(kept, compute_uv=False)[-1] > 1e-3
 
 

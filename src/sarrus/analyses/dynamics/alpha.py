@@ -159,7 +159,7 @@ class AlphaStepper(Implicit):
         """The matrix, the compiled loop, and the arrays that it works on."""
         system, nq, m = self.system, self.system.nq, self.system.m
         self.matrix = newton_matrix(system)
-        self.matrix.numbers.keep(self.independence.kept)
+        self.matrix.numbers.keep(self.independence.rows)
         self._advance, self._weigh, self._passed = link(loop.advance), weigh, self.scheme
         self._entries: Any = loop.Entries(**entries(system, KINDS))
         rows = (m, nq, nq, nq, nq, m, m, nq + m, nq + m, nq, m, nq + m)
@@ -209,7 +209,7 @@ class AlphaStepper(Implicit):
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
-        if self.independence.kept is not None:
+        if self.independence.rows is not None:
             self._renew_equations()
         state, control, before = self._state, self._control, self._control.copy()
         memory = self.b[self.system.memory_places]
@@ -218,7 +218,7 @@ class AlphaStepper(Implicit):
         ]
         if self._arrays is None:
             self._renew_pivots()
-        limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
+        limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
             self._passed, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
             self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self._tolerance,
@@ -254,7 +254,7 @@ class AlphaStepper(Implicit):
         """Where equations are dependent: another independent choice, if the present one has become poor."""
         state = self._state
         if self.independence.renew(self.t, state.q0):
-            self.matrix.numbers.keep(self.independence.kept)
+            self.matrix.numbers.keep(self.independence.rows)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             state.lam_change[:] = 0.0
             self._arrays = None
@@ -290,8 +290,8 @@ class AlphaStepper(Implicit):
         system, kept = self.system, self.matrix.numbers.left_out == 0.0
         try:
             self._factor(t, (q, v, np.zeros(system.nq), np.zeros(system.m)), (0.0, 0.0))
-        except SingularMatrix as trouble:
-            raise SingularSystem(str(trouble)) from None
+        except SingularMatrix as error:
+            raise SingularSystem(str(error)) from None
         force = system.Q(q, v, t, b=self.b) + system.S(q, v, b=self.b)
         found = self.matrix.solve(np.concatenate([force, kept * system.gamma(q, v, t, b=self.b)]))
         if not np.all(np.isfinite(found)):
@@ -362,7 +362,7 @@ class AlphaStepper(Implicit):
         """Go on from such a state."""
         self._take_over(state)
         self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
-        self.matrix.numbers.keep(self.independence.kept)
+        self.matrix.numbers.keep(self.independence.rows)
         self.keeping.resume(state, self.matrix.numbers.left_out)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}
         if found:
@@ -375,5 +375,5 @@ class AlphaStepper(Implicit):
 
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
-        told = self.settings.tolerances.greatest()
-        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **told)
+        message = self.settings.tolerances.greatest()
+        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)

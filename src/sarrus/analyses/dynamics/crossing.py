@@ -218,7 +218,7 @@ class Crossing:
 
     def _step(self, rows: list[int], end: float) -> Landing:
         """The same, from the last of some states."""
-        kept, (times, qs, vs) = self.independence.kept, (x[rows] for x in self._past)
+        kept, (times, qs, vs) = self.independence.rows, (x[rows] for x in self._past)
         motion = Motion(self._system, kept)
         motion.b[:] = self.b
         project = Projection(self._system, motion.b, kept)
@@ -280,8 +280,8 @@ class Way:
     def __init__(self, begin: Begin, times: Array, a: Array) -> None:
         self._begin, self._first, self._half = begin, times[0], 0.5 * (times[-1] - times[0])
         self._a = np.linalg.solve(chebyshev.chebvander(self._x(times), len(times) - 1), a)
-        told = {"lbnd": self._x(begin.t), "scl": self._half}
-        self._v, self._q = (chebyshev.chebint(self._a, m, **told) for m in (1, 2))
+        message = {"lbnd": self._x(begin.t), "scl": self._half}
+        self._v, self._q = (chebyshev.chebint(self._a, m, **message) for m in (1, 2))
 
     def _x(self, t: ArrayLike) -> Any:
         """-1 at the first of the times, 1 at the last."""

@@ -82,7 +82,7 @@ class DescribedStepper(AlphaStepper):
         self._tables = tables
         self.matrix = PlacedMatrix(numbers, tables.n, tables.parts)
         self._of_motion = motion_matrix(system)
-        self._keep(self.independence.kept)
+        self._keep(self.independence.rows)
         self._advance = link(alpha_loop.advance, **{name: getattr(loop, name) for name in FUNCTIONS})
         groups = {**OF_MATRICES, "gamma": ("gamma",)}
         found = entries(system, EQUATIONS) | {
@@ -150,7 +150,7 @@ class DescribedStepper(AlphaStepper):
     def _renew_equations(self) -> None:
         state, kept = self._state, self.independence
         if kept.renew(self.t, state.q0):
-            self._keep(kept.kept)
+            self._keep(kept.rows)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             at = self._program.lam_slope
             state.x[at : at + self.system.m] = 0.0
@@ -194,7 +194,7 @@ class DescribedStepper(AlphaStepper):
         if found:
             self._of_motion.resume(**found)
         super().resume(state)
-        self._keep(self.independence.kept)
+        self._keep(self.independence.rows)
 
 
 def _value(affine: Affine, blocks: Mapping[str, Array]) -> Array:

@@ -63,13 +63,13 @@ class EventOutput:
         """Accelerations and multipliers, those of least norm where constraints are redundant."""
         if self._motion is None:
             choice = Independence(self._system, q, t)
-            self._motion = choice, Motion(self._system, choice.kept)
+            self._motion = choice, Motion(self._system, choice.rows)
         choice, motion = self._motion
         if choice.renew(t, q):
-            motion.keep(choice.kept)
+            motion.keep(choice.rows)
         motion.b[:] = self._b
         a, lam = motion.acceleration(t, q, v)
-        return a, lam if choice.kept is None else choice.shortest(t, q, lam)
+        return a, lam if choice.rows is None else choice.shortest(t, q, lam)
 
     def __call__(self, t: float, q: Array, v: Array) -> float:
         """Its value."""

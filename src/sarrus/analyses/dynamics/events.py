@@ -143,8 +143,8 @@ class Watch:
             self.output(t, q, v)
         value = real(f"the value of the event {self.name}", self.function(t, q, v))
         if np.isnan(value):
-            told = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
-            raise Trouble("event undefined", told)
+            message = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
+            raise Trouble("event undefined", message)
         return value
 
     @property
@@ -211,15 +211,15 @@ class Watch:
 
     def _velocities(self, given: Any, size: int) -> Array:
         """What a function of one's own has returned."""
-        sentence = (
+        message = (
             f"the reset of the event {self.name} must return {size} finite velocities; return a new array"
         )
         try:
             found = np.array(given, dtype=float)
-        except (TypeError, ValueError) as trouble:
-            raise ValueError(sentence) from trouble
+        except (TypeError, ValueError) as error:
+            raise ValueError(message) from error
         if found.shape != (size,) or not np.all(np.isfinite(found)):
-            raise ValueError(sentence)
+            raise ValueError(message)
         return found
 
 

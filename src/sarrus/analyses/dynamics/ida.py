@@ -61,7 +61,7 @@ class IDAStepper:
         self.independence = independence_at(system, start)
         self._equations = Equations(system, self.independence, start)
         self.b = self._equations.motion.b
-        self._projection = Projection(system, self.b, self.independence.kept)
+        self._projection = Projection(system, self.b, self.independence.rows)
         self._solver: Any = None
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
@@ -133,13 +133,13 @@ def _solver(equations: Equations, settings: Settings) -> Any:
         raise ImportError("IDA() needs scikit-sundae; install it with: pip install 'sarrus[ida]'") from None
     m = equations.system.m
     tolerances, max_step = settings.tolerances, settings.max_step
-    told: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}
-    told["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
-    told["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v, np.full(2 * m, UNMEASURED)])
+    message: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}
+    message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+    message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v, np.full(2 * m, UNMEASURED)])
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Custom sparse Jacobian approximation")
         sparse = {"linsolver": "sparse", "sparsity": equations.matrix.pattern()}
-        return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **told)
+        return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **message)
 
 
 class Equations:
@@ -147,15 +147,15 @@ class Equations:
 
     def __init__(self, system: System, independence: Independence, start: Assembly) -> None:
         self.system, self.independence, self.evaluations = system, independence, 0
-        self.motion = Motion(system, independence.kept)
+        self.motion = Motion(system, independence.rows)
         remember_start(system, start, self.motion.b)
         self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         nq, m = system.nq, system.m
         self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), newton_parts(nq, m))
         self._left_out = self._numbers.views[LEFT_OUT]
-        if self.independence.kept is not None:
+        if self.independence.rows is not None:
             self._left_out[:] = 1.0
-            self._left_out[self.independence.kept] = 0.0
+            self._left_out[self.independence.rows] = 0.0
         self._row_of = self._numbers.row_of
         self._cut = np.cumsum([nq, nq, m])
 

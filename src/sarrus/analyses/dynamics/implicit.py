@@ -91,19 +91,19 @@ class Implicit:
             if self._vain > PATIENCE:
                 raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
-            sentence = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
-            raise self._explained(state.q0, state.v0, Trouble("step too small", sentence))
+            message = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
+            raise self._explained(state.q0, state.v0, Trouble("step too small", message))
 
     def _motion(self) -> Accelerations:
         """What solves the equations of motion at a start."""
-        motion = Motion(self.system, self.independence.kept)
+        motion = Motion(self.system, self.independence.rows)
         motion.b[:] = self.b
         return motion
 
     def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
         """Why there are no further steps."""
-        told = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
+        message = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     def _saved(self) -> dict[str, Array]:
         """What is needed to go on, but for the matrices."""

@@ -127,11 +127,11 @@ class Keeping:
         for name in (LEFT_OUT, MEMORY):
             self._kept(name)[:] = state[f"kept_{name}"]
 
-    def steps(self, **told: Any) -> StepsTaken | None:
+    def steps(self, **message: Any) -> StepsTaken | None:
         """All steps, with the state of the start before them."""
         if not self.wanted:
             return None
-        told |= {name: self._kept(name) for name in (*self._names, MEMORY)}
+        message |= {name: self._kept(name) for name in (*self._names, MEMORY)}
         left_out = self._kept(LEFT_OUT)
-        told |= {LEFT_OUT: left_out if np.any(left_out) else left_out[:0], "places": self._places}
-        return self._kind(**told)
+        message |= {LEFT_OUT: left_out if np.any(left_out) else left_out[:0], "places": self._places}
+        return self._kind(**message)

@@ -120,8 +120,8 @@ class March:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
         except TimeLimit as over:
             status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
-        except Trouble as trouble:
-            status, message = trouble.status, trouble.sentence
+        except Trouble as error:
+            status, message = error.status, error.sentence
         except NotSavedError as wrong:
             return self._not_saved(str(wrong))
         return self._result(status, message)
@@ -181,8 +181,8 @@ class March:
         states = (found.q[0], found.v[0], found.a[0], found.lam[0], b[self.system.memory_places])
         return State(float(last.t[0]), *states, turns)
 
-    def _save(self, told: Mapping[str, Any] | None = None, force: bool = False) -> None:
-        """Hand over what was computed; mark it as safe now and then, at the start, and at the end with what is told."""
+    def _save(self, message: Mapping[str, Any] | None = None, force: bool = False) -> None:
+        """Hand over what was computed; mark it as safe now and then, at the start, and at the end with the record."""
         store = self.plan.store
         if store is None:
             return
@@ -191,15 +191,18 @@ class March:
             self.stepper.tally.history.clear()
         self._samples.clear()
         now = time.perf_counter()
-        if force or told is not None or now - self._marked > self._pause:
+        if force or message is not None or now - self._marked > self._pause:
             state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
-            state |= {"written": np.array(self._written), "told": np.array(json.dumps(told or self._told()))}
-            if told is not None and (final := self._final()) is not None:
+            state |= {
+                "written": np.array(self._written),
+                "told": np.array(json.dumps(message or self._told())),
+            }
+            if message is not None and (final := self._final()) is not None:
                 state |= final.to_store()
-            (store.mark if told is None else store.finish)(state)
+            (store.mark if message is None else store.finish)(state)
             self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
 
@@ -212,9 +215,9 @@ class March:
     def _told(self) -> dict[str, Any]:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
-        told = {"status": "cut short", "message": message, "t": self.stepper.t}
-        told |= {"singular": self.nearness.times, "warnings": collected()}
-        return told | counts
+        text = {"status": "cut short", "message": message, "t": self.stepper.t}
+        text |= {"singular": self.nearness.times, "warnings": collected()}
+        return text | counts
 
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and what happened during them."""
@@ -257,17 +260,17 @@ class March:
         return self._crowd() or ("finished", "reached the end")
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
-        """Where steps are kept: what is told of an event."""
+        """Where steps are kept: the record of an event."""
         steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
-        told: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
+        message: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
         if isinstance(event.reset, Impact) and not watch.ends:
-            told |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
+            message |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
         elif not watch.ends:
-            told |= {"reset": event.reset}
-        told |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
-        self._cut(steps, Turn(name=watch.name, t=t, function=event.function, **told))
+            message |= {"reset": event.reset}
+        message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
+        self._cut(steps, Turn(name=watch.name, t=t, function=event.function, **message))
 
     def _cut(self, steps: StepsTaken, turn: Turn) -> None:
         """Keep the steps up to an event, and the event."""
@@ -339,14 +342,14 @@ class March:
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
         """The result of a run that is on disk."""
-        told = {**self._told(), "status": status, "message": message}
+        text = {**self._told(), "status": status, "message": message}
         try:
             if status == "time limit":
                 self._save(force=True)
             if status not in UNFINISHED:
-                self._save(told)
+                self._save(text)
             elif not store.replace_record(
-                json.dumps(told)
+                json.dumps(text)
             ):  # the last checkpoint stays: the run can be resumed
                 return nothing(self.system, status, message)
         except NotSavedError as wrong:
@@ -360,8 +363,8 @@ class March:
             found = self._opened(self.plan.store.path)
         except NoSavedDataError:
             return nothing(self.system, NOT_SAVED, why)
-        told = f"{why} The run is safe up to t = {self._safe:.6g} s: continue it with sarrus.resume."
-        return replace(found, success=False, status=NOT_SAVED, message=told)
+        message = f"{why} The run is safe up to t = {self._safe:.6g} s: continue it with sarrus.resume."
+        return replace(found, success=False, status=NOT_SAVED, message=message)
 
 
 def _until(nodes: Nodes, states: Samples) -> Nodes:

@@ -55,10 +55,10 @@ class ODEStepper:
         self.system, self._name, self._settings = system, name, settings
         self.t, self.tally, self._tiny = start.t, Tally(), 0
         self.independence = independence_at(system, start)
-        self.motion = Motion(system, self.independence.kept)
+        self.motion = Motion(system, self.independence.rows)
         self.b = self.motion.b
         remember_start(system, start, self.b)
-        self._projection = Projection(system, self.b, self.independence.kept)
+        self._projection = Projection(system, self.b, self.independence.rows)
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin anew; SciPy's solver chooses its first step."""
@@ -66,12 +66,12 @@ class ODEStepper:
 
         self.t, self._span, self._tiny = t, until - t, 0
         tolerances, settings = self._settings.tolerances, self._settings
-        told: dict[str, Any] = {"max_step": settings.max_step, "first_step": settings.first_step or None}
-        told["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
-        told["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
+        message: dict[str, Any] = {"max_step": settings.max_step, "first_step": settings.first_step or None}
+        message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+        message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
         try:
             self._solver = getattr(integrate, self._name)(
-                self._rate, t, np.concatenate([q, v]), until, **told
+                self._rate, t, np.concatenate([q, v]), until, **message
             )
         except ValueError:  # SciPy's choice of a first step meets what is not finite
             raise self._explained(q, v) from None
@@ -85,16 +85,16 @@ class ODEStepper:
         rows = [self._node(self.t, *np.split(self._solver.y, 2))]
         try:
             self._solver.t_bound, self._solver.status = float(stop), "running"
-            for _ in range(min(limit, PATIENCE) if self.independence.kept is None else 1):
+            for _ in range(min(limit, PATIENCE) if self.independence.rows is None else 1):
                 rows += self._step()
                 if self.t == stop:
                     break
         except SingularSystem:
             if len(rows) == 1:
                 raise self._stuck_at() from None
-        except Trouble as trouble:
+        except Trouble as error:
             if len(rows) == 1:
-                raise self._stuck_at(trouble) from None
+                raise self._stuck_at(error) from None
         finally:
             self._count()
         return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
@@ -106,9 +106,9 @@ class ODEStepper:
     def _step(self) -> list[tuple[Any, ...]]:
         """One step, and its nodes: some of the solver's own interpolant, then the projected end."""
         solver, before = self._solver, self.t
-        sentence = solver.step()
-        if sentence:
-            raise Trouble("step too small", f"{sentence} at t = {solver.t:.6g} s: {WHY}")
+        message = solver.step()
+        if message:
+            raise Trouble("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
         self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
         if self._tiny >= PATIENCE:
             raise Trouble("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
@@ -138,13 +138,13 @@ class ODEStepper:
 
     def _renew(self, t: float, q: Array) -> None:
         if self.independence.renew(t, q):
-            self.motion.keep(self.independence.kept)
-            self._projection.keep(self.independence.kept)
+            self.motion.keep(self.independence.rows)
+            self._projection.keep(self.independence.rows)
 
     def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
         """Why there are no further steps."""
-        told = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, told)
+        message = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     def _rate(self, t: float, y: Array) -> Array:
         """The rate of [q; v]; not a number where there is none, so that the solver tries a shorter step."""
@@ -167,8 +167,8 @@ class ODEStepper:
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self.independence.resume(state["null"])
-        self.motion.keep(self.independence.kept)
-        self._projection.keep(self.independence.kept)
+        self.motion.keep(self.independence.rows)
+        self._projection.keep(self.independence.rows)
         self.b[:], own, y = state["b"], state["own"], state["y"]
         q, v = np.split(y, 2)
         self.restart(float(own[0]), q, v, float(own[0] + own[1]))

@@ -11,7 +11,7 @@ from ...system import System
 from .sample_loop import Samples
 
 
-def trajectory_of(system: System, samples: Samples, *, status: str, **told: Any) -> Trajectory:
+def trajectory_of(system: System, samples: Samples, *, status: str, **message: Any) -> Trajectory:
     """The trajectory of sampled states."""
     return Trajectory(
         system.name,
@@ -27,7 +27,7 @@ def trajectory_of(system: System, samples: Samples, *, status: str, **told: Any)
         status=status,
         joints=system.joint_coordinates,
         system=system,
-        **told,
+        **message,
     )
 
 

@@ -42,6 +42,6 @@ class Prescribed:
         none = np.zeros(0)
         try:
             stepper = self.stepper(system, start, settings)
-        except Trouble as trouble:
-            return nothing(system, trouble.status, trouble.sentence)
+        except Trouble as error:
+            return nothing(system, error.status, error.sentence)
         return March(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)

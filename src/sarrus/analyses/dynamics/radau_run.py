@@ -90,7 +90,7 @@ class RadauStepper(Implicit):
         state, control, before = self._state, self._control, self._control.copy()
         memory = self.b[self.system.memory_places]
         first = [np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, *self._last, memory)]
-        limit = min(limit, self._chunk, limit if self.independence.kept is None else DEPENDENT_CHUNK)
+        limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._loop(
             self.scheme, self._index, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
             self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self.tolerance,
@@ -121,7 +121,7 @@ class RadauStepper(Implicit):
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
-        self.numbers.keep(self.independence.kept)
+        self.numbers.keep(self.independence.rows)
         self.keeping.resume(state, self.numbers.left_out)
         self._last = state["last_a"], state["last_lam"]
         if "real_factors" in state:
@@ -150,8 +150,8 @@ class RadauStepper(Implicit):
 
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
-        told = self.settings.tolerances.greatest()
-        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **told)
+        message = self.settings.tolerances.greatest()
+        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
 
     def _make_matrices(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
@@ -159,13 +159,13 @@ class RadauStepper(Implicit):
         self.real = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m))
         self.pair = PlacedMatrix(self.numbers, 2 * (nq + m), newton_parts(nq, m), complex)
         self.motion = PlacedMatrix(self.numbers, nq + m, motion_parts(nq))
-        self.numbers.keep(self.independence.kept)
+        self.numbers.keep(self.independence.rows)
 
     def _renew_equations(self) -> None:
         """Where equations are dependent: another independent choice, if the present one has become poor."""
         state, t = self._state, float(self._control.t)
         if self.independence.renew(t, state.q0):
-            self.numbers.keep(self.independence.kept)
+            self.numbers.keep(self.independence.rows)
             a, lam = self._motion().acceleration(t, state.q0, state.v0)
             self._last, state.lam_before[:] = (a, lam), lam
             self._control.stages_h, self._arrays = 0.0, None

@@ -83,8 +83,8 @@ class Recipe:
                 return self.done(system, store, progress)
         except NotSavedError as wrong:
             return nothing(system, NOT_SAVED, str(wrong))
-        except Trouble as trouble:
-            return nothing(system, trouble.status, trouble.sentence)
+        except Trouble as error:
+            return nothing(system, error.status, error.sentence)
 
 
 @dataclass(frozen=True)
@@ -129,8 +129,8 @@ def resume(
     recipe: Recipe = recipe_of(folder)["recipe"]
     system = System(recipe.model)
     if awaits_checkpoint(folder):
-        with monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
-            return recipe.saved(folder, system, told)
+        with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
+            return recipe.saved(folder, system, message)
     about, _, state = arrays_of(folder)
     if _is_over(state):
         return recipe.march(system, None, None).over(state, folder)
@@ -139,8 +139,8 @@ def resume(
         store, state = Store.reopen(folder)
     except NotSavedError as wrong:
         return replace(load_run(folder, system), success=False, status=NOT_SAVED, message=str(wrong))
-    with store, monitor(progress, recipe.plan.until, time_limit=time_limit) as told:
-        return recipe.done(system, store, told, state)
+    with store, monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
+        return recipe.done(system, store, message, state)
 
 
 @reports_warnings

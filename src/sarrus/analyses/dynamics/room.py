@@ -21,8 +21,8 @@ def available() -> int:
     """Free memory of this computer, or a very large number where it does not tell. [bytes]"""
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:
-            told = dict(line.split(":", 1) for line in lines)
-        return 1024 * int(told["MemAvailable"].split()[0])
+            message = dict(line.split(":", 1) for line in lines)
+        return 1024 * int(message["MemAvailable"].split()[0])
     except (OSError, KeyError, ValueError):
         pass
     try:

@@ -79,7 +79,7 @@ class Sampler:
     ) -> None:
         self.system, self.independence, self.b, self.apart = system, copy(independence), b.copy(), apart
         self.matrix = motion_matrix(system, host)
-        self.matrix.numbers.keep(independence.kept)
+        self.matrix.numbers.keep(independence.rows)
         self.unsettled: list[float] = []
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)
@@ -155,7 +155,7 @@ class Sampler:
     def _choose(self, t: float, q: Array) -> None:
         """Where equations are dependent, another choice of those to solve, if the present one is poor."""
         if self.independence.renew(t, q):
-            self.matrix.numbers.keep(self.independence.kept)
+            self.matrix.numbers.keep(self.independence.rows)
             self._arrays = None
 
     def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
@@ -190,7 +190,7 @@ class Sampler:
     def resume(self, state: Mapping[str, Array]) -> None:
         """Take over choices made before."""
         self.independence.resume(state["sampler_null"])
-        self.matrix.numbers.keep(self.independence.kept)
+        self.matrix.numbers.keep(self.independence.rows)
         self._work.weak[:] = state["sampler_weak"]
         if "sampler_factors" in state:
             self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
@@ -198,7 +198,7 @@ class Sampler:
 
     def _shorten(self, out: loop.Samples) -> None:
         """The shortest multipliers, where equations are dependent."""
-        if self.independence.kept is not None:
+        if self.independence.rows is not None:
             for k in range(len(out.t)):
                 with suppress(SingularSystem):  # where all choices are dependent they stay as they are
                     out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])

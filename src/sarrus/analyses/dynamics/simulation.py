@@ -127,7 +127,7 @@ def simulate(
     if store_steps and watched:
         kept_events.refuse(chosen, save is not None)
     try:
-        with monitor(progress, until, time_limit=time_limit) as told:
+        with monitor(progress, until, time_limit=time_limit) as message:
             begin = start_of(system, start)
             if not begin.success:
                 return nothing(system, "inconsistent", begin.message)
@@ -144,10 +144,10 @@ def simulate(
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:
-                return recipe.saved(save, system, told, overwrite=overwrite)
-            return recipe.done(system, None, told)
-    except Trouble as trouble:
-        return nothing(system, trouble.status, trouble.sentence)
+                return recipe.saved(save, system, message, overwrite=overwrite)
+            return recipe.done(system, None, message)
+    except Trouble as error:
+        return nothing(system, error.status, error.sentence)
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:

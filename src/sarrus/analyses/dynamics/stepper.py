@@ -20,9 +20,9 @@ HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected 
 class Trouble(ArithmeticError):
     """A method cannot go on; `status` and `sentence` say why."""
 
-    def __init__(self, status: str, sentence: str) -> None:
-        super().__init__(sentence)
-        self.status, self.sentence = status, sentence
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(message)
+        self.status, self.sentence = status, message
 
 
 @dataclass(frozen=True)

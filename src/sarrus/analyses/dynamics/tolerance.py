@@ -112,8 +112,8 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
     try:
         formula = parse(value)
         powers, number = unit_of(formula, {}), formula.value({})
-    except (ModelError, KeyError) as trouble:
-        raise ValueError(f"{name} of {kind} is {value!r}, which {trouble}") from None
+    except (ModelError, KeyError) as error:
+        raise ValueError(f"{name} of {kind} is {value!r}, which {error}") from None
     if not fits(powers, "1" if name == "rtol" else KINDS[kind]):
         wanted = "a plain number" if name == "rtol" else f"in {KINDS[kind]}, or another unit of that kind"
         raise ValueError(f"{name} of {kind} must be {wanted}, but is {value!r}")

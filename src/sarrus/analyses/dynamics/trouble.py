@@ -106,15 +106,15 @@ def trouble_of(
     )
 
 
-def _with_weak_rows(trouble: Trouble, rows: list[str]) -> Trouble:
-    """The same trouble, and the constraints that come close to being dependent."""
+def _with_weak_rows(error: Trouble, rows: list[str]) -> Trouble:
+    """The same error, and the constraints that come close to being dependent."""
     if not rows:
-        return trouble
-    told = (
-        f"{trouble.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
+        return error
+    message = (
+        f"{error.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
         f"among {', '.join(rows)}"
     )
-    return Trouble(trouble.status, told)
+    return Trouble(error.status, message)
 
 
 def singular(t: float, rows: list[str]) -> Trouble:

@@ -39,7 +39,7 @@ class Independence:
 
     Attributes
     ----------
-    kept : places in Φ of the equations chosen, or None where all are independent
+    rows : indices in Φ of the equations chosen, or None where all are independent
     known : how many equations depend on others
     length : by which displacements are measured, in all positions
     smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
@@ -50,7 +50,7 @@ class Independence:
         self.length = lever(system, q, system.Phi_q(q, t))
         rank = rank_of(self.scaled_Phi_q(q, t), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
-        self.kept: Array | None = None
+        self.rows: Array | None = None
         self.known = self._null.shape[1]
         if self._null.shape[1]:
             self._choose(self._null)
@@ -60,8 +60,8 @@ class Independence:
         return scaled(self._system.Phi_q(q, t), self.length)
 
     def _choose(self, null: Array) -> None:
-        self.kept = independent_rows(null, self._fixed)
-        self._minimum = MinimumNorm(self._system, self.kept)
+        self.rows = independent_rows(null, self._fixed)
+        self._minimum = MinimumNorm(self._system, self.rows)
 
     def state(self) -> Array:
         """What the choice was made of, for `resume`."""
@@ -78,7 +78,7 @@ class Independence:
 
         Where the rank is not what it was, at a singular configuration, the choice stays.
         """
-        if self.kept is None or not self._poor(t, q):
+        if self.rows is None or not self._poor(t, q):
             return False
         null = rank_of(self.scaled_Phi_q(q, t), parts=_components(self._system)).null
         if null.shape != self._null.shape:
@@ -96,7 +96,7 @@ class Independence:
 
     def shortest(self, t: float, q: Array, lam: Array) -> Array:
         """The shortest multipliers (m,) that give the same constraint forces."""
-        if self.kept is None:
+        if self.rows is None:
             return lam
         return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
 
@@ -128,7 +128,7 @@ class Independence:
         """
         if not start.success:
             raise Inconsistent(start.message)
-        if self.kept is None:
+        if self.rows is None:
             return
         t = start.t
         lengths = self.row_lengths(start.q, t)

@@ -102,9 +102,11 @@ def sensitivity_by_checkpoints(
             back = partial(_backwards, report, 2 * until)
             task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back)
             return task.gradient(system, as_responses(responses), parameters)
-    except (Trouble, TimeLimit) as trouble:
-        told = trouble.sentence if isinstance(trouble, Trouble) else trouble
-        raise ValueError(f"derivatives need a run that reached its end, but {system.name}: {told}") from None
+    except (Trouble, TimeLimit) as error:
+        message = error.sentence if isinstance(error, Trouble) else error
+        raise ValueError(
+            f"derivatives need a run that reached its end, but {system.name}: {message}"
+        ) from None
 
 
 def _backwards(report: Progress, whole: float, t: float) -> None:
@@ -142,8 +144,8 @@ class LongTask:
         """
         per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
         settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, store_steps=True)
-        told = (self.start, differentiable(self.method), settings, self.until, self.memory, per_step)
-        run = LongRun(system, *told, self.events, self.progress)
+        message = (self.start, differentiable(self.method), settings, self.until, self.memory, per_step)
+        run = LongRun(system, *message, self.events, self.progress)
         wanted = [fine(response) for response in responses] if run.precise else responses
         return LongGradient(run, wanted, parameters).gradient(self.back)
 

@@ -156,11 +156,11 @@ def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequ
     inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
     try:
         found = list(np.ravel(np.asarray(function(t, q.copy(), v.copy()), dtype=object)))
-    except Exception as trouble:  # foreign code: whatever it raises
+    except Exception as error:  # foreign code: whatever it raises
         raise ValueError(
             f"the event {turn.name} at t = {turn.t:.6g} s cannot be differentiated through its Python function: "
-            f"{trouble}; write it with arithmetic and NumPy's functions of the entries of q and v, or as a formula"
-        ) from trouble
+            f"{error}; write it with arithmetic and NumPy's functions of the entries of q and v, or as a formula"
+        ) from error
     return Recorded(tape, found, inputs, sizes)
 
 

@@ -251,16 +251,16 @@ class Parameters:
         """The model must be the one that the design describes."""
         for name, entry in found.items():
             if name not in self._numbers and name not in self.restitutions:
-                told = (
+                message = (
                     f"{name} follows from a formula, but is no number that derivatives can be taken through"
                 )
-                raise UnknownParameter(f"{told}; leave the parameters that it depends on away")
+                raise UnknownParameter(f"{message}; leave the parameters that it depends on away")
             own = self.restitutions[name] if name in self.restitutions else self._numbers[name]
             given = float(value_of(entry))
             if abs(given - own) > SAME * max(1.0, abs(own)):
-                told = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
+                message = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
                 raise UnknownParameter(
-                    f"{told}; make the model with `with_numbers` from the design's numbers"
+                    f"{message}; make the model with `with_numbers` from the design's numbers"
                 )
 
     def number(self, name: str, variable: Callable[[str, float], Any]) -> Any:

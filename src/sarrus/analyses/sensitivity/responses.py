@@ -43,8 +43,10 @@ class Response:
             )
         given: Any = self.name
         if not isinstance(given, str):
-            told = f"{type(self).__name__} of {self.told}: name must be a text, got {given!r}"
-            raise TypeError(f"{told}. Name the arguments after the output, as in At('slider.x', time=0.5).")
+            message = f"{type(self).__name__} of {self.told}: name must be a text, got {given!r}"
+            raise TypeError(
+                f"{message}. Name the arguments after the output, as in At('slider.x', time=0.5)."
+            )
 
     @property
     def title(self) -> str:
@@ -106,9 +108,9 @@ class Response:
         if isinstance(found, Traced):
             return found
         if np.asarray(found).dtype.kind not in "biuf" or np.size(found) not in (1, np.size(outputs.t.value)):
-            told = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)
+            message = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)
             raise TypeError(
-                f"{self.title}: the function returns {told}, but a response is made of one number"
+                f"{self.title}: the function returns {message}, but a response is made of one number"
             )
         return outputs.constant(np.asarray(found, dtype=float))
 
@@ -346,8 +348,8 @@ class Misfit(Response):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not len(self.at) == len(self.data) > 0:
-            told = f"{len(self.at)} times and {len(self.data)} data"
-            raise ValueError(f"{self.title}: there are {told}; give one measured number for each time")
+            message = f"{len(self.at)} times and {len(self.data)} data"
+            raise ValueError(f"{self.title}: there are {message}; give one measured number for each time")
         for what, given in (("times", self.at), ("data", self.data)):
             if not np.isfinite(np.asarray(given, dtype=float)).all():
                 raise ValueError(f"{self.title}: its {what} are not all finite numbers; leave gaps out")

@@ -13,13 +13,18 @@ from sarrus.results import Steps, StepsTaken
 
 
 def again(
-    system: sr.System, steps: StepsTaken, method: object, numbers: Mapping[str, float]
+    system: sr.System,
+    steps: StepsTaken,
+    method: object,
+    numbers: Mapping[str, float],
+    rates: Mapping[str, float] | None = None,
 ) -> tuple[sr.System, StepsTaken]:
-    """The run with other numbers of the model, with the same lengths of steps."""
+    """The run with other numbers of the model, with the same lengths of steps; perhaps from given rates."""
     changed = sr.System(with_numbers(system.model, numbers))
     ends = np.array([steps.t[0], steps.t[-1]])
     settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
-    run = differentiable(method).run(changed, sr.assemble(changed), ends, **settings)
+    start = sr.assemble(changed, rates=rates or {})
+    run = differentiable(method).run(changed, start, ends, **settings)
     assert run.success, run.message
     if isinstance(steps, Steps):
         assert np.array_equal(run.steps.removed != 0, steps.removed != 0)

@@ -49,7 +49,7 @@ class _Pulled(torch.autograd.Function):
 class Mechanism(torch.nn.Module):
     """A layer that gives the responses (r,) of design variables (p,), differentiated by one sweep backwards.
 
-    It can be differentiated twice, ``torch.autograd.functional.hessian``, with runs whose second derivatives exist.
+    It can be differentiated twice, ``torch.autograd.functional.hessian``, with runs of implicit methods.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from .event_functions import Slopes
+from .event_functions import Recorded, Slopes
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .turn import TurnDerivatives
@@ -183,13 +183,24 @@ class _Contracted:
         u_dot = kappa * (dots["after"] + e_dot * v + e * dots["v"]) - dots["p"] * x
         recorded = turn.recorded(turn.turn.along)
         f_q, moved = recorded.slopes.q[0], self._moved()
-        found = recorded.rate_along(u).turned(np.ones(1), np.zeros(1), moved._replace(v=u_dot))
+        found = self._rate_along(recorded, u).turned(np.ones(1), np.zeros(1), moved._replace(v=u_dot))
         self._add(found._replace(v=np.zeros_like(v)))
         f_q_dot = found.v
         to["after"] += kappa * f_q_dot
         to["v"] += kappa * (e * f_q_dot + e_dot * f_q)
         to["p"] -= f_q_dot @ x
         to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"]) * turn.by_e
+
+    def _rate_along(self, output: Recorded, u: Array) -> Recorded:
+        """f_q u as a function of the state, which takes the third derivatives of the output."""
+        try:
+            return output.rate_along(u)
+        except TypeError as wrong:
+            event = self._turn.turn
+            raise ValueError(
+                f"the event {event.name}: second derivatives need third ones of {event.along}, along which its impact "
+                f"acts: {wrong}. Take an output of recorded functions."
+            ) from wrong
 
     def _by_nodes(self) -> TurnChange:
         """Those by q̃ and ṽ as those by the nodes and by τ."""

@@ -97,8 +97,11 @@ class Tape:
             if n not in dots and any(arg in dots for arg in args):
                 if isinstance(op, Operation):
                     raise TypeError("a function that is not recorded has no third derivatives")
-                slopes = OPERATIONS[op].slopes(Traced(self, n), *(Traced(self, arg) for arg in args))
-                pairs = zip(slopes, args, strict=True)
+                still = op in ("absolute", "maximum")  # their slopes change at kinks only
+                own = [
+                    self.values[k] if still or not self._moving[k] else Traced(self, k) for k in (n, *args)
+                ]
+                pairs = zip(OPERATIONS[op].slopes(*own), args, strict=True)
                 dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
         return dots.get(of.at, 0.0)
 

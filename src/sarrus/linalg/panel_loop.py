@@ -7,7 +7,7 @@ compiled code would check at every access. Storage is that of `sparse_lu`.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -21,6 +21,9 @@ REFINED, REFINEMENTS = (
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
+
+
+Buffers: TypeAlias = Array | tuple[Array, ...]  # workspace arrays of the size of the unknowns
 
 
 class Pattern(NamedTuple):
@@ -174,7 +177,7 @@ def solve_flat(
 
 
 @compiled
-def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room: Array) -> None:
+def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room: Buffers) -> None:
     """Solution = matrix⁻ᵀ right (n, k), not refined."""
     n, width, x = np.uint64(right.shape[0]), right.shape[1], room[0]
     for k in range(n):
@@ -188,7 +191,7 @@ def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room:
 
 @compiled
 def solve_columns_transposed(
-    matrix: Factors, right: Array, solution: Array, room: Array
+    matrix: Factors, right: Array, solution: Array, room: Buffers
 ) -> tuple[float, float]:
     """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]

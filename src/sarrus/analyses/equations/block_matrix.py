@@ -41,7 +41,7 @@ class Part(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """What compiled code needs to assemble and factor: see `assemble` and `linear.SparseLU`."""
+    """What compiled code needs to assemble and factor: see `assemble` and `linalg.sparse_solver.SparseLU`."""
 
     parts: Array
     places: Array

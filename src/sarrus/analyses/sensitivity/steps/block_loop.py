@@ -8,15 +8,16 @@ take as long as a step of a small system.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
+from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
-from .layout import KIND, LAM, NU, XI, A, Q, T, V
-from .stacked import Row, at, row
+from .layout import KIND, LAM, NU, XI, A, Layout, Q, T, V
+from .stacked import Ragged, Row, Series, at, row
 
 UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
 UNEVALUATED, REDUNDANT, END = 0, 1, 2
@@ -28,14 +29,14 @@ class Kernels(NamedTuple):
     gradient : by the numbers of elements, of all kinds one after another; `gradients` is where each kind begins
     """
 
-    jacobian: Any
-    inertia: Any
-    stiffness: Any
-    gamma_v: Any
-    gamma_q_v: Any
-    Phi_q_xi_q: Any
-    gradient: Any
-    gradients: Any
+    jacobian: Entry
+    inertia: Entry
+    stiffness: Entry
+    gamma_v: Entry
+    gamma_q_v: Entry
+    Phi_q_xi_q: Entry
+    gradient: Entry
+    gradients: Array
 
 
 class Run(NamedTuple):
@@ -50,52 +51,61 @@ class Run(NamedTuple):
     memory, places, left_out : of the steps, see `sarrus.results.StepsTaken`
     """
 
-    coefficients: Any
-    unknowns: Any
-    weights: Any
-    product_weights: Any
-    scales: Any
-    times: Any
-    steps: Any
-    nodes: Any
-    alike: Any
-    sources: Any
-    pieces: Any
-    bounds: Any
-    memory: Any
-    places: Any
-    left_out: Any
+    coefficients: Series
+    unknowns: Array
+    weights: Series
+    product_weights: Series
+    scales: Series
+    times: Series
+    steps: Series
+    nodes: Series
+    alike: Series
+    sources: tuple[Array, ...]
+    pieces: Ragged
+    bounds: Array
+    memory: Array
+    places: Array
+    left_out: Array
+
+
+class RaggedRows(NamedTuple):
+    """Matrices by rows, one after another: the fields of `columns_loop.Rows`."""
+
+    indptr: Ragged
+    columns: Ragged
+    places: Ragged
+    more: Ragged
 
 
 class Matrices(NamedTuple):
-    """Of all operations: the matrix, its factors' pattern, and the product; see `step_matrix.Factors`.
+    """Of all operations: the matrix, its factors' pattern, and the product; see `panel_loop.Pattern`.
 
     upper, whole, by_rows : by rows, for panels of columns: U, the matrix, the product; fields of `columns_loop.Rows`
     """
 
-    parts: Any
-    places: Any
-    indptr: Any
-    indices: Any
-    pointers: Any
-    rows: Any
-    diagonal: Any
-    ends: Any
-    row_place: Any
-    column_order: Any
-    product_parts: Any
-    product_places: Any
-    product_indptr: Any
-    product_indices: Any
-    upper: Any
-    whole: Any
-    by_rows: Any
+    parts: Ragged
+    places: Ragged
+    indptr: Ragged
+    indices: Ragged
+    pointers: Ragged
+    rows: Ragged
+    diagonal: Ragged
+    ends: Ragged
+    row_place: Ragged
+    column_order: Ragged
+    product_parts: Ragged
+    product_places: Ragged
+    product_indptr: Ragged
+    product_indices: Ragged
+    upper: RaggedRows
+    whole: RaggedRows
+    by_rows: RaggedRows
 
 
 class Block(NamedTuple):
     """One block for each operation.
 
-    index, used : (operations, lanes) the occurrences; (operations, 2) how many lanes are in use, and which is next
+    occurrences, used : (operations, lanes); (operations, 2) how many lanes are in use, and which is next
     states, values : in lanes, see `layout.Layout`
     weights : of the parts of one matrix, in lanes
     sheet : factors and numbers of one matrix, or those of its product, in lanes
@@ -109,22 +119,22 @@ class Block(NamedTuple):
     moved : forwards, what changes of b do, see `changes`
     """
 
-    index: Any
-    used: Any
-    states: Any
-    values: Any
-    weights: Any
-    sheet: Any
-    turned: Any
-    starts: Any
-    strides: Any
-    cuts: Any
-    work: Any
-    growth: Any
-    refined: Any
-    adjoint: Any
-    by_b: Any
-    moved: Any
+    occurrences: Array
+    used: Array
+    states: Array
+    values: Array
+    weights: Array
+    sheet: Array
+    turned: Array
+    starts: Array
+    strides: Array
+    cuts: Array
+    work: Array
+    growth: Array
+    refined: Array
+    adjoint: Array
+    by_b: Array
+    moved: Changes
 
 
 class Changes(NamedTuple):
@@ -139,38 +149,38 @@ class Changes(NamedTuple):
     panels : how many panels there are
     """
 
-    entry: Any
-    dots: Any
-    calls: Any
-    results: Any
-    places: Any
-    equations: Any
-    signs: Any
-    chosen: Any
-    panels: Any
+    entry: Entry
+    dots: Array
+    calls: Ragged
+    results: Array
+    places: Ragged
+    equations: Ragged
+    signs: Ragged
+    chosen: Ragged
+    panels: int
 
 
 @compiled
-def collect(run: Any, op: Any, k: Any, way: Any, block: Any) -> None:
+def collect(run: Run, op: int, k: int, way: int, block: Block) -> None:
     """Fill the lanes with occurrences that are alike, from k on; those that are left repeat one."""
     count, n, kin = 0, k, at(run.alike, op, k).values[0]
     while (
         count < LANES and run.bounds[op, 0] <= n < run.bounds[op, 1] and at(run.alike, op, n).values[0] == kin
     ):
-        block.index[op, count] = n
+        block.occurrences[op, count] = n
         count += 1
         n += way
     for lane in range(count, LANES):
-        block.index[op, lane] = k
+        block.occurrences[op, lane] = k
     block.used[op, 0], block.used[op, 1] = count, 0
 
 
 @compiled
-def gather(layout: Any, run: Any, op: Any, block: Any) -> None:
+def gather(layout: Layout, run: Run, op: int, block: Block) -> None:
     """The recorded stages; adjoint variables begin with zero."""
     pieces, places, states = row(run.pieces, op).values, row(layout.pieces, op).values, block.states
     for lane in range(LANES):
-        k = block.index[op, lane]
+        k = block.occurrences[op, lane]
         times = at(run.times, op, k).values
         for s in range(len(times)):
             states[(layout.times[op, 0] + s) * LANES + lane] = times[s]
@@ -184,18 +194,18 @@ def gather(layout: Any, run: Any, op: Any, block: Any) -> None:
 
 
 @compiled
-def remember(b: Any, run: Any, op: Any, block: Any) -> None:
+def remember(b: Array, run: Run, op: int, block: Block) -> None:
     """What elements remembered during the steps of a block."""
-    n = at(run.steps, op, block.index[op, 0]).values[0]
+    n = at(run.steps, op, block.occurrences[op, 0]).values[0]
     for k in range(len(run.places)):
         b[run.places[k]] = run.memory[n, k]
 
 
 @compiled
-def leave_out(layout: Any, run: Any, op: Any, block: Any) -> None:
+def leave_out(layout: Layout, run: Run, op: int, block: Block) -> None:
     """Equations that are left out have no gradient."""
     if len(run.left_out) > 0:
-        out = run.left_out[at(run.nodes, op, block.index[op, 0]).values[0]]
+        out = run.left_out[at(run.nodes, op, block.occurrences[op, 0]).values[0]]
         first = layout.values[op, REDUNDANT] * LANES
         for k in range(len(out)):
             block.values[first + k * LANES : first + (k + 1) * LANES] = out[k]
@@ -206,7 +216,7 @@ def leave_out(layout: Any, run: Any, op: Any, block: Any) -> None:
 
 
 @compiled
-def evaluate(layout: Any, kernels: Any, b: Any, run: Any, op: Any, block: Any) -> None:
+def evaluate(layout: Layout, kernels: Kernels, b: Array, run: Run, op: int, block: Block) -> None:
     """The numbers of all operators."""
     clear_lanes(block.values[layout.values[op, UNEVALUATED] * LANES : layout.values[op, REDUNDANT] * LANES])
     calls = row(layout.calls, op).values
@@ -232,16 +242,16 @@ def evaluate(layout: Any, kernels: Any, b: Any, run: Any, op: Any, block: Any) -
 
 
 @compiled
-def weigh(series: Any, op: Any, block: Any) -> None:
+def weigh(series: Series, op: int, block: Block) -> None:
     """The weights of the parts of a matrix."""
     for lane in range(LANES):
-        weights = at(series, op, block.index[op, lane]).values
+        weights = at(series, op, block.occurrences[op, lane]).values
         for k in range(len(weights)):
             block.weights[k * LANES + lane] = weights[k]
 
 
 @compiled
-def factor_block(layout: Any, run: Any, op: Any, matrices: Any, block: Any) -> None:
+def factor_block(layout: Layout, run: Run, op: int, matrices: Matrices, block: Block) -> None:
     """Assemble and factor the matrices."""
     first, last = block.cuts[op, 1], block.cuts[op, 2]
     factors, data = block.sheet[: first * LANES], block.sheet[first * LANES : last * LANES]
@@ -260,13 +270,13 @@ def factor_block(layout: Any, run: Any, op: Any, matrices: Any, block: Any) -> N
 
 
 @compiled
-def turned(block: Any, op: Any) -> Any:
+def turned(block: Block, op: int) -> Row:
     """What is stored lane by lane for an operation."""
     return Row(block.turned[block.starts[op] : block.starts[op] + LANES * block.strides[op]])
 
 
 @compiled
-def make_product(layout: Any, run: Any, op: Any, matrices: Any, block: Any) -> None:
+def make_product(layout: Layout, run: Run, op: int, matrices: Matrices, block: Block) -> None:
     """Assemble the products."""
     first, last = block.cuts[op, 2], block.cuts[op, 3]
     data = block.sheet[: (last - first) * LANES]
@@ -278,7 +288,7 @@ def make_product(layout: Any, run: Any, op: Any, matrices: Any, block: Any) -> N
 
 
 @compiled
-def change(layout: Any, b: Any, op: Any, block: Any) -> None:
+def change(layout: Layout, b: Array, op: int, block: Block) -> None:
     """Forwards, what changes of the numbers do, element by element."""
     moved, states = block.moved, block.states
     calls, groups = row(moved.calls, op).values, row(layout.groups, op).values
@@ -294,7 +304,7 @@ def change(layout: Any, b: Any, op: Any, block: Any) -> None:
 
 
 @compiled
-def finish(layout: Any, kernels: Any, b: Any, run: Any, op: Any, block: Any) -> None:
+def finish(layout: Layout, kernels: Kernels, b: Array, run: Run, op: int, block: Block) -> None:
     """Backwards, what the adjoint variables give for the gradient by the numbers; the block is used up."""
     if block.used[op, 0] > 0 and len(block.adjoint) > 0:
         remember(b, run, op, block)
@@ -313,7 +323,15 @@ def finish(layout: Any, kernels: Any, b: Any, run: Any, op: Any, block: Any) -> 
 
 @compiled
 def linearize(
-    layout: Any, kernels: Any, b: Any, run: Any, op: Any, k: Any, way: Any, matrices: Any, block: Any
+    layout: Layout,
+    kernels: Kernels,
+    b: Array,
+    run: Run,
+    op: int,
+    k: int,
+    way: int,
+    matrices: Matrices,
+    block: Block,
 ) -> None:
     """Evaluate and factor for occurrences of an operation from k on, up or down."""
     collect(run, op, k, way, block)

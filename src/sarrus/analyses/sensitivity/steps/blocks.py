@@ -21,7 +21,7 @@ from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
 from ..lagrangians.by_parameters import gradient_entry
-from .block_loop import UNKNOWN, Block, Kernels, Matrices
+from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedRows
 from .changes import UNCHANGED, changes, joined
 from .layout import drivers_of, kinds_of, layout_of
 from .matrix import Arranged
@@ -111,7 +111,7 @@ class Blocks:
         if b_dot is not None:
             moved = changes(system, self.tables, np.ascontiguousarray(b_dot.T), self.width)
         return Block(
-            index=np.zeros((OPERATIONS, LANES), np.int64), used=np.zeros((OPERATIONS, 2), np.int64),
+            occurrences=np.zeros((OPERATIONS, LANES), np.int64), used=np.zeros((OPERATIONS, 2), np.int64),
             states=room(layout.states_size), values=values, weights=room(max(parts)), sheet=room(0), turned=room(0),
             starts=np.zeros(OPERATIONS, np.int64), strides=np.zeros(OPERATIONS, np.int64),
             cuts=np.zeros((OPERATIONS, 4), np.int64), work=room(int(layout.n.max())),
@@ -176,12 +176,12 @@ def _matrices(
         [one.rows if one and panels else no_rows() for one in products],
     )
     wide = (
-        Rows._make(ragged([getattr(one, name) for one in own], np.uint64) for name in Rows._fields)
+        RaggedRows._make(ragged([getattr(one, name) for one in own], np.uint64) for name in Rows._fields)
         for own in by
     )
-    return Matrices(
+    return Matrices._make([
         *(stacked(arranged, name) for name in ("parts", "places")),
         *(stacked(patterns, name) for name in Pattern._fields),
         *(stacked(products, name) for name in ("parts", "places", "indptr", "indices")),
         *wide,
-    )
+    ])  # fmt: skip

@@ -38,19 +38,19 @@ class Layout(NamedTuple):
     states_size, values_size : entries in lanes
     """
 
-    n: Any
-    moved: Any
-    stages: Any
-    node: Any
+    n: Array
+    moved: Array
+    stages: Array
+    node: Array
     by_unknowns: Ragged
     pieces: Ragged
-    times: Any
+    times: Array
     calls: Ragged
-    values: Any
+    values: Array
     constrained: Ragged
     constraints: Ragged
     groups: Ragged
-    adjoints: Any
+    adjoints: Array
     states_size: int
     values_size: int
 

@@ -17,6 +17,7 @@ from ...._jit import pointer
 from ...._jit.driver import COMPILING, Signature, compile_source
 from ...._jit.lanes import fill, load, plus_product, product, store
 from ...._jit.vector import LANES
+from ....algebra import Array
 from ....system import System
 from ....system.once import once_alike
 from ...dynamics.methods.description import CONSTRAINTS
@@ -43,13 +44,22 @@ class Entry(NamedTuple):
 Rows = dict[Block, list[Entry]]  # blocks that are set, by others
 
 
+class Drivers(NamedTuple):
+    """One driver of each operation, or none: see `_jit.pointer.KernelTable`; `at` is where that of each begins."""
+
+    addresses: Array
+    starts: Array
+    tables: Array
+    at: Array
+
+
 class Maps(NamedTuple):
     """The maps of all operations, see `maps_of`: drivers one after another."""
 
-    moved: Any
-    after: Any
-    right: Any
-    before: Any
+    moved: Drivers
+    after: Drivers
+    right: Drivers
+    before: Drivers
 
 
 def _grouped(tables: Tables) -> tuple[list[Rows], list[Rows]]:
@@ -87,15 +97,6 @@ def maps_of(system: System, structures: tuple[Structure | None, ...], width: int
     first, second = (_stacked([pair[n] for pair in pairs]) for n in (0, 1))
     none = _stacked([pointer.NONE] * len(pairs))
     return Maps(first, second, none, none) if forward else Maps(none, none, first, second)
-
-
-class Drivers(NamedTuple):
-    """One driver of each operation, or none: see `_jit.pointer.KernelTable`; `at` is where that of each begins."""
-
-    addresses: Any
-    starts: Any
-    tables: Any
-    at: Any
 
 
 def _stacked(entries: Sequence[pointer.KernelTable]) -> Drivers:

@@ -68,10 +68,6 @@ class Occurrences:
         """How many there are."""
         return len(self.steps)
 
-    def column(self, coefficient: Any) -> Array:
-        """A coefficient at all occurrences."""
-        return np.asarray(np.broadcast_to(coefficient, (len(self),)))
-
     def _columns(self, coefficients: list[Any]) -> Array:
         found = np.empty((len(self), len(coefficients)))
         for k, coefficient in enumerate(coefficients):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
+from ....algebra import Array
 from ....linalg.lanes_loop import clear_lanes
-from .block_loop import collect, gather, remember
+from .block_loop import Block, Run, collect, gather, remember
 from .layout import (
     BY_A,
     BY_LAM,
@@ -22,38 +23,39 @@ from .layout import (
     XI_EQUATION,
     XI_ROW,
     A,
+    Layout,
     Q,
     T,
     V,
 )
-from .stacked import at, row
+from .stacked import Series, at, row
 
 
 class Operands(NamedTuple):
     """Operands and results of one call besides the states, in lanes: see `lagrangian`."""
 
-    q_dot: Any
-    v_dot: Any
-    a_dot: Any
-    lam_dot: Any
-    xi: Any
-    nu: Any
-    by_q: Any
-    by_v: Any
-    by_a: Any
-    by_lam: Any
-    by_b: Any
+    q_dot: Array
+    v_dot: Array
+    a_dot: Array
+    lam_dot: Array
+    xi: Array
+    nu: Array
+    by_q: Array
+    by_v: Array
+    by_a: Array
+    by_lam: Array
+    by_b: Array
 
 
 @compiled
-def put(x: Any, first: Any, weight: Any, lane: Any, out: Any) -> None:
+def put(x: Array, first: int, weight: float, lane: int, out: Array) -> None:
     """A lane of out = weight times entries of x from a place on; zero if there is none."""
     for k in range(len(out) // LANES):
         out[k * LANES + lane] = weight * x[first + k] if first >= 0 else 0.0
 
 
 @compiled
-def take(x: Any, lane: Any, first: Any, out: Any) -> None:
+def take(x: Array, lane: int, first: int, out: Array) -> None:
     """Entries of out from a place on += a lane of x."""
     if first >= 0:
         for k in range(len(x) // LANES):
@@ -62,12 +64,12 @@ def take(x: Any, lane: Any, first: Any, out: Any) -> None:
 
 @compiled
 def change_group(
-    layout: Any, entry: Any, b: Any, b_dot: Any, run: Any, op: Any, group: Any, dots: Any, adjoint: Any, block: Any,
-    work: Any, sources: Any,
+    layout: Layout, entry: Entry, b: Array, b_dot: Array, run: Run, op: int, group: Array, dots: Series,
+    adjoint: Series, block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """One group of equations of the occurrences in a block."""
     for lane in range(LANES):
-        k = block.index[op, lane]
+        k = block.occurrences[op, lane]
         moved, mu, scales = at(dots, op, k).values, at(adjoint, op, k).values, at(run.scales, op, k).values
         put(moved, group[BY_Q], 1.0, lane, work.q_dot)
         put(moved, group[BY_V], 1.0, lane, work.v_dot)
@@ -91,7 +93,7 @@ def change_group(
         work.by_q, work.by_v, work.by_a, work.by_lam, work.by_b,
     )  # fmt: skip
     for lane in range(block.used[op, 0]):
-        out = at(sources, op, block.index[op, lane]).values
+        out = at(sources, op, block.occurrences[op, lane]).values
         take(work.by_q, lane, group[BY_Q], out)
         take(work.by_v, lane, group[BY_V], out)
         take(work.by_a, lane, group[BY_A], out)
@@ -100,8 +102,8 @@ def change_group(
 
 @compiled
 def change_operation(
-    layout: Any, entries: Any, ends: Any, b: Any, b_dot: Any, run: Any, op: Any, dots: Any, adjoint: Any, block: Any,
-    work: Any, sources: Any,
+    layout: Layout, entries: Entry, ends: Array, b: Array, b_dot: Array, run: Run, op: int, dots: Series,
+    adjoint: Series, block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """All occurrences of an operation."""
     k, groups = run.bounds[op, 0], row(layout.groups, op).values
@@ -119,8 +121,8 @@ def change_operation(
 
 @compiled(entry=True)
 def change(
-    layout: Any, entries: Any, ends: Any, b: Any, b_dot: Any, run: Any, dots: Any, adjoint: Any, block: Any, work: Any,
-    sources: Any,
+    layout: Layout, entries: Entry, ends: Array, b: Array, b_dot: Array, run: Run, dots: Series, adjoint: Series,
+    block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """Of all operations; what the changes add to the gradient by the numbers is left in `work`.
 

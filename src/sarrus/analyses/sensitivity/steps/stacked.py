@@ -14,32 +14,32 @@ from ....algebra import Array
 class Ragged(NamedTuple):
     """Arrays one after another, and where each begins, and the end."""
 
-    values: Any
-    starts: Any
+    values: Array
+    starts: Array
 
 
 class Row(NamedTuple):
     """An array that is a part of another one, which compiled functions return to those that count no references."""
 
-    values: Any
+    values: Array
 
 
 class Series(NamedTuple):
     """For each operation rows of one width, one for every occurrence: all entries, where each begins, and widths."""
 
-    values: Any
-    starts: Any
-    widths: Any
+    values: Array
+    starts: Array
+    widths: Array
 
 
 @compiled
-def row(ragged: Any, n: Any) -> Any:
+def row(ragged: Ragged, n: int) -> Row:
     """Array n."""
     return Row(ragged.values[ragged.starts[n] : ragged.starts[n + 1]])
 
 
 @compiled
-def at(series: Any, op: Any, k: Any) -> Any:
+def at(series: Series, op: int, k: int) -> Row:
     """The row of occurrence k of an operation."""
     first = series.starts[op] + k * series.widths[op]
     return Row(series.values[first : first + series.widths[op]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -240,7 +240,7 @@ class Sweep:
         rows = found.reshape(panels, -1, width).swapaxes(0, 1).reshape(-1, panels * width)
         return rows[:, : self.columns]
 
-    def _arranged(self) -> Any:
+    def _arranged(self) -> Matrices:
         """The matrices, at first in the orders of pivots of a very short step, chosen once for a run."""
         if self._order is None:
             present = tuple(one is not None for one in self._blocks.tables)

@@ -23,17 +23,20 @@ from ...._jit.lanes import fill, load, plus_product, store
 from ...._jit.link import compiled
 from ...._jit.pointer import Entry, call_kernels
 from ...._jit.vector import LANES
+from ....algebra import Array
 from ....linalg.columns_loop import ByRows, Rows, minus_rows, solve_panel
 from ....linalg.panel_loop import (
     REFINEMENTS,
+    Buffers,
     Factors,
     solve_columns_transposed,
     solve_flat,
     solve_plain_transposed,
 )
-from .block_loop import UNKNOWN, finish, linearize, turned
-from .layout import NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW
-from .stacked import Row, at, row
+from .block_loop import UNKNOWN, Block, Changes, Kernels, Matrices, RaggedRows, Run, finish, linearize, turned
+from .layout import NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
+from .maps import Drivers, Maps
+from .stacked import Row, Series, at, row
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
@@ -49,11 +52,11 @@ class Timeline(NamedTuple):
     begun : the state with which each operation begins, or -1
     """
 
-    operations: Any
-    occurrences: Any
-    nodes: Any
-    begun: Any
-    states: Any
+    operations: Array
+    occurrences: Array
+    nodes: Array
+    begun: Array
+    states: Array
 
 
 class Work(NamedTuple):
@@ -67,22 +70,22 @@ class Work(NamedTuple):
     done : how many panels have made the operation that is next; backwards, whether its node's gradients are added
     """
 
-    right: Any
-    solution: Any
-    room: Any
-    stages: Any
-    maps: Any
-    trusted: Any
-    done: Any
+    right: Array
+    solution: Array
+    room: Array
+    stages: Array
+    maps: Maps
+    trusted: Array
+    done: Array
 
 
 class Nodes(NamedTuple):
     """Per node gradients of responses, which a sweep takes, or room for derivatives, which one forward gives."""
 
-    q: Any
-    v: Any
-    a: Any
-    lam: Any
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
 
 
 class Weighed(NamedTuple):
@@ -93,15 +96,15 @@ class Weighed(NamedTuple):
     total : (panels, responses * width)
     """
 
-    by: Any
-    ends: Any
-    rows: Any
-    values: Any
-    total: Any
+    by: Nodes
+    ends: Array
+    rows: Array
+    values: Array
+    total: Array
 
 
 @compiled
-def apply_map(own: Any, op: Any, coefficients: Any, state: Any, other: Any, out: Any) -> None:
+def apply_map(own: Drivers, op: int, coefficients: Array, state: Array, other: Array, out: Array) -> None:
     """Set a vector by the state and another one, see `maps`."""
     n = own.at[op]
     driver = Entry(own.addresses[n : n + 1], own.starts[n : n + 2], own.tables)
@@ -109,7 +112,7 @@ def apply_map(own: Any, op: Any, coefficients: Any, state: Any, other: Any, out:
 
 
 @compiled
-def spread(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
+def spread(terms: Array, coefficients: Array, x: Array, out: Array) -> None:
     """Out += A x, for blocks of rows and columns; a single column."""
     for n in range(len(terms)):
         for k in range(terms[n, 2]):
@@ -117,7 +120,7 @@ def spread(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
 
 
 @compiled
-def spread_transposed(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
+def spread_transposed(terms: Array, coefficients: Array, x: Array, out: Array) -> None:
     """Out += Aᵀ x."""
     for n in range(len(terms)):
         for k in range(terms[n, 2]):
@@ -125,14 +128,14 @@ def spread_transposed(terms: Any, coefficients: Any, x: Any, out: Any) -> None:
 
 
 @compiled
-def numbers_of(block: Any, op: Any, lane: Any) -> Any:
+def numbers_of(block: Block, op: int, lane: int) -> Row:
     """What is stored of a lane."""
     first = lane * block.strides[op]
     return Row(turned(block, op).values[first : first + block.strides[op]])
 
 
 @compiled
-def lane_of(matrices: Any, block: Any, op: Any, numbers: Any) -> Any:
+def lane_of(matrices: Matrices, block: Block, op: int, numbers: Array) -> Factors:
     """The matrix of one lane and its factors."""
     cuts = block.cuts[op]
     return Factors(
@@ -144,7 +147,7 @@ def lane_of(matrices: Any, block: Any, op: Any, numbers: Any) -> Any:
 
 
 @compiled
-def rows_of(by_rows: Any, op: Any) -> Any:
+def rows_of(by_rows: RaggedRows, op: int) -> Rows:
     """A matrix by rows."""
     return Rows(
         row(by_rows.indptr, op).values,
@@ -155,23 +158,23 @@ def rows_of(by_rows: Any, op: Any) -> Any:
 
 
 @compiled
-def plainly(refined: Any, growth: Any) -> Any:
+def plainly(refined: Array, growth: float) -> bool:
     """Whether a solution with factors of some growth need not be refined."""
-    return refined[CHANGE] <= refined[LIMIT] and growth <= LARGER * refined[GROWTH]
+    return bool(refined[CHANGE] <= refined[LIMIT] and growth <= LARGER * refined[GROWTH])
 
 
 @compiled
 def solve_lane(
-    own: Any,
-    upper: Any,
-    whole: Any,
-    refined: Any,
-    growth: Any,
-    begun: Any,
-    right: Any,
-    solution: Any,
-    room: Any,
-) -> Any:
+    own: Factors,
+    upper: Rows,
+    whole: Rows,
+    refined: Array,
+    growth: float,
+    begun: bool,
+    right: Array,
+    solution: Array,
+    room: Buffers,
+) -> float:
     """Solve for one column as in `solve_lane_transposed`, or for a panel of them.
 
     Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
@@ -187,7 +190,7 @@ def solve_lane(
     else:
         first, change = solve_panel(own, ByRows(upper, whole), given, found, x, rest, most)
     if plain:
-        return refined[CHANGE]
+        return float(refined[CHANGE])
     refined[CHANGE] = first if alone or refined[CHANGE] == UNKNOWN else max(first, refined[CHANGE])
     if alone or not begun:
         refined[GROWTH] = growth
@@ -195,21 +198,23 @@ def solve_lane(
 
 
 @compiled
-def solve_lane_transposed(own: Any, refined: Any, growth: Any, right: Any, solution: Any, room: Any) -> Any:
+def solve_lane_transposed(
+    own: Factors, refined: Array, growth: float, right: Array, solution: Array, room: Buffers
+) -> float:
     """Solve with the transposed factors of one lane; the last relative change of the solution.
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
     """
     if plainly(refined, growth):
         solve_plain_transposed(own, right, solution, room)
-        return refined[CHANGE]
+        return float(refined[CHANGE])
     first, change = solve_columns_transposed(own, right, solution, room)
     refined[CHANGE], refined[GROWTH] = first, growth
     return change
 
 
 @compiled
-def silence(layout: Any, run: Any, op: Any, k: Any, x: Any) -> None:
+def silence(layout: Layout, run: Run, op: int, k: int, x: Array) -> None:
     """Zero in the rows of equations that are left out."""
     if len(run.left_out) > 0:
         out, rows = run.left_out[at(run.nodes, op, k).values[0]], row(layout.constraints, op).values
@@ -220,7 +225,7 @@ def silence(layout: Any, run: Any, op: Any, k: Any, x: Any) -> None:
 
 
 @compiled
-def put_adjoint(layout: Any, run: Any, op: Any, k: Any, lane: Any, mu: Any, block: Any) -> None:
+def put_adjoint(layout: Layout, run: Run, op: int, k: int, lane: int, mu: Array, block: Block) -> None:
     """ξ and ν of a lane for all groups."""
     groups, scales = row(layout.groups, op).values, at(run.scales, op, k).values
     for n in range(len(groups)):
@@ -235,7 +240,7 @@ def put_adjoint(layout: Any, run: Any, op: Any, k: Any, lane: Any, mu: Any, bloc
 
 
 @compiled
-def put_rows(mu: Any, first: Any, count: Any, weight: Any, lane: Any, to: Any, out: Any) -> None:
+def put_rows(mu: Array, first: int, count: int, weight: float, lane: int, to: int, out: Array) -> None:
     """A lane of out = weight x some rows of μ, for all columns."""
     for c in range(mu.shape[1]):
         for j in range(count):
@@ -243,7 +248,7 @@ def put_rows(mu: Any, first: Any, count: Any, weight: Any, lane: Any, to: Any, o
 
 
 @compiled
-def times_transposed(matrices: Any, op: Any, numbers: Any, mu: Any, out: Any) -> None:
+def times_transposed(matrices: Matrices, op: int, numbers: Array, mu: Array, out: Array) -> None:
     """Out += Pᵀ μ, for the quantities of the stages that move with the state (n * width)."""
     indptr, indices = row(matrices.product_indptr, op).values, row(matrices.product_indices, op).values
     width: Any = np.uint64(mu.shape[1])
@@ -257,8 +262,9 @@ def times_transposed(matrices: Any, op: Any, numbers: Any, mu: Any, out: Any) ->
 
 @compiled
 def backward_operation(
-    layout: Any, run: Any, op: Any, k: Any, matrices: Any, block: Any, work: Any, bars: Any, stored: Any, sources: Any
-) -> Any:  # fmt: skip
+    layout: Layout, run: Run, op: int, k: int, matrices: Matrices, block: Block, work: Work, bars: Array,
+    stored: Series, sources: Series,
+) -> bool:  # fmt: skip
     """From the gradients by the state after an operation to those before; false if pivots must be renewed."""
     lane, n, width = block.used[op, 1], layout.n[op], bars.shape[1]
     right, mu, maps = work.right[:n], work.solution[:n], work.maps
@@ -291,7 +297,7 @@ def backward_operation(
 
 
 @compiled
-def add_gradients(layout: Any, given: Any, n: Any, bars: Any) -> None:
+def add_gradients(layout: Layout, given: Nodes, n: int, bars: Array) -> None:
     """Add what responses take from one node."""
     add_rows(given.q[n], layout.node[0], bars)
     add_rows(given.v[n], layout.node[1], bars)
@@ -300,7 +306,7 @@ def add_gradients(layout: Any, given: Any, n: Any, bars: Any) -> None:
 
 
 @compiled
-def add_rows(x: Any, first: Any, out: Any) -> None:
+def add_rows(x: Array, first: int, out: Array) -> None:
     """Some rows of out += x."""
     for k in range(x.shape[0]):
         for c in range(x.shape[1]):
@@ -308,7 +314,7 @@ def add_rows(x: Any, first: Any, out: Any) -> None:
 
 
 @compiled
-def exchange(bars: Any, out: Any) -> None:
+def exchange(bars: Array, out: Array) -> None:
     """Out = bars, which begin with zero again."""
     for k in range(out.shape[0]):
         for c in range(out.shape[1]):
@@ -318,9 +324,9 @@ def exchange(bars: Any, out: Any) -> None:
 
 @compiled(entry=True)
 def backward(
-    layout: Any, kernels: Any, b: Any, run: Any, timeline: Any, e: Any, last: Any, matrices: Any, block: Any, work: Any,
-    bars: Any, given: Any, stored: Any, sources: Any,
-) -> Any:  # fmt: skip
+    layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, last: int, matrices: Matrices,
+    block: Block, work: Work, bars: Array, given: Nodes, stored: Series, sources: Series,
+) -> int:  # fmt: skip
     """From the end of operation e to the start of `last`; returns the one that needs new pivots, or last - 1."""
     block.used[:] = 0
     while e >= last:
@@ -343,7 +349,7 @@ def backward(
 
 
 @compiled
-def subtract_changes(moved: Any, op: Any, lane: Any, p: Any, scales: Any, right: Any) -> None:
+def subtract_changes(moved: Changes, op: int, lane: int, p: int, scales: Array, right: Array) -> None:
     """Right -= what the changes of the numbers do in a lane."""
     n = op * moved.panels + p
     places, chosen = row(moved.places, n).values, row(moved.chosen, n).values
@@ -353,7 +359,7 @@ def subtract_changes(moved: Any, op: Any, lane: Any, p: Any, scales: Any, right:
 
 
 @compiled
-def subtract_sources(sources: Any, columns: Any, p: Any, right: Any) -> None:
+def subtract_sources(sources: Array, columns: int, p: int, right: Array) -> None:
     """Right -= sources (n * columns) for panel p."""
     width = right.shape[1]
     first = p * width
@@ -363,7 +369,7 @@ def subtract_sources(sources: Any, columns: Any, p: Any, right: Any) -> None:
 
 
 @compiled
-def apply(matrices: Any, op: Any, numbers: Any, x: Any, right: Any) -> None:
+def apply(matrices: Matrices, op: int, numbers: Array, x: Array, right: Array) -> None:
     """Right = P x, for the quantities of the stages that move with the state."""
     out = right.reshape(right.shape[0] * right.shape[1])
     out[:] = 0.0
@@ -380,9 +386,9 @@ def apply(matrices: Any, op: Any, numbers: Any, x: Any, right: Any) -> None:
 
 @compiled
 def forward_operation(
-    layout: Any, run: Any, op: Any, k: Any, p: Any, columns: Any, matrices: Any, block: Any, work: Any, own: Any,
-    stored: Any, sources: Any,
-) -> Any:  # fmt: skip
+    layout: Layout, run: Run, op: int, k: int, p: int, columns: int, matrices: Matrices, block: Block, work: Work,
+    own: Array, stored: Series, sources: Series,
+) -> bool:  # fmt: skip
     """The change of the state of a panel p by an operation; false if pivots must be renewed."""
     lane, n, width = block.used[op, 1], layout.n[op], work.right.shape[1]
     right, solution, maps = work.right[:n], work.solution[:n], work.maps
@@ -415,9 +421,9 @@ def forward_operation(
 
 @compiled
 def forward_panels(
-    layout: Any, run: Any, op: Any, k: Any, columns: Any, matrices: Any, block: Any, work: Any, state: Any, stored: Any,
-    sources: Any,
-) -> Any:  # fmt: skip
+    layout: Layout, run: Run, op: int, k: int, columns: int, matrices: Matrices, block: Block, work: Work,
+    state: Array, stored: Series, sources: Series,
+) -> bool:  # fmt: skip
     """An operation for all panels that have not made it; false if pivots must be renewed."""
     while work.done[0] < len(state):
         p = work.done[0]
@@ -433,9 +439,10 @@ def forward_panels(
 
 @compiled(entry=True)
 def forward(
-    layout: Any, kernels: Any, b: Any, run: Any, timeline: Any, e: Any, columns: Any, matrices: Any, block: Any,
-    work: Any, state: Any, given: Any, weighed: Any, stored: Any, sources: Any,
-) -> Any:  # fmt: skip
+    layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, columns: int,
+    matrices: Matrices, block: Block, work: Work, state: Array, given: Nodes, weighed: Weighed, stored: Series,
+    sources: Series,
+) -> int:  # fmt: skip
     """From operation e to the last; returns the one that needs new pivots, or how many there are.
 
     `state` are the derivatives of the state in panels (panels, entries * width). `given` takes them at nodes; of
@@ -457,7 +464,7 @@ def forward(
 
 
 @compiled
-def put_node(layout: Any, n: Any, width: Any, state: Any, given: Any, weighed: Any) -> None:
+def put_node(layout: Layout, n: int, width: int, state: Array, given: Nodes, weighed: Weighed) -> None:
     """What is asked for at a node: derivatives of its state, or what they do to responses."""
     if len(weighed.by.q) > 0:
         choose_gradients(layout, weighed, n)
@@ -472,13 +479,13 @@ def put_node(layout: Any, n: Any, width: Any, state: Any, given: Any, weighed: A
 
 
 @compiled
-def put_block(state: Any, first: Any, p: Any, width: Any, out: Any) -> None:
+def put_block(state: Array, first: int, p: int, width: int, out: Array) -> None:
     """The derivatives of a block of the state in panel p in their place."""
     put_panel(state[first * width : (first + out.shape[0]) * width], p, width, out)
 
 
 @compiled
-def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
+def put_panel(panel: Array, p: int, width: int, out: Array) -> None:
     """The columns of panel p in their place (n, columns)."""
     first = p * width
     whole = width > 1 and first + width <= out.shape[1]
@@ -493,7 +500,7 @@ def put_panel(panel: Any, p: Any, width: Any, out: Any) -> None:
 
 
 @compiled
-def choose_gradients(layout: Any, weighed: Any, n: Any) -> None:
+def choose_gradients(layout: Layout, weighed: Weighed, n: int) -> None:
     """Of the gradients of responses by the state of one node those that are not zero."""
     by, count = weighed.by, 0
     for r in range(by.q.shape[2]):
@@ -505,7 +512,7 @@ def choose_gradients(layout: Any, weighed: Any, n: Any) -> None:
 
 
 @compiled
-def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
+def choose(gradient: Array, r: int, first: int, weighed: Weighed, count: int) -> int:
     """Of those by one kind of states, which begin at a row; how many there are then."""
     for k in range(gradient.shape[0]):
         value = gradient[k, r]
@@ -516,7 +523,7 @@ def choose(gradient: Any, r: Any, first: Any, weighed: Any, count: Any) -> Any:
 
 
 @compiled
-def weigh_panel(weighed: Any, p: Any, width: Any, own: Any) -> None:
+def weigh_panel(weighed: Weighed, p: int, width: int, own: Array) -> None:
     """Add the change of responses by that of the state of panel p."""
     total = weighed.total[p]
     for r in range(np.uint64(len(weighed.ends) - 1)):

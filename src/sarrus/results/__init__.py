@@ -21,8 +21,8 @@ from .motion.solution import NoSolution, Solution, State
 from .motion.steps import DescribedSteps, Pieces, RadauSteps, Steps, StepsTaken, Turn
 from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
+from .reading import load_run
 from .result import Product, ResultList
-from .saving.reading import load_run
 from .singularity import Singularities, Singularity
 
 __all__ = [

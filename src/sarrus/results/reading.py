@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ...model.checks.arguments import checked
-from ..motion.events import event_records
-from ..motion.solution import State
-from ..motion.trajectory import Trajectory
-from .saved import arrays_of, recipe_of
+from ..model.checks.arguments import checked
+from .motion.events import event_records
+from .motion.solution import State
+from .motion.trajectory import Trajectory
+from .saving.saved import arrays_of, recipe_of
 
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 

@@ -166,8 +166,8 @@ def test_section_of_a_platform() -> None:
 @pytest.mark.parametrize(
     ("inputs", "options", "told"),
     [
-        (("a1",), {}, "give as many inputs"),
-        (("a1", "a2"), {"fixed": {"b1": 0.0}}, "fix functions until two"),
+        (("a1",), {}, "Give as many inputs"),
+        (("a1", "a2"), {"fixed": {"b1": 0.0}}, "Fix functions until two"),
         (("a1", "a2"), {"lost": "both"}, "give 'inputs' or 'outputs'"),
     ],
 )

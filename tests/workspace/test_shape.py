@@ -100,7 +100,7 @@ def test_boundaries_without_speed() -> None:
     end = found.intervals[0][1]
     for start in found.search.found:
         start.x[-1] = 0.0
-    with pytest.raises(sr.SarrusError, match=r"link_2\(0\.7, 0, 0\)\.x has no end at 1\.7 that moves"):
+    with pytest.raises(sr.SarrusError, match=r"link_2\(0\.7, 0, 0\)\.x: no end at 1\.7 moves"):
         sr.end_gradient(found, end, [])
 
 

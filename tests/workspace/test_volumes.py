@@ -125,8 +125,8 @@ def test_a_range_that_is_cut() -> None:
     ("output", "options", "told"),
     [
         (("tool.x", "tool.y"), {}, "of three outputs"),
-        (("tool.x",) * 3, {"rtol": 0.0}, "rtol must be"),
-        (("tool.x",) * 3, {"between": (1.0, 0.0)}, "between must rise, but is 1 to 0"),
+        (("tool.x",) * 3, {"rtol": 0.0}, "rtol: must be"),
+        (("tool.x",) * 3, {"between": (1.0, 0.0)}, "between: must rise, got 1 to 0"),
     ],
 )
 def test_misuse(output: tuple[str, ...], options: dict[str, Any], told: str) -> None:

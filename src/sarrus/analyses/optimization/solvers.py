@@ -132,7 +132,9 @@ def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bo
     try:
         import ipyopt
     except ImportError:
-        raise SarrusError('IPOPT is not installed; install it with: pip install "sarrus[ipopt]"') from None
+        raise SarrusError(
+            'solver: IPOPT is not installed. Install it with: pip install "sarrus[ipopt]".'
+        ) from None
     n, m, size = (
         len(search.variables.names),
         len(search.constraints),

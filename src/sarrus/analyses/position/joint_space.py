@@ -42,7 +42,7 @@ class JointSpace:
 
     def __init__(self, system: System) -> None:
         if not isinstance(system.model, TreeModel):
-            raise ModelError("has no tree of joints; import it from a robot description", part="model")
+            raise ModelError("has no tree of joints. Import it from a robot description.", part="model")
         self.system = system
         self._branches = system.model.branches
         self.motions: tuple[Motion, ...] = tuple(m for branch in self._branches for m in branch.motions)

@@ -70,7 +70,7 @@ def input_singularities(
     """
     refuse_other_system(system, "input_singularities")
     if lost not in ("inputs", "outputs"):
-        raise SarrusError(f"lost is {lost!r}; give 'inputs' or 'outputs'")
+        raise SarrusError(f"lost: must be 'inputs' or 'outputs', got {lost!r}. Pass one of them.")
     refuse_counts(seed=seed, repeats=repeats)
     driven = functions(inputs)
     problem = formulate(system, output, limits=limits, fixed=fixed, inputs=driven, singular=lost)
@@ -126,14 +126,16 @@ def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
 
 def _refuse_counts(problem: Problem, inputs: int) -> None:
     if len(problem.outputs) != 2:
-        raise SarrusError(f"singular curves are of two outputs, not {len(problem.outputs)}; name as many")
+        raise SarrusError(
+            f"output: singular curves require two outputs, got {len(problem.outputs)}. Name two."
+        )
     freedoms, name = problem.freedoms + len(problem.fixed) - len(problem.locked), problem.system.name
     if inputs != freedoms:
-        message = f"{name} has {freedoms} degrees of freedom, but {inputs} inputs are given"
-        raise SarrusError(f"{message}; give as many inputs")
+        message = f"{name}: {freedoms} degrees of freedom, but {inputs} inputs"
+        raise SarrusError(f"{message}. Give as many inputs.")
     if problem.freedoms != 2:
-        message = f"{name} has {problem.freedoms} degrees of freedom beside what is fixed"
-        raise SarrusError(f"{message}; fix functions until two are left, so that singularities are curves")
+        message = f"{name}: {problem.freedoms} degrees of freedom beside what is fixed"
+        raise SarrusError(f"{message}. Fix functions until two are left, so that singularities are curves.")
 
 
 def _is_singular(branch: Branch) -> bool:

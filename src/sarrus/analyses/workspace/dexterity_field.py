@@ -93,7 +93,7 @@ def workspace_field(
     _refuse_nothing(found)
     x, y, inside = _grid(found, CELLS[problem.freedoms] if cells is None else cells)
     if not inside.any():
-        raise SarrusError(f"{found.name}: no cell's centre lies inside; give more cells")
+        raise SarrusError(f"{found.name}: no cell's centre lies inside. Give more cells.")
     units = problem.units[problem.outputs]
     places = np.stack(np.meshgrid(x, y), axis=-1)[inside] / units
     flood = Flood(problem, places, list(around(inside)))
@@ -136,26 +136,28 @@ def _refuse_counts(problem: Problem, inputs: int, rotating: bool) -> None:
     name, freedoms = problem.system.name, problem.freedoms
     if freedoms not in (2, 3):
         raise SarrusError(
-            f"{name} has {freedoms} degrees of freedom; fix functions until two or three are left"
+            f"{name}: {freedoms} degrees of freedom are too many. Fix functions until two or three are left."
         )
     held = len(problem.fixed) - len(problem.locked)
     if inputs not in (0, freedoms, freedoms + held):
         given = "1 input is" if inputs == 1 else f"{inputs} inputs are"
-        message = f"{name} has {freedoms} degrees of freedom, but {given} given"
-        raise SarrusError(f"{message}; give as many inputs")
+        message = f"{name}: {freedoms} degrees of freedom, but {given} given"
+        raise SarrusError(f"{message}. Give as many inputs.")
     if rotating and freedoms == 2:
-        raise SarrusError(f"{name} cannot turn while its two outputs keep their values; leave turn out")
+        raise SarrusError(f"{name}: no rotation is free while two outputs are constant. Leave `turn` out.")
     if rotating and problem.table[problem.normal[-1]].kind != "angle":
-        raise SarrusError(f"{problem.table[problem.normal[-1]].name} is no angle; turn is for one")
+        raise SarrusError(
+            f"{problem.table[problem.normal[-1]].name}: is no angle. Pass the name of an angle as `turn`."
+        )
     if not inputs and not rotating and freedoms == 3:
         raise SarrusError(
-            f"{name} has endless solutions at every place; name its inputs, or what rotates there"
+            f"{name}: there are infinitely many solutions at every place. Name its inputs, or the rotation (turn)."
         )
 
 
 def _refuse_nothing(found: Workspace) -> None:
     if not any(part.loops for part in found.components):
-        raise SarrusError(f"{found.name}: nothing can be reached, so there is no field; see its message")
+        raise SarrusError(f"{found.name}: nothing can be reached, so there is no field. See its message.")
 
 
 def _grid(found: Workspace, cells: int) -> tuple[Array, Array, Array]:

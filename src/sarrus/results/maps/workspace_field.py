@@ -72,7 +72,7 @@ class WorkspaceField(Result):
     def meaning(self, quantity: Quantity) -> str:
         """What a quantity is, in words."""
         if quantity not in (*MEANINGS,):
-            raise ModelError(f"There is no quantity {show(quantity)}. Choose one of {', '.join(MEANINGS)}.")
+            raise ModelError(f"quantity: there is no {show(quantity)}. Choose one of {', '.join(MEANINGS)}.")
         message = MEANINGS[quantity]
         return f"{message} {self.turn} [rad]" if quantity == "turn" else message
 

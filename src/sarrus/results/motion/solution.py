@@ -27,7 +27,7 @@ class NoSolution:
         ------
         ModelError
         """
-        raise ModelError("The motion between the times t is not stored. Simulate with dense_output=True.")
+        raise ModelError("t: the motion between stored times is not known. Simulate with dense_output=True.")
 
 
 class State(NamedTuple):

@@ -339,7 +339,7 @@ def recipe_of(folder: Path) -> Any:
     if about and about["sarrus"] != versions()["sarrus"]:
         message = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {versions()['sarrus']}."
         raise SavedDataError(
-            f"{message} Open it with load_run; to continue or repeat it, install Sarrus {about['sarrus']}."
+            f"{message} Open it with load_run, or install Sarrus {about['sarrus']} to continue or repeat it."
         )
     content = read_checked(path)
     if about and checksum(content).hex() != about.get("recipe"):

@@ -115,11 +115,13 @@ def _named_apart(one: Measure, names: list[str]) -> Measure:
 
 def _refuse_outputs(found: list[Measure]) -> None:
     if not 1 <= len(found) <= 3:
-        raise SarrusError(f"a workspace has one to three outputs, not {len(found)}; name as many")
+        raise SarrusError(
+            f"output: a workspace has one to three outputs, got {len(found)}. Name one to three."
+        )
     squares = [one.name for one in found if one.kind == "square"]
     if squares:
         raise SarrusError(
-            f"the length {squares[0]} can be limited or fixed, but is no output; take a displacement"
+            f"output: the length {squares[0]} can only be limited or fixed. Choose a displacement."
         )
 
 
@@ -135,10 +137,10 @@ def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
     if one.kind == "square" and low <= 0:
         low = -np.inf
     if not low <= high:
-        raise SarrusError(f"the limits of {one.name} are {low:g} and {high:g}; give the lower one first")
+        raise SarrusError(f"{one.name}: its limits are {low:g} and {high:g}. Give the lower one first.")
     if one.kind == "angle" and np.isfinite(low) != np.isfinite(high):
         raise SarrusError(
-            f"one limit of {one.name} is missing; give both ends: an angle comes back after a turn"
+            f"{one.name}: one limit is missing. Give both: an angle repeats after a revolution."
         )
     return low, high
 
@@ -149,8 +151,8 @@ def _refuse_beyond(
     for k in targets.keys() & bounds.keys():
         low, high = bounds[k]
         if not low <= targets[k] <= high:
-            message = f"{table[k].name} is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
-            raise SarrusError(f"{message}; fix it between them")
+            message = f"{table[k].name}: is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
+            raise SarrusError(f"{message}. Fix it between them.")
 
 
 def _bites(one: Measure, pair: tuple[float, float]) -> bool:
@@ -187,8 +189,8 @@ def _independent(system: System, positions: list[Array], free: Array) -> Array:
     independent wherever the mechanism itself is regular.
     """
     if not positions:
-        message = "check what is fixed, and whether the joints fit together"
-        raise SarrusError(f"{system.name} could not be assembled; {message}")
+        message = "Check what is fixed, and whether the joints fit together"
+        raise SarrusError(f"{system.name}: could not be assembled. {message}.")
     first = np.argsort(~normalizations(system)[free], kind="stable")
     jacobians = [unit_rows(system.Phi_q(q)).toarray()[free][first] for q in positions]
     rows = np.max([_new(J) for J in jacobians], axis=0) > DEPENDENT

@@ -66,8 +66,8 @@ def _measure(system: System, thing: Any) -> Measure:
         measuring = placed(system, thing)
         return Measure(thing.label, measuring, _kind(measuring))
     if not isinstance(thing, str):
-        message = "give a name like 'pin.angle' or 'tool.x', or a function like tool.point(1, 0, 0)['x']"
-        raise SarrusError(f"{thing!r} is no function of a position; {message}")
+        message = "Give a name like 'pin.angle' or 'tool.x', or a function like tool.point(1, 0, 0)['x']"
+        raise SarrusError(f"output: {thing!r} is no function of a position. {message}.")
     output = find_output(system, thing, Level.POSITION, WHERE)
     measuring = placed_of(system, output, WHERE)
     return Measure(output.name, measuring, _kind(measuring), output.unit)

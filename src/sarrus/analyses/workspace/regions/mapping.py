@@ -44,11 +44,13 @@ Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
 def _refuse_counts(problem: Problem) -> None:
     name, freedoms = problem.system.name, problem.freedoms
     if len(problem.outputs) != 2:
-        message = "see workspace_range for one, workspace_volume for three"
-        raise SarrusError(f"a map is of two outputs, not {len(problem.outputs)}; {message}")
+        message = "See workspace_range for one, workspace_volume for three"
+        raise SarrusError(f"output: a map has two outputs, got {len(problem.outputs)}. {message}.")
     if freedoms < 2:
-        message = f"{name} has {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
-        raise SarrusError(f"{message}; fix less, or ask for the range of one output (workspace_range)")
+        message = (
+            f"{name}: {freedoms} degree{'s' * (freedoms != 1)} of freedom, so that two outputs cover no area"
+        )
+        raise SarrusError(f"{message}. Fix less, or ask for the range of one output (workspace_range).")
 
 
 class WorkspaceMap:

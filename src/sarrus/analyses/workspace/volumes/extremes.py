@@ -74,7 +74,9 @@ def workspace_range(
     refuse_counts(seed=seed, repeats=repeats)
     problem = formulate(system, functions(output), limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:
-        raise SarrusError(f"a range is of one output, not {len(problem.outputs)}; see workspace for two")
+        raise SarrusError(
+            f"output: a range has one output, got {len(problem.outputs)}. See workspace for two."
+        )
     refuse_dependent(problem)
     with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
         search = Search(problem, seed, repeats)

@@ -115,8 +115,8 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     refuse_incomplete(found, WorkspaceVolume)
     names, rates = listed(wrt), found.rates
     if rates is None:
-        message = "map it by workspace_volume(..., derivatives=True)"
-        raise SarrusError(f"{found.name}: this volume was mapped without derivatives; {message}")
+        message = "Map it by workspace_volume(..., derivatives=True)"
+        raise SarrusError(f"{found.name}: this volume was mapped without derivatives. {message}.")
     of_slices, of_heights = rates.slices, rates.reach.search.problem
     known = [set(_Numbers(problem, ()).own) for problem in (of_slices, of_heights)]
     mine, theirs = [
@@ -163,7 +163,7 @@ def end_gradient(
     ]
     if not alike:
         raise SarrusError(
-            f"{found.output} has no end at {message:.6g} that moves; ask for another of its critical values"
+            f"{found.output}: no end at {message:.6g} moves. Ask for another of its critical values."
         )
     start = search.found[min(alike)[1]]
     numbers = _Numbers(problem, names)
@@ -201,14 +201,16 @@ def distance_gradient(
     units = problem.units[problem.outputs]
     if found.units[0] != found.units[1]:
         raise SarrusError(
-            f"{found.name}: {found.units[0]} and {found.units[1]} make no distance; choose other outputs"
+            f"{found.name}: {found.units[0]} and {found.units[1]} make no distance. Choose other outputs."
         )
     p, numbers = place / units, _Numbers(problem, names)
     branch, side, x = _foot(region, p, map_.explorer.tally)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
     length = float(np.linalg.norm(c))
     if length < LEAST:
-        raise SarrusError(f"{found.name}: the nearest place of the boundary has no speed; take another")
+        raise SarrusError(
+            f"{found.name}: the nearest place of the boundary has no speed. Choose another point."
+        )
     distance = -side * float((u - p) @ c) / length
     speed = -side * numbers.row(branch.stratum, x) / length
     rates = numbers.derivatives(speed) * float(units[0])
@@ -220,7 +222,7 @@ def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
     edges = np.flatnonzero(region.bounds).tolist()
     if not edges:
         name = region.problem.system.name
-        raise SarrusError(f"{name}: there is no boundary, nothing can be reached or nothing ends it")
+        raise SarrusError(f"{name}: there is no boundary. Use a workspace with one.")
     near = [(*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges]
     _, at, k = min(near)
     piece = region.division.pieces[k]
@@ -236,9 +238,7 @@ def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
     except NoPoint:
         pass
     if away > FOOT:
-        raise SarrusError(
-            "the nearest place of the boundary is a corner; no perpendicular leads there, take another"
-        )
+        raise SarrusError("point: the nearest place of the boundary is a corner. Choose another point.")
     return branch, region.crossings[n].side or 1, x
 
 
@@ -307,7 +307,7 @@ class _Numbers:
             self._parameters = Parameters(system, others) if others else None
         except UnknownParameter as error:
             raise SarrusError(
-                f"{error}; or of a function or limit: {suggest(others[0], self._places)}"
+                f"{error}. Or of a function or limit: {suggest(others[0], self._places)}"
             ) from None
         if self._parameters and self._parameters.names != others:
             raise SarrusError(f"name numbers one by one: {', '.join(self._parameters.names)}")

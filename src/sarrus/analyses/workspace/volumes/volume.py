@@ -101,14 +101,14 @@ def workspace_volume(
 
 def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | None) -> None:
     if len(names) != 3:
-        raise SarrusError(f"a volume is of three outputs, not {len(names)}; name as many")
+        raise SarrusError(f"output: a volume has three outputs, got {len(names)}. Name three.")
     if not 0 < rtol < np.inf:
-        raise SarrusError(f"rtol must be positive, but is {rtol:g}; choose another, such as 1e-4")
+        raise SarrusError(f"rtol: must be positive, got {rtol:g}. Pass e.g. 1e-4.")
     if between is not None and np.shape(between) != (2,):
         raise SarrusError(f"between must be a pair (lowest, highest), got {between!r}. Pass e.g. (0.0, 1.0).")
     if between is not None and not -np.inf <= between[0] < between[1] <= np.inf:
         raise SarrusError(
-            f"between must rise, but is {between[0]:g} to {between[1]:g}; give the lower value first"
+            f"between: must rise, got {between[0]:g} to {between[1]:g}. Give the lower value first."
         )
 
 

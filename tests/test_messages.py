@@ -1,0 +1,112 @@
+"""Messages of errors, read from the sources: `<part>: <what is wrong>. <What to do>.`, without retired words."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import sarrus
+
+from .language import retired
+
+SOURCES = Path(sarrus.__file__).parent
+ERRORS = {
+    "ModelError",
+    "SarrusError",
+    "ElementError",
+    "SavedDataError",
+    "NoSavedDataError",
+    "FolderTakenError",
+}
+SHAPED = ("_jit", "linalg", "elements", "system", "outputs", "results", "analyses")  # folders with this shape
+UNKNOWN = "{}"  # the value of a variable; it may be the end of the message, as a list of allowed values is
+
+
+class Message(NamedTuple):
+    """A message, and where it is raised."""
+
+    file: str
+    line: int
+    text: str
+
+
+def text_of(node: ast.expr, variables: dict[str, list[ast.expr]]) -> str:
+    """A message as far as the source determines it."""
+    match node:
+        case ast.Constant(value=str(text)):
+            return text
+        case ast.JoinedStr(values=parts):
+            return "".join(text_of(part, variables) for part in parts)
+        case ast.FormattedValue(value=ast.Name() as name):
+            return text_of(name, variables)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return text_of(left, variables) + text_of(right, variables)
+        case ast.Name(id=name) if len(variables.get(name, ())) == 1:
+            return text_of(variables[name][0], {})
+    return UNKNOWN
+
+
+def messages_of(tree: ast.AST, file: str) -> Iterator[Message]:
+    """The messages of all errors of ours that a module raises."""
+    for function in ast.walk(tree):
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        variables: dict[str, list[ast.expr]] = {}
+        for node in ast.walk(function):
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                    variables.setdefault(name, []).append(value)
+        for node in ast.walk(function):
+            match node:
+                case ast.Raise(exc=ast.Call(func=ast.Name(id=name), args=[first, *_])) if name in ERRORS:
+                    yield Message(file, node.lineno, text_of(first, variables))
+
+
+def faults(message: Message) -> Iterator[str]:
+    """What is wrong with the shape of a message."""
+    if re.search(r"; [a-z]", message.text):
+        yield "the remedy is a sentence of its own: it follows a full stop"
+    if not message.text.endswith((".", "?", UNKNOWN)):
+        yield "it ends with a full stop"
+    if re.match(r"[A-Z][a-z]+ ", message.text):
+        yield "it begins with the part"
+
+
+MESSAGES = [
+    message
+    for file in sorted(SOURCES.rglob("*.py"))
+    for message in messages_of(
+        ast.parse(file.read_text(encoding="utf-8")), file.relative_to(SOURCES).as_posix()
+    )
+]
+
+
+def test_messages_have_the_shape() -> None:
+    assert len(MESSAGES) > 250
+    shaped = [message for message in MESSAGES if message.file.startswith(SHAPED)]
+    assert len(shaped) > 60
+    assert [(*message, fault) for message in shaped for fault in faults(message)] == []
+
+
+def test_no_message_contains_a_retired_word() -> None:
+    assert [(*message, word) for message in MESSAGES for _, word, _ in retired(message.text)] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("mass: must be positive, got -1. Give it in kg.", 0),
+        ("mass: must be positive; give it in kg.", 1),
+        ("{}: could not be assembled. Check {}", 0),
+        ("rod: is {}. Choose one of {}", 0),
+        ("Nothing moves. Add a joint.", 1),
+        ("Nothing moves; add a joint", 3),
+    ],
+)
+def test_faults_are_found(text: str, wrong: int) -> None:
+    assert len(list(faults(Message("", 1, text)))) == wrong

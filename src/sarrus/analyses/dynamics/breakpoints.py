@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...elements import OPERATORS
-from ...elements.recorder import Variant, record
 from ...model import Curve
 from ...system import System
 from ...system.once import once
 from ...system.population import Population
+from .inputs import features
+from .laws_of_time import fields_of_time
 
 
 @once
@@ -30,18 +31,52 @@ def breakpoints(system: System) -> tuple[Array, Array]:
 ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
 
 
-def stops_of(system: System, given: Array, until: float, begin: float = 0.0) -> tuple[Array, Array]:
-    """The times to hit, and those of them after which a method starts anew."""
+class Stops(NamedTuple):
+    """Times at which steps end.
+
+    Attributes
+    ----------
+    all : of all of them
+    kinks : those after which a method starts anew
+    longest : step between them
+    quick : where a law varies faster than steps whose length is given can see
+    """
+
+    all: Array
+    kinks: Array
+    longest: float
+    quick: Array
+
+
+def stops_of(
+    system: System, given: Array, until: float, begin: float = 0.0, *, step: float | None = None
+) -> Stops:
+    """Times at which steps end; where a step is given, at corners only."""
     if given.ndim != 1 or not np.all(np.isfinite(given)):
         raise ValueError("breakpoints must be a list of times in s")
     every, ends = breakpoints(system)
-    stops, kinks = np.unique(np.concatenate([given, every])), np.unique(np.concatenate([given, ends]))
-    return _apart(stops, begin, until), _apart(kinks, begin, until)
+    corners, soft, longest = features(system, begin, until)
+    stops, kinks = (np.concatenate([given, corners, times]) for times in (every, ends))
+    if step is not None:
+        return Stops(
+            _apart(stops, begin, until), _apart(kinks, begin, until), np.inf, _nearer(soft, corners, step)
+        )
+    stops = np.concatenate([stops, soft])
+    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, np.zeros(0))
+
+
+def _nearer(times: Array, corners: Array, step: float) -> Array:
+    """Those of the times that are nearer than half a step to others or to corners."""
+    every = np.unique(np.concatenate([times, corners]))
+    gaps = np.diff(every, prepend=-np.inf, append=np.inf)
+    near = np.minimum(gaps[:-1], gaps[1:]) < 0.5 * step
+    return every[near & np.isin(every, times)]
 
 
 def _apart(times: Array, begin: float, until: float) -> Array:
     """The times inside of the run, without those that differ from the one before by round-off alone."""
     least = ROUND * max(abs(begin), abs(until))
+    times = np.unique(times)
     inside = times[(times > begin + least) & (times < until - least)]
     return inside[np.diff(inside, prepend=-np.inf) > least]
 
@@ -49,31 +84,9 @@ def _apart(times: Array, begin: float, until: float) -> Array:
 def _curves_of_time(populations: Iterable[Population]) -> Iterator[Curve]:
     for p in populations:
         if p.count:
-            for n in _fields_of_time(p.variant):
+            for n in fields_of_time(p.variant):
                 yield from (
                     values[n]
                     for values in p.values
                     if isinstance(values[n], Curve) and len(values[n].cubics) > 1
                 )
-
-
-def _fields_of_time(variant: Variant) -> list[int]:
-    """Which fields of an element, Time apart, are curves that are called with the time itself."""
-    kinds = [kind for kind in variant.kind.fields.values() if kind != "Time"]
-    if "Curve" not in kinds:
-        return []
-    operator = "Phi" if variant.kind.rows else "Q"
-    assert operator in OPERATORS
-    nodes = record(variant, (operator,)).graph.nodes
-    called = {
-        nodes[node.args[0]].value[1]
-        for node in nodes
-        if node.op == "curve" and nodes[node.args[1]].value == ("t",)
-    }
-    widths = [
-        width
-        for width, kind in zip(variant.kind.widths(), variant.kind.fields.values(), strict=True)
-        if kind != "Time"
-    ]
-    starts = np.cumsum([0, *widths])
-    return [n for n in range(len(kinds)) if int(starts[n]) in called]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,15 +11,16 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...model.checks.deprecated import accepts_deprecated_keywords
+from ...model.show import show
 from ...results import Trajectory
 from ...system import System
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from . import kept_events
 from .alpha import HHT, GeneralizedAlpha
-from .breakpoints import stops_of
+from .breakpoints import Stops, stops_of
 from .described import Described
 from .events import Event
 from .ida import IDA
@@ -133,14 +134,16 @@ def simulate(
                 return nothing(system, "inconsistent", begin.message)
             refuse_end(until, begin.t)
             times = _times(t_eval, begin.t, until)
+            step: float | None = getattr(chosen, "step", None)
+            stops = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t, step=step)
+            announce(_passed_over(system, stops, step))
             settings = Settings(
-                Tolerances.of(system, rtol, atol), max_step, _first(first_step), store_steps,
+                Tolerances.of(system, rtol, atol), _longest(max_step, stops.longest), _first(first_step), store_steps,
                 times=times, dense=dense_output or bool(watched),
             )  # fmt: skip
-            stops, kinks = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t)
-            kinks = np.zeros(0) if store_steps else kinks
+            kinks = np.zeros(0) if store_steps else stops.kinks
             budget = _budget(max_steps, max_step, chosen)
-            plan = Plan(times, until, stops, kinks, watched, dense_output, budget=budget)
+            plan = Plan(times, until, stops.all, kinks, watched, dense_output, budget=budget)
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:
@@ -166,6 +169,20 @@ def _events(given: Event | Sequence[Event]) -> list[Event]:
     if not isinstance(found, list | tuple) or not all(isinstance(one, Event) for one in found):
         raise TypeError(f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}.")
     return [*found]
+
+
+def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[str]:
+    """Steps of a given length that are too long for what loads do."""
+    if len(stops.quick):
+        yield (
+            f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
+            f"{show(step)} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
+        )
+
+
+def _longest(given: float, found: float) -> float:
+    """The longest step: a user's, but not over parts in which loads vary; a wrong one is refused with the settings."""
+    return min(given, found) if given > 0 else given
 
 
 def _first(step: float | None) -> float:

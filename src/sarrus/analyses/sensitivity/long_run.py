@@ -129,7 +129,9 @@ class LongRun(March):
         progress: Callable[[float], None] | None = None,
     ) -> None:
         none = np.zeros(0)
-        plan = Plan(none, until, stops_of(system, none, until, start.t)[0], none, events, progress=progress)
+        stops = stops_of(system, none, until, start.t, step=getattr(method, "step", None))
+        settings = replace(settings, max_step=min(settings.max_step, stops.longest))
+        plan = Plan(none, until, stops.all, none, events, progress=progress)
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = room / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))

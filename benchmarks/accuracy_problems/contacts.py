@@ -81,7 +81,7 @@ def braked(
 
     def make() -> tuple[sr.System, Any]:
         body = cart(1.0, velocity=(0.0 if spring else speed, 0, 0))
-        rub = sr.TravelFriction(
+        rub = sr.DisplacementFriction(
             "rub", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0), load=load, mu=mu, mu_static=static,
             stribeck=stribeck, creep=creep,
         )  # fmt: skip
@@ -115,7 +115,7 @@ def stopped(name: str, stiffness: float, until: float, clearance: float = 0.05) 
     def make() -> tuple[sr.System, Any]:
         body = cart(1.0, velocity=(2.0, 0, 0))
         where = {"point": (0, 0, 0), "axis": (1, 0, 0)}
-        stop = sr.TravelStop(
+        stop = sr.DisplacementStop(
             "stops",
             sr.ground,
             body,

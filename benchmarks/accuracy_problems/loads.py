@@ -106,7 +106,7 @@ def make_shaken() -> tuple[sr.System, Any]:
         sr.Translational(f"guide_{one.name}", sr.ground, one, point=(0, 0, 0), axis=(1, 0, 0))
         for one in (foot, body)
     ]
-    shaker = sr.TravelDriver("shaker", "guide_foot", motion=lambda t: 0.01 * sin(7.0 * t))
+    shaker = sr.DisplacementDriver("shaker", "guide_foot", motion=lambda t: 0.01 * sin(7.0 * t))
     return sr.System(sr.Model("shaken", [foot, body], guides, [spring], drivers=[shaker])), None
 
 

@@ -189,7 +189,7 @@ def kapitza() -> Problem:
             sr.Translational("guide", sr.ground, base, point=(0, 0, 0), axis=(0, 0, 1)),
             sr.Revolute("pin", base, bob, point=(0, 0, 0), axis=(0, 1, 0)),
         ]
-        shaker = sr.TravelDriver("shaker", "guide", motion=lambda t: 0.02 * sin(200 * np.pi * t))
+        shaker = sr.DisplacementDriver("shaker", "guide", motion=lambda t: 0.02 * sin(200 * np.pi * t))
         model = sr.Model("Kapitza", [base, bob], joints, gravity=(0, 0, -G), drivers=[shaker])
         system = sr.System(model)
         v = np.zeros(system.nq)

@@ -118,7 +118,7 @@ def test_a_foot_that_moves_shortly(make: Callable[[float, float], Function]) -> 
         for b in (foot, body)
     ]
     spring = sr.TSDA("spring", foot.point(0, 0, 0), body.point(0, 0, 0), k=1.0, length=1.0)
-    shaker = sr.TravelDriver("shaker", "guide_foot", motion=lambda t: 0.01 * move(t))
+    shaker = sr.DisplacementDriver("shaker", "guide_foot", motion=lambda t: 0.01 * move(t))
     system = sr.System(sr.Model("m", [foot, body], guides, [spring], drivers=[shaker]))
     run = sr.simulate(system, until=3.0, t_eval=[2.5])
     impulse = 0.01 * (0.01 if make is half_wave else 0.02 * np.sqrt(2 * np.pi))

@@ -80,23 +80,24 @@ class Kick(Force, bodies=1, derivatives="automatic"):
 
 
 @dataclass(frozen=True, eq=False)
-class Kicks(model.Force):
-    """Pulses on a body."""
+class Kicker(model.Force):
+    """A pulse of 10 ms on a body."""
 
-    body: sr.Body
-    heights: tuple[float, ...]
-    begins: tuple[float, ...]
+    point: model.Point
+    height: float
+    begins: float
 
     def primitives(self, poses: Any) -> Any:
-        for n, values in enumerate(zip(self.heights, self.begins, strict=True)):
-            yield Primitive(Kick, (self.body.name,), values, f"kick {n}")
+        point = self.point.resolve(poses, "point")
+        yield Primitive(Kick, (point.body,), (self.height, self.begins), "kick")
 
 
 def test_a_force_of_the_users_own() -> None:
     """Each element has its own numbers."""
     body = mass()
-    kicks = Kicks("kicks", body, (100.0, -30.0), (2.0, 7.0))
-    run = sr.simulate(sr.System(sr.Model("m", [body], forces=[kicks])), until=9.0, t_eval=[5.0, 9.0])
+    center = body.point(0, 0, 0)
+    kicks = [Kicker("one", center, 100.0, 2.0), Kicker("two", center, -30.0, 7.0)]
+    run = sr.simulate(sr.System(sr.Model("m", [body], forces=kicks)), until=9.0, t_eval=[5.0, 9.0])
     assert run["mass"].velocity[:, 0] == pytest.approx([0.5, 0.35], rel=0.02)
 
 

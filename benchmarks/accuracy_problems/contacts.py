@@ -232,7 +232,7 @@ CONTACTS = (
         VERTICAL,
         smooth=False,
         events=(sr.Event("ball.z", direction=-1, reset=sr.Impact(0.8)),),
-    ),  # fmt: skip
+    ),
     braked("mass braked by friction", 2.0, 2.0),
     braked("stick and slip", 3.0, 0.0, spring=400.0, pull=20.0),
     stopped("mass between soft stops", 1e4, 3.0),

@@ -105,7 +105,7 @@ def make_parallel_crank() -> tuple[sr.System, Any]:
             (1 / 12, 1 / 12, 1e-3),
             position=(n + s / 2, 0, -c / 2),
             orientation=sr.AxisAngle((0, -1, 0), 0.8),
-        )  # fmt: skip
+        )
         for n in range(2)
     ]
     coupler = sr.Body("coupler", 2.0, (0.1, 0.1, 0.1), position=(0.5 + s, 0, -c))
@@ -149,7 +149,10 @@ DRIVEN = (
         "driven slider-crank", make_slider_crank, 2.0, slider_crank,
         {"positions": ["slider.x"], "velocities": ["slider.velocity.x"]},
     ),
-    Problem("door on two hinges", make_door, 10.0, door, {"positions": ["low.angle"], "velocities": ["low.angle.rate"]}),
+    Problem(
+        "door on two hinges", make_door, 10.0, door,
+        {"positions": ["low.angle"], "velocities": ["low.angle.rate"]},
+    ),
     Problem(
         "parallel crank", make_parallel_crank, 10.0, parallel_crank,
         {"positions": ["A0.angle"], "velocities": ["A0.angle.rate"]},

@@ -26,7 +26,7 @@ def loaded(
     value: Callable[[float], float] | None = None,
     smooth: bool = False,
 ) -> Problem:
-    """1 kg on a spring at rest, pushed by a load over time; `stops` are times of corners, `value` the load in Python."""
+    """1 kg on a spring at rest, pushed by a load over time; with times of corners, and the load in Python."""
 
     def make() -> tuple[sr.System, Any]:
         body = cart(1.0)

@@ -152,7 +152,7 @@ def cart_pole(name: str, mass: float, until: float, start: float = 2.0) -> Probl
 
 
 def spherical(name: str, until: float, start: float, speed: float) -> Problem:
-    """A ball on a string of 1 m: the point moves on a sphere; a centre with little inertia is fixed to it by a joint."""
+    """A ball on a string of 1 m, which moves on a sphere."""
 
     def make() -> tuple[sr.System, Any]:
         body = sr.Body("bob", 1.0, (0.01, 0.01, 0.01), position=(np.sin(start), 0, -np.cos(start)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,7 +67,7 @@ class Problem:
 
 
 def errors(found: Known, known: Known) -> dict[str, float]:
-    """For each kind the largest error over the size of the motion; nan where nothing is known or the run ended early."""
+    """For each kind the largest error over the size of the motion; nan where nothing is known or the run ended."""
     result = {}
     for kind in KINDS:
         one, other = getattr(found, kind), getattr(known, kind)
@@ -92,7 +93,7 @@ def integrated(
     settings = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, **options}
     y, rows = np.array(y0, dtype=float), np.empty((len(t), len(y0)))
     ends = [t[0], *sorted(s for s in stops if t[0] < s < t[-1]), t[-1]]
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in pairwise(ends):
         mine = (t >= a) & (t <= b)
         done = solve_ivp(f, (a, b), y, t_eval=np.unique([*t[mine], b]), **settings)
         rows[mine] = done.y.T[np.isin(done.t, t[mine])]

@@ -105,7 +105,7 @@ def coil(name: str, start: float, until: float, k: float = 2.0, J: float = 0.1, 
 
 
 def flywheel(t: Array) -> Known:
-    """A constant torque for 5 s: 10⁴ rad/s at the end; the centre is 1 mm off the axis, so that the bearing is loaded."""
+    """A constant torque for 5 s: 10⁴ rad/s at the end; the centre is 1 mm off the axis and loads the bearing."""
     mass, e, bend = 2.0, 1e-3, 2000.0
     angle, rate = 0.5 * bend * t**2, bend * t
     x = mass * e * (-np.sin(angle) * bend - np.cos(angle) * rate**2)
@@ -167,5 +167,5 @@ ROTATIONS = (
         10.0,
         gears,
         {"positions": ["pin_0.angle", "pin_1.angle"], "velocities": ["pin_0.angle.rate", "pin_1.angle.rate"]},
-    ),  # fmt: skip
+    ),
 )

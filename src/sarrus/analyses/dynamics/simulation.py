@@ -13,7 +13,6 @@ from ...defaults import ATOL, RTOL
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...model.checks.deprecated import accepts_deprecated_keywords
-from ...model.show import show
 from ...results import Trajectory
 from ...system import System
 from ..position.initial_state import Start, start_of
@@ -176,7 +175,7 @@ def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[s
     if len(stops.quick):
         yield (
             f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
-            f"{show(step)} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
+            f"{step} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
         )
 
 

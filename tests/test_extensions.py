@@ -109,7 +109,7 @@ def simulated(folder: Path, **parameters: Any) -> sr.Trajectory:
 
 def test_every_example_is_used() -> None:
     assert {"pin_in_slot.py", "saddle.py", "attraction.py", "height.py", "mean_square.py"} <= set(EXAMPLES)
-    assert {"distance.py", "bob.py", "weigh.py"} <= set(EXAMPLES)
+    assert {"distance.py", "implicit_euler.py", "bob.py", "weigh.py"} <= set(EXAMPLES)
 
 
 def test_a_model_file_and_its_schema_have_them(folder: Path) -> None:
@@ -159,6 +159,23 @@ def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
     )  # the trapezoidal rule
     one, other = (sr.sensitivity(simulated(folder, g=2 + e), responses, ["g"]).values for e in (1e-4, -1e-4))
     np.testing.assert_allclose(direct.matrix[:, 0], (one - other) / 2e-4, rtol=1e-6, atol=1e-8)
+
+
+def test_a_method_runs_them_with_gradients(folder: Path) -> None:
+    from implicit_euler import EULER  # type: ignore[import-not-found]
+
+    system = sr.System(sr.load(folder / "all.yaml"))
+    steps = {"first_step": 1e-3, "max_step": 1e-3, "rtol": 0.1, "atol": 0.1}
+    found = sr.simulate(system, until=0.05, method=EULER, store_steps=True, **steps)
+    exact = sr.simulate(system, until=0.05, method=sr.Radau(), rtol=1e-10, atol=1e-12)
+    error = np.abs(found.q[-1] - exact.q[-1]).max()
+    assert 1e-7 < error < 1e-3  # of order one
+    responses, wrt = [sr.Final("slider.x"), sr.Final("pull.pull")], ["g", "slider.mass"]
+    direct, adjoint = (
+        sr.sensitivity(found, responses, wrt, method=method) for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(direct.matrix, adjoint.matrix, rtol=1e-8, atol=1e-12)
+    assert np.all(direct.matrix != 0)
 
 
 def test_a_saved_run_is_read(run: sr.Trajectory, folder: Path, tmp_path: Path) -> None:

@@ -179,12 +179,80 @@ def test_an_argument_of_round_off_is_said(run: sr.Trajectory) -> None:
         sr.sensitivity(run, noise, NAMES)
 
 
-def test_second_derivatives_and_runs_without_stored_states_are_no_silent_approximation(
+def bent(slope: Callable[[float], float], levels: list[float]) -> np.ndarray:
+    """The Hessian of an integral by x0 and k: differences of its gradient by quadrature between the kinks."""
+
+    def gradient(x0: float, k: float) -> np.ndarray:
+        w = np.sqrt(k)
+        first = [np.arccos(level / x0) for level in levels]
+        phases = np.array([s * one + 2 * np.pi * n for one in first for n in range(3) for s in (-1, 1)]) / w
+        cuts = sorted([0.0, END, *(t for t in phases if 0 < t < END)])
+        by = (lambda t: np.cos(w * t), lambda t: -x0 * np.sin(w * t) * t / (2 * w))
+        return np.array([
+            sum(quad(lambda t, one=one: slope(x0 * np.cos(w * t)) * one(t), a, b, epsabs=1e-13)[0]
+                for a, b in pairwise(cuts))
+            for one in by
+        ])  # fmt: skip
+
+    def along(size: np.ndarray) -> np.ndarray:
+        ends = [gradient(X0 + s * size[0], K + s * size[1]) for s in (1, -1, 2, -2)]
+        return (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * size.sum())
+
+    return np.array([along(np.array([1e-4, 0])), along(np.array([0, 3e-3]))])
+
+
+@pytest.mark.parametrize("kind", ["abs", "builtin abs", "maximum", "fmax", "clip", "nested"])
+def test_hessians_of_integrals(kind: str, run: sr.Trajectory) -> None:
+    """A kink moves, and with it what belongs to either side."""
+    function, _, slope, levels = KINKED[kind]
+    found = sr.hessian(run, sr.Integral(lambda o: function(o("m.x"))), NAMES)
+    wanted = bent(slope, levels)
+    assert found.asymmetry < 1e-9
+    assert found.matrix == pytest.approx(wanted, rel=0, abs=2e-6 * abs(wanted).max())
+
+
+def test_hessians_of_integrals_of_accelerations_and_with_steps_of_order_two(run: sr.Trajectory) -> None:
+    """|a| = k |x|; the error of a method of order two falls with the square of its steps."""
+    wanted, slope = (
+        bent(np.sign, [0.0]),
+        [integrated(lambda t, n=n: np.sign(x(t)) * x_p(t)[n], 0.0) for n in (0, 1)],
+    )
+    found = sr.hessian(run, sr.Integral(lambda o: np.abs(o("m.acceleration.x"))), NAMES).matrix
+    by_k = np.array([[0.0, slope[0]], [slope[0], 2 * slope[1]]])
+    assert found == pytest.approx(K * wanted + by_k, rel=0, abs=2e-6 * abs(K * wanted).max())
+    errors = []
+    for step in (0.01, 0.005):
+        coarse = sr.simulate(oscillator(), until=END, method=sr.HHT(step=step), store_steps=True)
+        errors.append(
+            abs(sr.hessian(coarse, sr.Integral(lambda o: np.abs(o("m.x"))), NAMES).matrix - wanted).max()
+        )
+    assert errors[0] < 1e-2 * abs(wanted).max()
+    assert errors[1] < 0.4 * errors[0]
+
+
+def test_hessians_of_kinks_between_events() -> None:
+    begun = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True, method=sr.Radau())
+    names = ["ball.position.z", "bounce.restitution"]
+    found = sr.hessian(begun, sr.Integral(lambda o: np.abs(o("ball.z") - 0.4)), names)
+
+    def differenced(e: float) -> np.ndarray:
+        mixed = sum(s * r * bounced(1 + s * e, 0.8 + r * e) for s in (1, -1) for r in (1, -1)) / (4 * e * e)
+        own = [
+            sum(w * bounced(1 + h * s * e, 0.8 + r * s * e) for s, w in ((-1, 1), (0, -2), (1, 1))) / e**2
+            for h, r in ((1, 0), (0, 1))
+        ]
+        return np.array([[own[0], mixed], [mixed, own[1]]])
+
+    wanted = (4 * differenced(5e-4) - differenced(1e-3)) / 3
+    assert found.matrix == pytest.approx(wanted, rel=0, abs=1e-4 * abs(wanted).max())
+
+
+def test_extremes_at_kinks_and_runs_without_stored_states_are_no_silent_approximation(
     run: sr.Trajectory,
 ) -> None:
     kinked = sr.Integral(lambda o: np.abs(o("m.x")))
-    with pytest.raises(ValueError, match="second derivatives"):
-        sr.hessian(run, kinked, NAMES)
+    with pytest.raises(ValueError, match="its extreme is at a kink"):
+        sr.hessian(run, sr.Minimum(lambda o: np.abs(o("m.x")) + 0.01 * o("m.x")), NAMES)
     smooth = sr.Integral(lambda o: np.abs(o("m.x") + 1))  # never zero
     other = sr.Integral(lambda o: o("m.x") + 1)
     assert sr.hessian(run, smooth, NAMES).matrix == pytest.approx(

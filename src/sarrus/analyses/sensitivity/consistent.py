@@ -69,9 +69,9 @@ class Chosen(Independence):
 
     def __init__(self, system: System, left_out: Array) -> None:
         self._system = system
-        self.kept = np.flatnonzero(left_out == 0.0) if left_out.any() else None
-        if self.kept is not None:
-            self._minimum = MinimumNorm(system, self.kept)
+        self.rows = np.flatnonzero(left_out == 0.0) if left_out.any() else None
+        if self.rows is not None:
+            self._minimum = MinimumNorm(system, self.rows)
 
     def renew(self, t: float, q: Array) -> bool:
         """No other choice is made."""
@@ -182,11 +182,14 @@ class ConsistentSampling(Sampling):
     @cached_property
     def _minimum(self) -> Reported:
         """The least multipliers at the times."""
+        return self._least(self._moving)
+
+    def _least(self, moving: bool) -> Reported:
         record, steps = self._solved, self._pieces[0][0]
         there = {name: getattr(record, name) for name in ("t", "q", "v", "a", "lam", "memory")}
         left_out = record.left_out.astype(bool)
         alone = replace(steps, h=np.zeros(len(record.t)), left_out=left_out, **there)
-        return Reported(self._system, alone, self._moving)
+        return Reported(self._system, alone, moving)
 
     @cached_property
     def _moving(self) -> bool:
@@ -203,12 +206,25 @@ class ConsistentSampling(Sampling):
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
         lam = found.lam.copy()
-        for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
-            slopes = self._minimum.slopes(Place(0, row))
+        self._shorten(self._minimum, found, b, t_dot)
+        return Motion(found, stages, b[:, 0], t_dot, lam)
+
+    def _shorten(self, least: Reported, found: Ends, b: Array, t_dot: Array) -> None:
+        """Turn changes of multipliers into those of the least ones."""
+        for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
+            slopes = least.slopes(Place(0, row))
             if slopes is not None:
                 change = Changes(found.q[row], b, t_dot[row : row + 1])
                 found.lam[row] = slopes.along(change, found.lam[row])
-        return Motion(found, stages, b[:, 0], t_dot, lam)
+
+    def rates(self) -> Ends:
+        """The derivatives of the states by the time, along the motion."""
+        record, depends = self._record, timed(self._system)
+        q, v, still = record.v[:, :, None], record.a[:, :, None], np.zeros((len(self._run.b), 1))
+        sweep, ones = ConsistentSweep(self._system, self._solved, depends), np.ones(len(self.t))
+        found, _ = sweep.along({"q0": q, "q": q, "v": v}, still, ones)
+        self._shorten(self._least(depends), found, still, ones)
+        return found
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """See `Sampling`."""

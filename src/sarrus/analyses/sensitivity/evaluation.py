@@ -28,6 +28,8 @@ from .responses import AtEvent, Response
 from .sampling import NotThere, Sampling
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
+# of the slopes of an output on both sides of a kink: those of round-off differ by no more
+TOUCHES = 1e-7
 ONE_SIDED = (
     "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
     "time, or use a smooth function"
@@ -245,12 +247,6 @@ class Evaluation:
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
     ) -> tuple[Nodes, Explicit]:
         """The change of the gradient of response n, with changes of states and numbers in one column."""
-        panels = self._responses[n].panels
-        if panels is not None and len(panels.joints):
-            raise ValueError(
-                f"{self._responses[n].title}: second derivatives through np.abs, np.maximum, np.minimum or np.clip are "
-                "not supported. Use a smooth function, such as sqrt(x**2 + e**2)."
-            )
         response, outputs, sampling, g = (
             self._responses[n],
             self._outputs[n],
@@ -265,7 +261,7 @@ class Evaluation:
             sampling.t,
             sampling.gathered_time(dots, 0) if sampling.moves else np.zeros(len(sampling.t)),
         )
-        turned = response.weights_along(g, t, g_dot, t_dot)
+        turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
         bars, change = outputs.tape.gradient_along({at: response.weights(g, t)}, {at: turned}, along)
         nodes, by_states = Nodes.zeros(self._steps, 1), self._by_states(n, bars)
         if sampling.moves:
@@ -282,6 +278,57 @@ class Evaluation:
         sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)
         nodes, explicit = self._collected(n, change, nodes, 0, sources)
         return nodes, replace(explicit, b=explicit.b - by_b[:, None])
+
+    def _through_kinks(self, n: int, g_dot: Array) -> Array:
+        """What kinks add to the change of the weights, as they move.
+
+        An integral changes with the time τ of a kink by g⁻ - g⁺, which is zero there; and this by the change of g⁻ - g⁺
+        times τ'. As it stays zero, τ' is its change over its rate of change with time.
+
+        Raises
+        ------
+        ValueError
+            Where the argument of an absolute value touches zero without crossing it: the kink has no derivative.
+        """
+        response, g, t, found = (
+            self._responses[n],
+            self.signals[n],
+            self._samplings[n].t,
+            np.zeros(len(g_dot)),
+        )
+        panels = response.panels
+        if panels is None or not len(panels.joints):
+            return found
+        before, factors = panels.joints, response.at_kinks(g, t)
+        if not factors.any():
+            return found
+        rate = self._rate(n)
+        crossing, moved = rate[before] - rate[before + 1], g_dot[before] - g_dot[before + 1]
+        touches = abs(crossing) <= TOUCHES * (abs(rate[before]) + abs(rate[before + 1]))
+        if np.any(touches & (abs(moved) > TOUCHES * (abs(g_dot[before]) + abs(g_dot[before + 1])))):
+            raise ValueError(
+                f"{response.title}: the argument of abs, max, min or clip touches zero without crossing it, so that "
+                "the second derivatives do not exist. Use a smooth function, such as sqrt(x**2 + e**2)."
+            )
+        change = factors[before] * np.where(touches, 0.0, moved) / np.where(touches, 1.0, crossing)
+        found[before] -= change
+        found[before + 1] += change
+        return found
+
+    def _rate(self, n: int) -> Array:
+        """The derivative of a response's output by the time, along the motion (nt,)."""
+        outputs, sampling, moved = self._outputs[n], self._samplings[n], dict[int, Any]({})
+        rates = {"q": sampling.states.v, "v": sampling.states.a}
+        if any(kind in ("a", "lam") for kind, _ in outputs.inputs):
+            if not isinstance(sampling, ConsistentSampling):
+                sampling = ConsistentSampling(self._system, self._steps, sampling)
+            found = sampling.rates()
+            rates |= {"a": found.a[:, :, 0], "lam": found.lam[:, :, 0]}
+        for (kind, place), variable in outputs.inputs.items():
+            if kind in rates:
+                moved[variable.at] = rates[kind][:, place]
+        rate = outputs.tape.along(moved | {outputs.t.at: 1.0})[self._found[n].at]
+        return np.broadcast_to(np.asarray(rate, dtype=float), self.signals[n].shape)
 
     def _by_states(self, n: int, bars: list[Any]) -> dict[Key, Array]:
         """Of gradients by the inputs of a tape those by states."""

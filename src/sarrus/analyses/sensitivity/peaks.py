@@ -58,6 +58,11 @@ class Vertex(NamedTuple):
     by_times: Array
     parabola: Parabola | None = None
 
+    @property
+    def is_corner(self) -> bool:
+        """Whether it is at a kink."""
+        return len(self.basis) == 2
+
     def placed(self, values: Array, count: int) -> Array:
         """Zeros but for these samples (count,)."""
         whole = np.zeros(count)
@@ -108,8 +113,8 @@ class Peaks:
 
     def __init__(self, g: Array, t: Array, panels: Panels | None) -> None:
         self._count, self._low = len(g), int(np.argmin(g))
-        self._vertices, self._tape = _peaks(g, t, panels), Tape()
-        tops = [self._tape.variable(float(v.basis @ g[v.near])) for v in self._vertices]
+        self.vertices, self._tape = _peaks(g, t, panels), Tape()
+        tops = [self._tape.variable(float(v.basis @ g[v.near])) for v in self.vertices]
         low = self._tape.variable(float(g[self._low]))
         self._at = [*(top.at for top in tops), low.at]
         self._mean = _mean(tops, low)
@@ -125,17 +130,17 @@ class Peaks:
 
     def by_times(self) -> Array:
         """Its derivatives by the times (nt,)."""
-        pairs = zip(self._slopes, self._vertices, strict=False)
+        pairs = zip(self._slopes, self.vertices, strict=False)
         return np.asarray(sum(slope * v.placed(v.by_times, self._count) for slope, v in pairs))
 
     def along(self, g_dot: Array, t_dot: Array) -> tuple[Array, Array]:
         """The changes of its derivatives by the output, and by the times, with those of both (nt,)."""
-        moved = [float(v.basis @ g_dot[v.near] + v.by_times @ t_dot[v.near]) for v in self._vertices]
+        moved = [float(v.basis @ g_dot[v.near] + v.by_times @ t_dot[v.near]) for v in self.vertices]
         dots = self._tape.along(dict(zip(self._at, [*moved, float(g_dot[self._low])], strict=True)))
         _, change = self._tape.gradient_along({self._mean.at: 1.0}, {}, dots)
         slope_dots = [float(change[n]) for n in self._at]
         by_output, by_times = self._spread(slope_dots), np.zeros(self._count)
-        for slope, slope_dot, v in zip(self._slopes, slope_dots, self._vertices, strict=False):
+        for slope, slope_dot, v in zip(self._slopes, slope_dots, self.vertices, strict=False):
             basis_dot, times_dot = v.moved(g_dot, t_dot)
             by_output[v.near] += slope * basis_dot
             by_times[v.near] += slope_dot * v.by_times + slope * times_dot
@@ -151,7 +156,7 @@ class Peaks:
         """Derivatives by the peaks as those by the output."""
         found = np.zeros(self._count)
         found[self._low] = slopes[-1]
-        for slope, vertex in zip(slopes, self._vertices, strict=False):
+        for slope, vertex in zip(slopes, self.vertices, strict=False):
             found[vertex.near] += slope * vertex.basis
         return found
 

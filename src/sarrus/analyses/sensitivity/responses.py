@@ -84,6 +84,16 @@ class Response:
         """Its derivatives by the times themselves, where events move them."""
         return np.zeros_like(g)
 
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the output's integrals over parts of the run, per unit of the output, at each time (nt,).
+
+        Raises
+        ------
+        ValueError
+            Where second derivatives at kinks are not known.
+        """
+        return np.zeros_like(g)
+
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         """Their change with those of the output and of the times."""
         return np.zeros_like(g)
@@ -200,6 +210,9 @@ class Integral(Response):
     def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         return self.rule(t_dot)  # which is linear
 
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        return np.ones_like(g)
+
     def by_times(self, g: Array, t: Array) -> Array:
         return self.rule_by_times(g)
 
@@ -241,6 +254,10 @@ class _Extreme(Response):
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         vertex = self._vertex(g, t)
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
+
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        refuse_corners(self.title, [self._vertex(g, t)])
+        return np.zeros_like(g)
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
         return vertex_of(g, t, self.outermost(g), self.panels)
@@ -317,6 +334,13 @@ class Peak(Response):
             float(self.rule(t_dot) @ share + self.rule(t) @ share_dot),
         )
 
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            refuse_corners(self.title, self._peaks(g, t).vertices)
+            return np.zeros_like(g)
+        share = np.exp(self.sharpness * (g - g.max()))
+        return np.asarray(share / (self.rule(t) @ share))
+
     def _peaks(self, g: Array, t: Array) -> Peaks:
         return Peaks(g, t, self.panels)
 
@@ -380,6 +404,20 @@ def told_apart(titles: Iterable[str]) -> tuple[str, ...]:
         choices = (f"{title} {n}" if n > 1 else title for n in count(1))
         found[next(choice for choice in choices if choice not in found)] = None
     return tuple(found)
+
+
+def refuse_corners(title: str, vertices: Sequence[Vertex]) -> None:
+    """Refuse an extreme at a kink.
+
+    Raises
+    ------
+    ValueError
+    """
+    if any(vertex.is_corner for vertex in vertices):
+        raise ValueError(
+            f"{title}: its extreme is at a kink (abs, max, min or clip), which has first derivatives only. Use a "
+            "smooth function, such as sqrt(x**2 + e**2)."
+        )
 
 
 def _by_length(t: Array) -> Array:

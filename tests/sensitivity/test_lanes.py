@@ -22,8 +22,8 @@ from sarrus.linalg.columns_loop import COLUMNS
 from sarrus.linalg.lanes_loop import factor_lanes
 from sarrus.linalg.panel_loop import Factors
 from sarrus.linalg.row_order import by_rows, unsigned
-from sarrus.system import lane_room
-from sarrus.system.lane_room import aligned, room
+from sarrus.system import lane_buffers
+from sarrus.system.lane_buffers import aligned, buffer
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def side_by_side(x: np.ndarray) -> np.ndarray:
 def test_operators_of_all_lanes_are_those_of_single_states(crank: sr.System, kind: str) -> None:
     names = GROUPS[kind]
     group, at = crank.group(*names), states(crank)
-    found = [room(len(out)) for out in group.allocate()]
+    found = [buffer(len(out)) for out in group.allocate()]
     operands = [side_by_side(at[name]) for name in group.operands]
     call_kernels(group.entry_in_lanes, crank.b, *operands, *found)
     for lane in range(LANES):
@@ -69,7 +69,7 @@ def by_numbers_of_step(system: sr.System, one: dict[str, np.ndarray]) -> tuple[n
 
 def test_what_numbers_give_is_the_product_with_the_operators_by_numbers(crank: sr.System) -> None:
     """μᵀR_b of a step."""
-    at, by_b = states(crank), room(crank.nb)
+    at, by_b = states(crank), buffer(crank.nb)
     order = [side_by_side(at[name]) for name in ("t", *by_numbers.ADJOINT)]
     call_kernels(by_numbers.gradient_entry(crank, "step"), crank.b, *order, by_b)
     for lane in range(LANES):
@@ -87,9 +87,9 @@ def factored(n: int) -> tuple[np.ndarray, list[Factors], np.ndarray]:
     pointers, indices, diagonal, ends = unsigned((pattern, full, (n + 1) * np.arange(n), np.full(n, n)))
     factor = link(factor_lanes)
     size = -(-n * n // LANES) * LANES
-    factors, data, growth = room(size), room(size), room(1)
+    factors, data, growth = buffer(size), buffer(size), buffer(1)
     data[: n * n * LANES] = side_by_side(matrices.transpose(0, 2, 1).reshape(LANES, -1))
-    factor(pointers, indices, diagonal, ends, pointers, indices, data, factors, room(n), growth)
+    factor(pointers, indices, diagonal, ends, pointers, indices, data, factors, buffer(n), growth)
     order = unsigned([np.arange(n)])[0]
     found = []
     for lane in range(LANES):
@@ -171,27 +171,27 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
 
 
 def test_room_is_given_again_when_nobody_holds_it() -> None:
-    size = lane_room.SMALL + 3
-    first = lane_room.used(7, size)
+    size = lane_buffers.SMALL + 3
+    first = lane_buffers.used(7, size)
     place, first[:] = first.ctypes.data, 1.0
     row = first[2, 5:]  # holds it, too
     del first
-    other = lane_room.used(7, size)
+    other = lane_buffers.used(7, size)
     assert other.ctypes.data != place
     row[:] = 2.0
     del row
-    again = lane_room.aligned(7, size)
+    again = lane_buffers.aligned(7, size)
     assert again.ctypes.data == place
     assert not again.any()
-    assert place % lane_room.LINE == 0
+    assert place % lane_buffers.LINE == 0
     assert again.shape == (7, size)
 
 
 def test_room_that_is_kept_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lane_room, "_LENT", [])
-    monkeypatch.setattr(lane_room, "MOST", 5 * lane_room.SMALL)
-    held = [lane_room.used(2 * lane_room.SMALL) for _ in range(4)]
+    monkeypatch.setattr(lane_buffers, "_LENT", [])
+    monkeypatch.setattr(lane_buffers, "MOST", 5 * lane_buffers.SMALL)
+    held = [lane_buffers.used(2 * lane_buffers.SMALL) for _ in range(4)]
     assert len({x.ctypes.data for x in held}) == 4
-    assert sum(map(len, lane_room._LENT)) <= lane_room.MOST
-    lane_room.used(lane_room.LARGE), lane_room.used(lane_room.SMALL - lane_room.LINE)
-    assert sum(map(len, lane_room._LENT)) <= lane_room.MOST
+    assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
+    lane_buffers.used(lane_buffers.LARGE), lane_buffers.used(lane_buffers.SMALL - lane_buffers.LINE)
+    assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST

@@ -176,7 +176,7 @@ def solve_panel(
 ) -> tuple[float, float]:
     """Solution = matrix⁻¹ right of a panel, refined so often at most; its first and its last relative change by that.
 
-    x, rest : room for panels
+    x, rest : memory for panels
     """
     n: Any = np.uint64(len(matrix.diagonal))
     solve_rest(matrix, by_rows, right, x)

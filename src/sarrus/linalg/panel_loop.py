@@ -153,7 +153,7 @@ def solve_flat(
 ) -> tuple[float, float]:
     """Solution = matrix⁻¹ right (n,), refined so often at most; its first and its last relative change, made by that.
 
-    x, rest, whole : room
+    x, rest, whole : buffers
     """
     n: Any = np.uint64(len(right))
     for k in range(n):

@@ -96,6 +96,6 @@ def _whole(matrix: Pattern | Factors) -> Rows:
 
 
 def _ranges(first: Array, sizes: Array) -> Array:
-    """first, first + 1, ... as many as the sizes tell, of all one after another."""
+    """first, first + 1, ... as many as the sizes, for all one after another."""
     ends = np.cumsum(sizes)
     return np.repeat(first - ends + sizes, sizes) + np.arange(ends[-1] if len(ends) else 0)

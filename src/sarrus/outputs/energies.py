@@ -25,8 +25,8 @@ from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
 from ..model.coordinates import WIDTH
 from ..system import System
+from ..system.lane_buffers import aligned, used
 from ..system.lane_drivers import block, entry, local
-from ..system.lane_room import aligned, used
 from ..system.once import once
 from ..system.population import Population
 from . import energy_loop

@@ -10,7 +10,7 @@ import numpy as np
 from ...algebra import Array
 from ...results import Pieces, StepsTaken
 from ...system import System
-from ...system.lane_room import used
+from ...system.lane_buffers import used
 from ..position.assembly_derivatives import AssemblyDerivatives
 from .start import Start
 from .steps.curves import Curves

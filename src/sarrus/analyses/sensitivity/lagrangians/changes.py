@@ -19,8 +19,8 @@ from ...._jit.vector import LANES
 from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
+from ....system.lane_buffers import buffer
 from ....system.lane_drivers import block, entry
-from ....system.lane_room import room
 from ....system.once import once_alike
 from .curves import CurveLagrangian
 from .elements import STATES, Share, concerned
@@ -86,7 +86,7 @@ def change_at(
     none = np.zeros(system.nq)
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
     sizes = {"lam": system.m, "b": len(system.b)}
-    found = [room(sizes.get(name, system.nq)) for name in RESULTS]
+    found = [buffer(sizes.get(name, system.nq)) for name in RESULTS]
     call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
     q, v, a, by_lam, by_b = (out[::LANES].copy() for out in found)
     change = Change(q, v, a, by_lam, by_b)

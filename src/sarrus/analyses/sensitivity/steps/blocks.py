@@ -14,7 +14,7 @@ from ....linalg.columns_loop import COLUMNS, Rows
 from ....linalg.panel_loop import Pattern
 from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
-from ....system.lane_room import room, used
+from ....system.lane_buffers import buffer, used
 from ....system.once import once_alike
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
@@ -100,7 +100,7 @@ class Blocks:
         layout, system = self.layout, self._system
         columns = 0 if b_dot is not None else self._columns
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
-        values, adjoint = room(layout.values_size), int(layout.adjoints[-1, 1])
+        values, adjoint = buffer(layout.values_size), int(layout.adjoints[-1, 1])
         for tables, (_, redundant, _) in zip(self.tables, layout.values, strict=True):
             if tables:  # the ones of the unit matrix, behind the numbers of redundant equations
                 first = redundant + tables.m
@@ -112,11 +112,12 @@ class Blocks:
             moved = changes(system, self.tables, np.ascontiguousarray(b_dot.T), self.width)
         return Block(
             occurrences=np.zeros((OPERATIONS, LANES), np.int64), used=np.zeros((OPERATIONS, 2), np.int64),
-            states=room(layout.states_size), values=values, weights=room(max(parts)), sheet=room(0), turned=room(0),
+            states=buffer(layout.states_size), values=values, weights=buffer(max(parts)), sheet=buffer(0),
+            turned=buffer(0),
             starts=np.zeros(OPERATIONS, np.int64), strides=np.zeros(OPERATIONS, np.int64),
-            cuts=np.zeros((OPERATIONS, 4), np.int64), work=room(int(layout.n.max())),
-            growth=np.full((OPERATIONS, LANES), UNKNOWN), refined=refined, adjoint=room(adjoint, columns),
-            by_b=room(system.nb, columns), moved=moved,
+            cuts=np.zeros((OPERATIONS, 4), np.int64), work=buffer(int(layout.n.max())),
+            growth=np.full((OPERATIONS, LANES), UNKNOWN), refined=refined, adjoint=buffer(adjoint, columns),
+            by_b=buffer(system.nb, columns), moved=moved,
         )  # fmt: skip
 
     def arrange(self, factors: Sequence[Arranged | None]) -> None:

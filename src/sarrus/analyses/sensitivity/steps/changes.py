@@ -10,7 +10,7 @@ import numpy as np
 from ...._jit import pointer
 from ....algebra import Array
 from ....system import System
-from ....system.lane_room import room
+from ....system.lane_buffers import buffer
 from ...dynamics.methods.tables import NOWHERE, Group, Tables
 from ..lagrangians.by_parameters import elements
 from ..lagrangians.elements import concerned
@@ -65,7 +65,7 @@ def changes(system: System, tables: Sequence[Tables | None], dots: Array, width:
         name: ragged([x[:, n] for x in every], kind) for n, (name, kind) in enumerate(kinds.items(), start=1)
     }
     return Changes(
-        entry=joined(entries), dots=dots, calls=ragged(calls), results=room(first), panels=panels, **stacked
+        entry=joined(entries), dots=dots, calls=ragged(calls), results=buffer(first), panels=panels, **stacked
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...._jit.link import link
 from ...._jit.vector import LANES
 from ....algebra import Array
-from ....system.lane_room import room
+from ....system.lane_buffers import buffer
 from ..lagrangians.changes import lagrangian
 from ..lagrangians.curves import CurveLagrangian
 from . import second_order_loop as loop
@@ -54,7 +54,7 @@ def changes_along(
     entries = [lagrangian(system, kind) for kind in kinds_of(structures, system)]
     ends = np.cumsum([0, *(len(entry.addresses) for entry in entries)]).astype(np.int64)
     sizes = {"lam_dot": system.m, "nu": system.m, "by_lam": system.m, "by_b": len(system.b)}
-    work = loop.Operands._make(room(sizes.get(name, system.nq)) for name in loop.Operands._fields)
+    work = loop.Operands._make(buffer(sizes.get(name, system.nq)) for name in loop.Operands._fields)
     blocks, found = Blocks(record, 0, None), stages_of(record, 1)
     link(loop.change)(
         blocks.layout, joined(entries), ends, record.steps.b.copy(), b_dot.copy(), record.run(), stages.series,

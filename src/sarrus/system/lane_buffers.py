@@ -7,7 +7,6 @@ that nothing refers to any more.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from math import prod
 from threading import Lock
 
@@ -54,15 +53,6 @@ def aligned(*shape: int) -> Array:
     return found
 
 
-def room(entries: int, *rows: int) -> Array:
+def buffer(entries: int, *rows: int) -> Array:
     """Zeros in lanes."""
     return aligned(*rows, entries * LANES)
-
-
-def rooms(entries: Mapping[str, int]) -> dict[str, Array]:
-    """Zeros in lanes, for several names one after another."""
-    whole, found, first = room(sum(entries.values())), {}, 0
-    for name, count in entries.items():
-        found[name] = whole[first * LANES : (first + count) * LANES]
-        first += count
-    return found

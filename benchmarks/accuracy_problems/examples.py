@@ -78,7 +78,7 @@ NAMES = {
 def slider_crank(run: sr.Trajectory) -> Known:
     """The shipped one, from rest."""
     slider = run["slider"]
-    crank, rate = run["crank"].euler, run["crank"].angular_velocity[:, 0]
+    crank, rate = run["crank"].euler, run["crank"].angular_velocity_body[:, 0]
     theta = np.unwrap(2 * np.arctan2(crank[:, 1], crank[:, 0]))
     return Known(
         run.t,

@@ -51,7 +51,7 @@ def four_bars(run: sr.Trajectory) -> Columns:
     return {
         "x": 2 * bar.position[:, 0],
         "y": 2 * bar.position[:, 1],
-        "turning": -bar.angular_velocity[:, 2],
+        "turning": -bar.angular_velocity_body[:, 2],
     }
 
 
@@ -76,7 +76,7 @@ def governor(run: sr.Trajectory) -> Columns:
 
 def heavy_top(run: sr.Trajectory) -> Columns:
     top = run["top"]
-    return _xyz("", top.position) | _numbered("e", top.euler) | _xyz("w", top.angular_velocity)
+    return _xyz("", top.position) | _numbered("e", top.euler) | _xyz("w", top.angular_velocity_body)
 
 
 def sundials(run: sr.Trajectory) -> Columns:

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model import Model
 from ...model.blueprint import Blueprint, Placed, blueprint
 from ...model.words import global_point
+from ..looks.anchors import fields, masses
 from .style import ORANGE, figure_of
 
 BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
@@ -55,7 +56,7 @@ def mechanism_figure(model: Model) -> Any:
     marks = _marks(plan)
     figure = figure_of(8.5, 7.0)
     ax = figure.add_subplot(projection="3d")
-    centers = _centers(plan)
+    centers = {body: global_point(plan, body, center) for body, (_, _, center) in masses(plan).items()}
     for number in range(1, len(plan.bodies) + 1):
         places = [mark.place for mark in marks if mark.body == number]
         _draw_body(ax, plan, number, [*places, centers[number]])
@@ -80,23 +81,12 @@ def _marks(plan: Blueprint) -> list[Mark]:
 
 
 def _points(one: Placed) -> Iterable[tuple[int, Any]]:
-    given = [name for name, kind in one.element.fields.items() if kind != "Time"]
-    fields = dict(zip(given, one.values, strict=True))
-    names = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j")
-    return [(body, fields[name]) for name, body in zip(names, one.bodies, strict=False) if name in fields]
+    names, known = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j"), fields(one)
+    return [(body, known[name]) for name, body in zip(names, one.bodies, strict=False) if name in known]
 
 
 def _origin(plan: Blueprint, body: int) -> Array:
     return global_point(plan, body, ORIGIN)
-
-
-def _centers(plan: Blueprint) -> dict[int, Array]:
-    """Return the global centre of mass of every body by number."""
-    inertias = [
-        (one.bodies[0], one.element.fields, one.values) for one in plan.placed if one.label == "inertia"
-    ]
-    given = {body: dict(zip(fields, values, strict=True)) for body, fields, values in inertias}
-    return {body: global_point(plan, body, fields.get("center", ORIGIN)) for body, fields in given.items()}
 
 
 def _colour(number: int) -> str:

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ...model.blueprint import blueprint
-from ...model.coordinates import WIDTH
-from ...model.geometry.rotation import matrix
 from ...model.show import quote, suggest
 from ...results.maps.polygons import inside
 from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
+from ..looks.anchors import fields
+from ..looks.part import place_of
 from .style import BLUE, GREY, ORANGE, plot_axes
 from .workspace_report import area_unit
 
@@ -228,13 +228,8 @@ def _lines(problem: Any, q: Array) -> Iterator[_Line]:
 
 
 def _places(placed: Any, q: Array) -> Iterator[tuple[int, Array]]:
-    fields = dict(zip(placed.element.fields, placed.values, strict=False))
-    names = [name for name in ("s_i", "s_j") if name in fields]
-    if not names:
-        return
+    """The bodies and places of an element's points s_i and s_j, if it has any."""
+    known = fields(placed)
+    names = [name for name in ("s_i", "s_j") if name in known]
     for name, body in zip(names, placed.bodies, strict=False):
-        s = np.array(fields[name], dtype=float)
-        if body:
-            own = q[WIDTH * (body - 1) : WIDTH * body]
-            s = own[:3] + matrix(own[3:]) @ s
-        yield body, s
+        yield body, place_of(q, body, np.array(known[name], dtype=float))

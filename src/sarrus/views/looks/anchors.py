@@ -93,7 +93,7 @@ def fields(one: Placed) -> dict[str, Any]:
     return dict(zip(names, one.values, strict=True))
 
 
-def centers(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
+def masses(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
     """Mass [kg], inertia about the centre of mass (3, 3) and centre of mass in body axes, by number of the body."""
     return {one.bodies[0]: _mass(fields(one)) for one in plan.placed if one.label == "inertia"}
 

@@ -94,36 +94,20 @@ def _rack(part: RackAndPinion, pinion: Hold, rack: Hold, scale: DrawingScale) ->
     out = np.cross(way, axle) * np.sign(part.radius)  # ω × (r out) is along the way
     axes = np.column_stack([way, np.cross(out, way), out])
     count = max(FEWEST, int(4 * radius / (PITCH * scale.unit)))
-    teeth = [
-        box((0.5 * PITCH * scale.unit, WIDTH * scale.unit, 0.6 * scale.unit)).moved(
-            np.array([(n - (count - 1) / 2) * PITCH * scale.unit, 0.0, 0.0])
-        )
-        for n in range(count)
-    ]
-    back = box((count * PITCH * scale.unit, WIDTH * scale.unit, 0.8 * scale.unit)).moved(
-        np.array([0.0, 0.0, 0.7 * scale.unit])
-    )
-    place = pinion.point + radius * out
-    yield Part(
-        part.name,
-        "joint",
-        description,
-        rack.body,
-        rack.local(joined([back, *teeth]).moved(place, axes)),
-        DARK,
-    )
+    u = scale.unit
+    tooth = box((0.5 * PITCH * u, WIDTH * u, 0.6 * u))
+    teeth = [tooth.moved(np.array([(n - (count - 1) / 2) * PITCH * u, 0.0, 0.0])) for n in range(count)]
+    back = box((count * PITCH * u, WIDTH * u, 0.8 * u)).moved(np.array([0.0, 0.0, 0.7 * u]))
+    mesh = rack.local(joined([back, *teeth]).moved(pinion.point + radius * out, axes))
+    yield Part(part.name, "joint", description, rack.body, mesh, DARK)
 
 
 def _wheel(radius: float, scale: DrawingScale) -> Mesh:
     """A toothed wheel about z, on a hub."""
     teeth = max(FEWEST, round(2 * np.pi * radius / (PITCH * scale.unit)))
     half = 0.5 * WIDTH * scale.unit
-    return joined(
-        [
-            toothed(radius, 0.35 * scale.unit, teeth, -half, half),
-            disc(0.9 * scale.unit, -1.6 * half, 1.6 * half),
-        ]
-    )
+    hub = disc(0.9 * scale.unit, -1.6 * half, 1.6 * half)
+    return joined([toothed(radius, 0.35 * scale.unit, teeth, -half, half), hub])
 
 
 def _at(hold: Hold, mesh: Mesh) -> Mesh:

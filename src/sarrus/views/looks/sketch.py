@@ -18,7 +18,7 @@ from ...model.show import quote
 from ..meshes import Colored, MeshError
 from ..meshes.mesh import Mesh, upright
 from ..meshes.read import given_meshes
-from .anchors import Anchor, anchors, centers, points_of
+from .anchors import Anchor, anchors, masses, points_of
 from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
@@ -91,7 +91,7 @@ class _Drawing:
     def __init__(self, model: Model, plan: Blueprint, positions: Array) -> None:
         self.model, self.plan, self.positions = model, plan, positions
         self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
-        self.masses = centers(plan)
+        self.masses = masses(plan)
         self.notes: list[str] = []
         self.holds = {anchor.name: self._hold(anchor) for anchor in self.joints}
         self.wheels = wheels(model.joints, self.holds)

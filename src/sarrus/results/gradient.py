@@ -25,7 +25,7 @@ def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
     if not found:
         more = ", ..." if len(names) > SHOWN else ""
         raise KeyError(
-            f"no {what} with respect to {name!r}; there are those to {', '.join(names[:SHOWN])}{more}"
+            f"There is no {what} with respect to {name!r}. Choose from {', '.join(names[:SHOWN])}{more}."
         )
     return found
 
@@ -71,14 +71,14 @@ class Gradient(Result):
         """
         if not isinstance(name, str) and not _is_pair(name):
             raise TypeError(
-                f'a gradient is read by name, g["{self.names[0]}"], of several responses '
-                f'g["{self.responses[0]}", "{self.names[0]}"], but not by {name!r}; the array is g.matrix'
+                f'A gradient must be read by names, got {name!r}. Use g["{self.names[0]}"], for one of several responses '
+                f'g["{self.responses[0]}", "{self.names[0]}"], or the array g.matrix.'
             )
         response, number = (None, name) if isinstance(name, str) else name
         found = self.matrix[:, _places(number, self.names, "derivative")]
         if response is not None:
             if response not in self.responses:
-                raise KeyError(f"no response {response!r}; there are {', '.join(self.responses)}")
+                raise KeyError(f"There is no response {response!r}. Choose from {', '.join(self.responses)}.")
             found = found[self.responses.index(response)]
         elif len(found) == 1:
             found = found[0]
@@ -181,7 +181,7 @@ class StateDerivatives(Result):
         """
         if not _is_pair(pair):
             raise KeyError(f'An output and a parameter are needed, as in d["slider.x", "{self.names[0]}"].')
-        places = _places(pair[1], self.names, "derivatives")
+        places = _places(pair[1], self.names, "derivative")
         return np.asarray(self.output(pair[0])[:, places])
 
 
@@ -209,8 +209,8 @@ class Hessian(Result):
             If it was not asked for.
         """
         if isinstance(pair, str):
-            raise KeyError(f'two names are needed, H["{pair}", "{pair}"]')
-        row, column = (_places(name, self.names, "second derivatives") for name in pair)
+            raise KeyError(f'Two names are needed, as in H["{pair}", "{pair}"].')
+        row, column = (_places(name, self.names, "second derivative") for name in pair)
         found = self.matrix[row][..., column]
         return found if np.ndim(found) else float(found)
 

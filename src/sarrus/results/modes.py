@@ -107,7 +107,7 @@ class Modes(Result):
         Whole()("mode", mode)
         count = len(self.eigenvalues)
         if mode >= count:
-            raise NoModeError(f"{self.name} has {count} modes, counted from 0; there is no mode {mode}")
+            raise NoModeError(f"{self.name}: There is no mode {mode}. Choose 0 to {count - 1}.")
 
     def summary(self) -> str:
         """The result in words."""

@@ -100,7 +100,7 @@ class Optimum(Result):
             If there is none of this name.
         """
         if name not in self.names:
-            raise KeyError(f"no design variable {name!r}; there are {', '.join(self.names)}")
+            raise KeyError(f"There is no design variable {name!r}. Choose from {', '.join(self.names)}.")
         return float(self.x[self.names.index(name)])
 
     @property

@@ -57,7 +57,7 @@ class JointMotion:
 
     def _one(self, found: Mapping[str, Array], name: str) -> Array:
         if name not in found:
-            raise AttributeError(f"joint {self.name!r} has no {name}; it has {', '.join(found)}")
+            raise AttributeError(f"joint {self.name!r}: There is no {name}. Choose from {', '.join(found)}.")
         return found[name]
 
     @property

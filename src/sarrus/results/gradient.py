@@ -71,7 +71,7 @@ class Gradient(Result):
         """
         if not isinstance(name, str) and not _is_pair(name):
             raise TypeError(
-                f'A gradient must be read by names, got {name!r}. Use g["{self.names[0]}"], for one of several responses '
+                f'A gradient must be read by names, got {name!r}. Use g["{self.names[0]}"], of several responses '
                 f'g["{self.responses[0]}", "{self.names[0]}"], or the array g.matrix.'
             )
         response, number = (None, name) if isinstance(name, str) else name

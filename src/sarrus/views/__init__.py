@@ -27,8 +27,7 @@ from .figures.mechanism import mechanism_figure
 from .figures.modes import modes_table, plot_modes
 from .figures.paper_tables import paper_tables
 from .figures.style import check_figure, motion_figure
-from .figures.workspace import plot_workspace
-from .figures.workspace_field import plot_workspace_field
+from .figures.workspace import plot_workspace, plot_workspace_field
 from .figures.workspace_report import workspace_report
 from .shows import animate, animate_mode, view
 from .workspace_volume import plot_workspace_volume, view_workspace

@@ -168,7 +168,7 @@ def test_section_of_a_platform() -> None:
     [
         (("a1",), {}, "Give as many inputs"),
         (("a1", "a2"), {"fixed": {"b1": 0.0}}, "Fix functions until two"),
-        (("a1", "a2"), {"lost": "both"}, "give 'inputs' or 'outputs'"),
+        (("a1", "a2"), {"lost": "both"}, "lost: must be 'inputs' or 'outputs'"),
     ],
 )
 def test_misuse(inputs: tuple[str, ...], options: dict[str, object], told: str) -> None:

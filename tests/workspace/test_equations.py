@@ -93,13 +93,13 @@ def test_a_map_can_be_left_and_taken_up_again() -> None:
         (("link_9.x", "link_2.y"), {}, "link_2.x"),
         (("link_2.x", "link_2.y", "q1", "q2"), {}, "one to three outputs"),
         (("link_2.x",), {}, "output: a map has two outputs, got 1"),
-        (("link_2(0.7, 0, 0).x", "link_2.y"), {"fixed": {"q1": 0.0}}, "has 1 degree of freedom"),
+        (("link_2(0.7, 0, 0).x", "link_2.y"), {"fixed": {"q1": 0.0}}, ": 1 degree of freedom"),
         (("link_2.x", "link_2.y"), {"fixed": {"q1": 2.0}, "limits": {"q1": (0, 1)}}, "beyond its limits"),
         (("link_2.x", "link_2.y"), {"limits": {"q1": (1.0, 0.0)}}, "Give the lower one first"),
-        (("link_2.x", "link_2.y"), {"limits": {"q1": (0.5, None)}}, "give both ends"),
+        (("link_2.x", "link_2.y"), {"limits": {"q1": (0.5, None)}}, "Give both"),
         (("link_2.x", "link_2.y"), {"fixed": {"link_2.z": 1.0}}, "could not be assembled"),
         (("link_2(0, 1).x", "link_2.y"), {}, "Give three numbers"),
-        ((3, "link_2.y"), {}, "give a name"),
+        ((3, "link_2.y"), {}, "Give a name"),
     ],
 )
 def test_misuse(output: tuple[object, ...], options: dict[str, object], told: str) -> None:

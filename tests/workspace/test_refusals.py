@@ -64,7 +64,7 @@ def test_what_is_mapped(two: tuple[sr.System, sr.Point]) -> None:
     for gradient in (sr.area_gradient, sr.volume_gradient):
         with pytest.raises(TypeError, match="found must be a Workspace"):
             gradient(system, ["q1.point.x"])
-    with pytest.raises(sr.SarrusError, match="of two outputs, not 1"):
+    with pytest.raises(sr.SarrusError, match="require two outputs, got 1"):
         sr.input_singularities(system, x, ("q1", "q2"))
     with pytest.raises(sr.SarrusError, match="Give as many inputs"):
         sr.dexterity(system, system.q0, (x, y), ("q1",))

@@ -124,7 +124,7 @@ def test_a_range_that_is_cut() -> None:
 @pytest.mark.parametrize(
     ("output", "options", "told"),
     [
-        (("tool.x", "tool.y"), {}, "of three outputs"),
+        (("tool.x", "tool.y"), {}, "a volume has three outputs"),
         (("tool.x",) * 3, {"rtol": 0.0}, "rtol: must be"),
         (("tool.x",) * 3, {"between": (1.0, 0.0)}, "between: must rise, got 1 to 0"),
     ],

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ class Recorded:
     sizes: Sequence[int]
     copies: int = 1
 
-    @property
+    @cached_property
     def slopes(self) -> Slopes:
         """Their derivatives."""
         every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Traced) else {}) for x in self.found]
@@ -54,7 +55,7 @@ class Recorded:
             np.array([self.gathered(bars, kind)[0] for bars in every]) for kind in Slopes._fields
         )
 
-    @property
+    @cached_property
     def bends(self) -> Slopes:
         """The derivatives of the first number's gradient by q, of which there is a copy for each."""
         every = np.eye(self.copies)

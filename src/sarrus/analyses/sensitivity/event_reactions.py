@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ class SolvedRecorded(Recorded):
     event: EventState
     solved: ConsistentSampling
 
-    @property
+    @cached_property
     def slopes(self) -> Slopes:
         """Their derivatives, those through accelerations and multipliers included."""
         bars = self.tape.gradient({self.found[0].at: 1.0})

@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array, eye_array, hstack, kron
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from ...algebra import Array
 from ...elements.operators import OPERATORS
@@ -235,15 +235,14 @@ class TurnDerivatives:
     @cached_property
     def derivatives(self) -> Array:
         """Those of all unknowns by q, v, a at both nodes, the numbers, the restitutions and the beginning."""
-        given, by = self.places[2], self.by_given
-        shares = [kron(self.values[k].ravel()[None], eye_array(self.system.nq)) for k in (0, 1)]
-        by_nodes = by[:, given["q0"]] @ shares[0] + by[:, given["v0"]] @ shares[1]
-        right = hstack([by_nodes, by[:, given["b"].start :]]).toarray()
+        given = self.places[2]
         factors, down, across = self._factors
-        found = -across[:, None] * factors.solve(down[:, None] * right)
+        found = -across[:, None] * factors.solve(down[:, None] * self.by_given.toarray())
         if not np.all(np.isfinite(found)):
             raise SingularSystem(f"the equations of the event {self.turn.name} are singular")
-        return np.asarray(found)
+        parts = zip(self.values, (found[:, given["q0"]], found[:, given["v0"]]), strict=True)
+        by_nodes = sum(np.einsum("el,xn->xeln", shares, by) for shares, by in parts)
+        return np.concatenate([np.reshape(by_nodes, (len(found), -1)), found[:, given["b"].start :]], axis=1)
 
     def adjoint(self, bars: Array) -> Array:
         """The adjoint variables of all equations, of what has the gradients given by the unknowns."""
@@ -299,8 +298,9 @@ class TurnDerivatives:
         for row, x, x0, multiplier in (("position", "q", "q0", "sigma"), ("velocity", "v", "v0", "rho")):
             grid |= {(row, x): M0, (row, x0): grid.get((row, x0), 0 * M0) - M0, (row, multiplier): J0.T}
         if self.is_impact or self.is_reset:
-            grid |= self._force("impact", q, self.after - self.base, self.Lam, "q")
-            grid |= self._rate("rate_after", self.after, "after") | self._struck(system.M(q, b=b))
+            force = self._force("impact", q, self.after - self.base, self.Lam, "q")
+            grid |= force | self._rate("rate_after", self.after, "after")
+            grid |= self._struck(system.M(q, b=b), force)
             grid |= {("impact", "Lam"): J.T}
         for row, multiplier in CONSTRAINTS.items():
             grid |= {at: kept @ csr_array(block) for at, block in grid.items() if at[0] == row}
@@ -329,9 +329,9 @@ class TurnDerivatives:
             (row, "b"): by_b,
         }
 
-    def _struck(self, M: csr_array) -> dict[tuple[str, str], Any]:
+    def _struck(self, M: csr_array, force: Grid) -> dict[tuple[str, str], Any]:
         """Those of what an impulse or a function does to the velocities, beyond `_force`."""
-        turn, force = self.turn, self._force("impact", self.turn.q, self.after - self.base, self.Lam, "q")
+        turn = self.turn
         found: dict[tuple[str, str], Any] = {("impact", "after"): M}
         if self.is_reset:
             slopes = self.reset.slopes

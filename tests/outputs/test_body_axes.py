@@ -55,3 +55,13 @@ def test_a_run_is_indexed_by_bodies_and_outputs() -> None:
         run["tip"]
     with pytest.raises(KeyError, match=r"no output 'top\.w'"):
         run["top.w"]
+
+
+def test_printed_results_are_short() -> None:
+    run = spinning()
+    assert str(run["top"]) == "BodyMotion(name='top')"
+    assert str(sr.assemble(run.system)).splitlines()[0].startswith("assembled in")
+    stored = sr.simulate(run.system, until=0.1, store_steps=True)
+    found = sr.state_derivatives(stored, ["top.mass"])
+    assert str(found).startswith("derivatives of coordinates and outputs with respect to top.mass at ")
+    assert str(found).endswith("from 0 to 0.1 s")

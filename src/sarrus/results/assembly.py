@@ -70,6 +70,10 @@ class Assembly(Result):
     memory: Array = field(default_factory=lambda: NONE, repr=False)
     revolutions: Array = field(default_factory=lambda: NONE, repr=False)
 
+    def summary(self) -> str:
+        """The outcome and the violation of the constraints."""
+        return f"{self.message}; |Φ| < {max(self.residual, 1e-16):.0e}"
+
     @property
     def t(self) -> float:
         """Its time [s]."""

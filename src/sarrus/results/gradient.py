@@ -159,6 +159,11 @@ class StateDerivatives(Result):
     coordinates: tuple[str, ...] = field(repr=False, default=())
     along: Callable[[str], Array] | None = field(repr=False, default=None)
 
+    def summary(self) -> str:
+        """What is differentiated, by what, and when."""
+        times = f"at {len(self.t)} times from {self.t[0]:g} to {self.t[-1]:g} s"
+        return f"derivatives of coordinates and outputs with respect to {', '.join(self.names)} {times}"
+
     def output(self, name: str) -> Array:
         """Derivatives of an output by all parameters over time (n, p), ``spring.tension``.
 

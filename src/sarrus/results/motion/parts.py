@@ -26,11 +26,11 @@ class BodyMotion:
     """
 
     name: str
-    position: Array
-    euler: Array
-    velocity: Array
-    angular_velocity_global: Array
-    angular_velocity_body: Array
+    position: Array = field(repr=False)
+    euler: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    angular_velocity_global: Array = field(repr=False)
+    angular_velocity_body: Array = field(repr=False)
 
     @property
     def angular_velocity(self) -> Array:

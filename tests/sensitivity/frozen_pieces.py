@@ -11,6 +11,7 @@ import sarrus as sr
 from sarrus.analyses.dynamics.events import Watch
 from sarrus.analyses.dynamics.nodes import Nodes
 from sarrus.analyses.dynamics.sampler import Sampler
+from sarrus.analyses.dynamics.simulation import differentiable
 from sarrus.analyses.dynamics.stepper import Settings
 from sarrus.analyses.dynamics.tolerance import Tolerances
 from sarrus.results import Pieces, StepsTaken
@@ -20,7 +21,9 @@ def taken_again(system: sr.System, steps: StepsTaken, method: object, t: float, 
     """The steps of one stretch from another state and time on, with all that interpolation and events need."""
     tolerances = Tolerances.of(system, steps.rtol, steps.atol)
     begin = replace(sr.assemble(system), q=q, v=v)
-    stepper = method.stepper(system, begin, Settings(tolerances, store_steps=True, given=steps.h))
+    stepper = differentiable(method).stepper(
+        system, begin, Settings(tolerances, store_steps=True, given=steps.h)
+    )
     end = t + float(np.sum(steps.h))
     stepper.restart(t, q, v, end)
     while len(stepper.steps()) < len(steps):

@@ -238,7 +238,11 @@ def test_values_just_before_and_just_after_an_event(method: object) -> None:
 @pytest.mark.parametrize(
     ("event", "settings", "told"),
     [
-        (BOUNCE, {"method": sr.ODE("DOP853")}, r"by HHT\(\), GeneralizedAlpha\(\) and Radau\(\) only"),
+        (
+            BOUNCE,
+            {"method": sr.ODE("DOP853")},
+            r"by HHT\(\), GeneralizedAlpha\(\), Radau\(\) and descriptions only",
+        ),
         (BOUNCE, {"save": "never.sarrus"}, "leave save= or store_steps= away"),
     ],
 )

@@ -43,7 +43,11 @@ def test_every_analysis_can_be_strict(name: str) -> None:
 
 
 def test_every_result_has_warnings() -> None:
-    results = [getattr(sr, name) for name in sr._HOMES["results"].split() + ["StudyTable", "Uncertainty"]]
+    results = [
+        getattr(sr, name)
+        for name in [name for name, home in sr._HOME_OF.items() if home == ".results"]
+        + ["StudyTable", "Uncertainty"]
+    ]
     without = {one.__name__ for one in results if isinstance(one, type) and not issubclass(one, Result)}
     assert without <= {"EventRecord", "Reaction", "Singularity", "Solution", "State"}
 

@@ -4,37 +4,84 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..._jit.link import link
+from ..._jit.pointer import NONE
 from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...results import Assembly, DescribedSteps, StepsTaken
 from ...system import System
+from ...system.once import once_alike
 from ..equations.block_matrix import Numbers, PlacedMatrix
 from . import alpha_loop
 from . import described_loop as loop
 from .alpha import AlphaStepper
-from .entries import entry_of
-from .implicit import Implicit, entries
+from .entries import entry_of, joined
+from .implicit import GROUPS, Implicit
 from .methods.check import check
 from .methods.description import Affine, Description
 from .methods.equations import GROUPS as OF_MATRICES
 from .methods.leading_error import Leading, leading_errors
-from .methods.program import ProgramBuilder
-from .methods.tables import constrained
+from .methods.program import NODE, OF_EQUATIONS, Program, ProgramBuilder
+from .methods.tables import Tables, constrained
 from .newton_matrix import motion_matrix
 from .prescribed import Prescribed
 from .sampler import motion_arrays, motion_entries, motion_work
 from .stepper import Settings
 
-EQUATIONS = ("RESIDUAL", "MOMENTUM", "FORCE", "VELOCITY")  # groups of operators in them
 FUNCTIONS = (
     "update", "residual", "renew", "weights_of", "correct", "settled", "prepare", "local_error", "factor_to", "finish",
     "accept", "keep",
 )  # of the time integration loop, which are those of `described_loop`  # fmt: skip
+
+
+class Layout(NamedTuple):
+    """What follows from a description for systems of one structure.
+
+    program, tables : see `methods.program`, `methods.tables`
+    size : of the work array
+    nodes : where q, v, a and λ before (0) and after (1) a step are in it
+    """
+
+    program: Program
+    tables: Tables
+    size: int
+    nodes: Mapping[str, slice]
+
+
+@once_alike
+def layout_of(system: System, method: Description) -> Layout:
+    """The layout of a method.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the description is not one of a method.
+    """
+    check(method)
+    builder, later = ProgramBuilder(system, method), leading_errors(method).later
+    tables = builder.tables
+    numbers = Numbers(system, tables.names, tables.like)
+    program = builder.program(numbers, constrained(system, tables.structure), *later)
+    places = {f"{name}{k}": (builder.block(where, name), name) for k, where in enumerate(("state", "after"))
+              for name in NODE}  # fmt: skip
+    nodes = {key: slice(at, at + tables.size(method.state[name])) for key, (at, name) in places.items()}
+    return Layout(program, tables, builder.size, nodes)
+
+
+@once_alike
+def kernels_of(system: System, method: Description) -> loop.Entries:
+    """The kernels of the operators that steps of a method need."""
+    program = layout_of(system, method).program
+    needed = {*program.calls[:, 0].tolist(), *(OF_EQUATIONS + program.operators[:, 0]).tolist()}
+    of_equations = [GROUPS[name] for name in ("RESIDUAL", "MOMENTUM", "FORCE", "VELOCITY")]
+    groups = enumerate((*of_equations, ("gamma",), *OF_MATRICES.values()))
+    found = [entry_of(system, *names) if n in needed else NONE for n, names in groups]
+    bounds = np.cumsum([0, *(len(group.addresses) for group in found)])
+    return loop.Entries(*joined(found), bounds, entry_of(system, "remembered"), motion_entries(system))
 
 
 @dataclass(frozen=True)
@@ -68,36 +115,22 @@ class DescribedStepper(AlphaStepper):
     scheme: Description
 
     def _make(self) -> None:
-        check(self.scheme)
         system, nq, m = self.system, self.system.nq, self.system.m
-        errors = leading_errors(self.scheme)
-        self.first_error, (exponent, constant) = errors.first, errors.later
-        self.apart = exponent <= Leading(3, 0.0).exponent
-        builder = ProgramBuilder(system, self.scheme)
-        tables = builder.tables
-        numbers = Numbers(system, tables.names, tables.like)
-        self._program = self._passed = builder.program(
-            numbers, constrained(system, tables.structure), exponent, constant
-        )
-        self._tables = tables
-        self.matrix = PlacedMatrix(numbers, tables.n, tables.parts)
+        self._layout = layout_of(system, self.scheme)
+        self._passed, tables = self._layout.program, self._layout.tables
+        self.first_error, later = leading_errors(self.scheme)
+        self.apart = later.exponent <= Leading(3, 0.0).exponent
+        self.matrix = PlacedMatrix(Numbers(system, tables.names, tables.like), tables.n, tables.parts)
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
         self._advance = link(alpha_loop.advance, **{name: getattr(loop, name) for name in FUNCTIONS})
-        groups = {**OF_MATRICES, "gamma": ("gamma",)}
-        found = entries(system, EQUATIONS) | {
-            name: entry_of(system, *group) for name, group in groups.items()
-        }
-        self._entries = loop.Entries(**found, motion=motion_entries(system))
-        n, x = tables.n, np.zeros(builder.size)
-        own = [np.zeros(width) for width in (n, n, m, nq + m)]
+        self._entries = kernels_of(system, self.scheme)
+        own = [np.zeros(width) for width in (tables.n, tables.n, m, nq + m)]
         self._memory = loop.Memory._make([*own, motion_work(system)])
-        places = {f"{name}{k}": builder.block(where, name) for k, where in enumerate(("state", "after"))
-                  for name in ("q", "v", "a", "lam")}  # fmt: skip
-        views = {name: x[at : at + (m if name.startswith("lam") else nq)] for name, at in places.items()}
-        past = max(exponent - 2, 0)
+        x, past = np.zeros(self._layout.size), max(later.exponent - 2, 0)
+        views = {name: x[own] for name, own in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
-        self._state = loop.State(x=x, r=np.zeros(len(self._program.tape)), **views, **others)
+        self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)
         self._control = alpha_loop.Control.zeros()
 
     def _keep(self, kept: Array | None) -> None:
@@ -115,7 +148,7 @@ class DescribedStepper(AlphaStepper):
             nq,
             m,
             *corrected,
-            self._tables.stage_size if stored else 0,
+            self._layout.tables.stage_size if stored else 0,
             len(system.memory_places),
         )
         shapes = [*[(room,)] * 3, *((room, width) for width in widths), *[(room,)] * 3, (0,)]
@@ -127,9 +160,9 @@ class DescribedStepper(AlphaStepper):
             place[:] = 0.0
         for name, value in first.items():
             getattr(state, f"{name}0")[:] = value
-        at = self._program.state
+        at = self._passed.state
         for name, by in self.scheme.extra.items():
-            own = at + self._tables.state[name]
+            own = at + self._layout.tables.state[name]
             state.x[own : own + len(q)] = _value(by, first)
         state.v_given[:] = v
         state.past[1:] = np.inf
@@ -152,13 +185,13 @@ class DescribedStepper(AlphaStepper):
         if kept.renew(self.t, state.q0):
             self._keep(kept.rows)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
-            at = self._program.lam_slope
+            at = self._passed.lam_slope
             state.x[at : at + self.system.m] = 0.0
             self._arrays = None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices of the next step, as far as it is known, and of the equations of motion."""
-        state, control, program, numbers = self._state, self._control, self._program, self.matrix.numbers
+        state, control, program, numbers = self._state, self._control, self._passed, self.matrix.numbers
         h = float(control.h)
         link(loop.guess)(program, h, h / control.last_h if control.last_h > 0 else 1.0, state)
         control.x_h = control.beta = 0.0
@@ -182,7 +215,7 @@ class DescribedStepper(AlphaStepper):
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
         found = super().steps()
-        return replace(found, order=self._program.exponent - 1) if isinstance(found, DescribedSteps) else None
+        return replace(found, order=self._passed.exponent - 1) if isinstance(found, DescribedSteps) else None
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""

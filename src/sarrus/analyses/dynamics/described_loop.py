@@ -38,16 +38,16 @@ from .alpha_loop import SAFETY, SETTLED, TRUSTED, Control, Tolerance, size
 from .methods.program import (
     CHANGE,
     ERROR,
-    FORCE,
     GUESS,
     MOMENTUM,
+    OF_EQUATIONS,
     RESIDUAL,
     STAGES,
     UPDATE,
     VELOCITY,
     Program,
 )
-from .methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
+from .methods.tables import GAMMA_Q_V, INERTIA, JACOBIAN, STIFFNESS
 from .sample_loop import factor as factor_motion
 from .sample_loop import solve_motion, velocity_defect
 
@@ -55,19 +55,16 @@ INFINITE = 1e300
 
 
 class Entries(NamedTuple):
-    """The kernels of the groups of operators, see `_jit.pointer`; `motion`: those of the equations of motion."""
+    """The kernels of all groups of operators one after another, see `_jit.pointer`; those of a step are passed quickly.
 
-    residual: Entry
-    momentum: Entry
-    force: Entry
-    velocity: Entry
-    gamma: Entry
-    jacobian: Entry
-    inertia: Entry
-    stiffness: Entry
-    gamma_v: Entry
-    gamma_q_v: Entry
-    Phi_q_xi_q: Entry
+    bounds : where those of each group begin: of the equations, in the order of `methods.program`, then of the matrix
+    remember, motion : what elements remember, and the kernels of the equations of motion
+    """
+
+    addresses: Array
+    starts: Array
+    tables: Array
+    bounds: Array
     remember: Entry
     motion: sample_loop.Entries
 
@@ -225,6 +222,8 @@ def call_operators(scheme: Program, entries: Entries, b: Array, t: float, h: flo
     for n in range(len(scheme.calls)):
         row = scheme.calls[n]
         group, time = row[0], t + (scheme.times[row[1]] - 1.0) * h
+        first, last = entries.bounds[group], entries.bounds[group + 1]
+        kernels = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
         q, second, third, out, other = (
             x[row[2] :],
             x[row[3] :],
@@ -232,16 +231,12 @@ def call_operators(scheme: Program, entries: Entries, b: Array, t: float, h: flo
             x[row[5] : row[6]],
             x[row[7] : row[8]],
         )
-        if group == RESIDUAL:
-            call_kernels(entries.residual, b, time, q, second, out, other)
+        if group in (RESIDUAL, VELOCITY):
+            call_kernels(kernels, b, time, q, second, out, other)
         elif group == MOMENTUM:
-            call_kernels(entries.momentum, b, q, second, third, out, other)
-        elif group == FORCE:
-            call_kernels(entries.force, b, time, q, second, out)
-        elif group == VELOCITY:
-            call_kernels(entries.velocity, b, time, q, second, out, other)
+            call_kernels(kernels, b, q, second, third, out, other)
         else:
-            call_kernels(entries.gamma, b, time, q, second, out)
+            call_kernels(kernels, b, time, q, second, out)
 
 
 @compiled
@@ -281,21 +276,17 @@ def evaluate(
     for n in range(len(scheme.operators)):
         row = scheme.operators[n]
         group, time = row[0], t + (scheme.times[row[1]] - 1.0) * h
+        first, last = entries.bounds[OF_EQUATIONS + group], entries.bounds[OF_EQUATIONS + group + 1]
+        kernels = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
         q, second, third = x[row[2] :], x[row[3] :], x[row[4] :]
         one, two = values[row[5] : row[6]], values[row[7] : row[8]]
-        if group == JACOBIAN:
-            call_kernels(entries.jacobian, b, time, q, second, one, two)
-        elif group == INERTIA:
+        if group == INERTIA:
             three, four = values[row[9] : row[10]], values[row[11] : row[12]]
-            call_kernels(entries.inertia, b, q, second, third, one, two, three, four)
-        elif group == STIFFNESS:
-            call_kernels(entries.stiffness, b, time, q, second, one, two)
-        elif group == GAMMA_V:
-            call_kernels(entries.gamma_v, b, time, q, second, one)
-        elif group == GAMMA_Q_V:
-            call_kernels(entries.gamma_q_v, b, time, q, second, one, two)
+            call_kernels(kernels, b, q, second, third, one, two, three, four)
+        elif group in (JACOBIAN, STIFFNESS, GAMMA_Q_V):
+            call_kernels(kernels, b, time, q, second, one, two)
         else:
-            call_kernels(entries.Phi_q_xi_q, b, time, q, second, one)
+            call_kernels(kernels, b, time, q, second, one)
     for n in range(len(scheme.constrained)):
         values[scheme.constrained[n, 0]] *= 1.0 - left_out[scheme.constrained[n, 1]]
 

@@ -1,8 +1,12 @@
-"""How do compiled loops call a system's operators: by addresses and tables, made once for each system."""
+"""Kernel tables of a system's operators, by which compiled loops call them; cached for each system."""
 
 from __future__ import annotations
 
-from ..._jit.pointer import Entry
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..._jit.pointer import NONE, Entry
 from ...system import System
 from ...system.element_values import ElementValues
 from ...system.once import once_alike
@@ -19,3 +23,14 @@ def entry_of(system: System, *names: str) -> Entry:
     return (
         found._replace(tables=group.index) if len(found.addresses) == 1 else found
     )  # one table is not copied
+
+
+def joined(entries: Sequence[Entry]) -> Entry:
+    """Several entries as one: their drivers one after another."""
+    shifts = np.cumsum([0, *(len(entry.tables) for entry in entries)])
+    starts = [entry.starts[:-1] + shift for entry, shift in zip(entries, shifts, strict=False)]
+    addresses, tables = (
+        np.concatenate([getattr(NONE, name), *(getattr(entry, name) for entry in entries)])
+        for name in ("addresses", "tables")
+    )
+    return Entry(addresses, np.concatenate([*starts, shifts[-1:]]).astype(np.int64), tables)

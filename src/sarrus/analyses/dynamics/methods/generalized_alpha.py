@@ -11,7 +11,7 @@ unknown, too, q₁ = (as above) - Φ_q(q₀)ᵀη, and both constraints hold at 
 
 from __future__ import annotations
 
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 from .description import (
@@ -29,6 +29,7 @@ from .description import (
 DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
 
 
+@lru_cache(32)
 def generalized_alpha(
     alpha_m: float, alpha_f: float, beta: float, gamma: float, error: float, stabilized: bool = False
 ) -> Description:

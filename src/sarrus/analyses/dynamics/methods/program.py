@@ -25,6 +25,7 @@ from .tables import DRIVERS, Tables, at_stage, structure_of
 
 STAGES, UPDATE, CHANGE, ERROR, GUESS = range(5)  # affine maps
 RESIDUAL, MOMENTUM, FORCE, VELOCITY, GAMMA = range(5)  # groups of operators in the equations
+OF_EQUATIONS = 5  # how many these are
 PREDICTED = ("q", "v", "a", "lam")  # quantities of the stages that are known from the motion so far
 NODE = ("q", "v", "a", "lam")
 TERMS: dict[

@@ -16,13 +16,14 @@ from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
 from ....system.lane_buffers import buffer, used
 from ....system.once import once_alike
+from ...dynamics.entries import joined
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
 from ..lagrangians.by_parameters import gradient_entry
 from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedRows
-from .changes import UNCHANGED, changes, joined
+from .changes import UNCHANGED, changes
 from .layout import drivers_of, kinds_of, layout_of
 from .matrix import Arranged
 from .record import Operations

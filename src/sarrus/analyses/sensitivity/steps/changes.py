@@ -11,6 +11,7 @@ from ...._jit import pointer
 from ....algebra import Array
 from ....system import System
 from ....system.lane_buffers import buffer
+from ...dynamics.entries import joined
 from ...dynamics.methods.tables import NOWHERE, Group, Tables
 from ..lagrangians.by_parameters import elements
 from ..lagrangians.elements import concerned
@@ -86,14 +87,3 @@ def _results(system: System, group: Group, nq: int, dots: Array) -> tuple[pointe
     places = np.where(above, group.xi + rows, group.nu + rows - nq)
     signs = np.where(above, 1.0, group.kind.sign)
     return found.entry, _Results(columns, chosen, sizes, places, equations, signs)
-
-
-def joined(entries: Sequence[pointer.Entry]) -> pointer.Entry:
-    """Several entries as one: their drivers one after another."""
-    shifts = np.cumsum([0, *(len(entry.tables) for entry in entries)])
-    starts = [entry.starts[:-1] + shift for entry, shift in zip(entries, shifts, strict=False)]
-    parts = [
-        np.concatenate([NO_INDICES, *(getattr(entry, name) for entry in entries)])
-        for name in ("addresses", "tables")
-    ]
-    return pointer.Entry(parts[0], np.concatenate([*starts, shifts[-1:]]).astype(np.int64), parts[1])

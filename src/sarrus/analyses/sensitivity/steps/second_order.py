@@ -10,11 +10,11 @@ from ...._jit.link import link
 from ...._jit.vector import LANES
 from ....algebra import Array
 from ....system.lane_buffers import buffer
+from ...dynamics.entries import joined
 from ..lagrangians.changes import lagrangian
 from ..lagrangians.curves import CurveLagrangian
 from . import second_order_loop as loop
 from .blocks import Blocks
-from .changes import joined
 from .layout import kinds_of
 from .record import Operations
 from .sweep import PerOperation, stages_of

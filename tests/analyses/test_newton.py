@@ -1,19 +1,24 @@
 """Newton's method with the matrices of the implicit methods converges quadratically, and not if any term is missing."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
+from tests.analyses.test_descriptions import OWN
 
 import sarrus as sr
 from sarrus.analyses.dynamics import newton_matrix
 from sarrus.analyses.dynamics.alpha_loop import Scheme
-from sarrus.analyses.dynamics.stabilized_matrix import MATRICES, START, newton_parts, stabilized_matrix, weigh
+from sarrus.analyses.dynamics.methods.generalized_alpha import generalized_alpha
+from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
+from sarrus.analyses.dynamics.stabilized_matrix import MATRICES, newton_parts, weigh
 from sarrus.analyses.equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
+from sarrus.analyses.sensitivity.steps.record import Occurrences
 from sarrus.linalg.sparse_solver import SingularMatrix
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
@@ -94,28 +99,71 @@ def alpha_steps(without: str = "") -> list[float]:
     return sizes
 
 
-def stabilized_steps(without: str = "") -> list[float]:
-    """The same on the stabilized equations, with multipliers η and the shift -Φ_q(q₀)ᵀη of q."""
-    system, (q0, v0, a0, lam), sizes = top(), moving(), list[float]()
-    scheme, a = sr.HHT().scheme(), a0 + 20 * np.cos(np.arange(7))
-    nq, m, (beta, gamma) = system.nq, system.m, weights_of(scheme)
-    matrix, shift, eta = stabilized_matrix(system), np.zeros(system.nq), np.zeros(system.m)
-    views = matrix.numbers.views
+def described_steps(method: sr.Description, without: str = "") -> list[float]:
+    """The same for one step of a description, from a disturbed guess, with its matrix as runs and sweeps take it."""
+    system, (q0, v0, a0, lam0) = top(), moving()
+    operation = method.operation(H, 1.0)
+    step, tables = operation.step, tables_of(system, structure_of(operation))
+    matrix, sizes = OperationMatrix(system, tables), list[float]()
+    state = {"q": q0, "v": v0, "a": a0, "lam": lam0}
+    state |= {name: value(by, state) for name, by in method.extra.items()}
+    none = np.zeros(0)
+    weights = Occurrences(operation, tables, np.zeros(1, int), none, none, {}).weights(tables.weights)[0]
+    z = guessed(step, state)
     for _ in range(8):
-        q, v = end_of(scheme, a)
-        q = q + shift
-        evaluate(views, "", q=q0, v=v0, a=a0, lam=lam)
-        views[START][:] = views["Phi_q"] * (without != START)
-        evaluate(views, "" if without == START else without, q=q, v=v, a=a, lam=lam)
-        weigh(matrix.weights, beta, gamma)
+        known = state | z
+        stages = [
+            {"t": stage.time * H}
+            | {n: value(getattr(stage, n), known) for n in stage._fields[1:] if getattr(stage, n)}
+            for stage in step.stages
+        ]
+        matrix.evaluate(system.b, np.zeros(system.m), stages, weights)
+        for name, view in matrix.numbers.views.items():
+            if without and name.startswith(without):
+                view[:] = 0.0
         matrix.choose_pivots()
-        rates = beta / gamma * system.Phi_q_xi(q, v)
-        upper = [shift + system.Phi_qT_lam(q0, eta), beta * unbalanced(q, v, a, lam)]
-        step = matrix.solve(np.concatenate([*upper, system.Phi(q), rates]))
-        dq, da, dlam, deta = np.split(step, [nq, 2 * nq, 2 * nq + m])
-        a, lam, eta, shift = a - da / beta, lam - dlam / beta, eta - deta, shift - (dq - da)
-        sizes.append(float(np.linalg.norm(step[: 2 * nq])))
+        right = [e.scale * equation(e.kind, stages[e.stage]) for e in step.equations]
+        change = matrix.solve(np.concatenate(right))
+        for name, at in tables.unknowns.items():
+            z[name] = z[name] - change[at : at + len(z[name])]
+        sizes.append(float(np.linalg.norm(change[tables.unknowns["Q"] :][: system.nq])))
     return sizes
+
+
+def value(affine: Mapping[str, float], known: Mapping[str, np.ndarray]) -> np.ndarray:
+    return np.asarray(sum(factor * known[name] for name, factor in affine.items()))
+
+
+def guessed(step: sr.Step, state: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Unknowns by the quantities of stages that they alone determine, of a motion that is disturbed."""
+    q, v, a, lam = (state[name] for name in ("q", "v", "a", "lam"))
+    wave = np.cos(np.arange(len(q)))
+    motion = {"q": q + H * v + 0.01 * wave, "v": v + H * a + 0.1 * wave, "a": a, "lam": lam, "mu": 0 * lam}
+    quantities = [(getattr(stage, n), x) for stage in step.stages for n, x in motion.items()]
+    alone = [(next(iter(by.items())), x) for by, x in quantities if len(by) == 1]
+    return {name: x / factor for (name, factor), x in alone if name not in state}
+
+
+def equation(kind: str, x: Mapping[str, np.ndarray]) -> np.ndarray:
+    """The residual of an equation at a stage."""
+    system, q = top(), x["q"]
+    if kind == "motion":
+        return unbalanced(q, x["v"], x["a"], x["lam"])
+    if kind == "kinematic":
+        return x["rate"] + system.Phi_qT_lam(q, x["mu"])
+    return system.Phi(q) if kind == "position" else system.Phi_q_xi(q, x["v"])
+
+
+def stabilized_steps(without: str = "") -> list[float]:
+    return described_steps(generalized_alpha(*sr.HHT().scheme(), stabilized=True), without)
+
+
+def midpoint_steps(without: str = "") -> list[float]:
+    return described_steps(OWN["implicit_midpoint"], without)
+
+
+def bdf2_steps(without: str = "") -> list[float]:
+    return described_steps(OWN["bdf2"], without)
 
 
 def radau_steps(without: str = "") -> list[float]:
@@ -143,10 +191,13 @@ def radau_steps(without: str = "") -> list[float]:
     return sizes
 
 
+DESCRIBED = ("M@", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q", "gamma_v")
 CASES = [
     *((alpha_steps, term) for term in TERMS),
     *((radau_steps, term) for term in (*TERMS, "gamma_v")),
-    *((stabilized_steps, term) for term in (*TERMS, "gamma_v", START)),
+    *((stabilized_steps, term) for term in (*DESCRIBED, "Phi_q@0", "Phi_q@1")),
+    *((midpoint_steps, term) for term in (*DESCRIBED, "Phi_q@0", "Phi_q@1")),
+    *((bdf2_steps, term) for term in (*DESCRIBED, "Phi_q@0")),
 ]
 
 
@@ -155,7 +206,7 @@ def quadratic(sizes: list[float]) -> bool:
     return sizes[-1] < 1e-14 and all(after < 10 * before**2 + 1e-14 for before, after in pairwise(sizes))
 
 
-@pytest.mark.parametrize("steps", [alpha_steps, radau_steps, stabilized_steps])
+@pytest.mark.parametrize("steps", [alpha_steps, radau_steps, stabilized_steps, midpoint_steps, bdf2_steps])
 def test_quadratic_with_the_exact_matrix(steps: Callable[..., list[float]]) -> None:
     sizes = steps()
     assert sizes[0] > 0.01

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -170,3 +171,18 @@ def test_derivatives_are_stopped_between_sweeps(name: str, run: sr.Trajectory) -
 
     with pytest.raises(KeyboardInterrupt, match="stopped by the user before the derivatives were there"):
         DERIVATIVES[name](run, progress=interrupt)
+
+
+def test_a_number_and_what_it_follows_from_are_not_asked_for_at_once(tmp_path: Path) -> None:
+    """The derivative by the parameter was 0, since the number counted as given."""
+    file = tmp_path / "m.yaml"
+    file.write_text(
+        "name: m\nparameters: {g: 10}\nbodies: {b: {mass: 1, inertia: [1, 1, 1], position: [1.2, 0, 0]}}\n"
+        "forces: {s: {type: tsda, points: [{body: ground, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], k: 2*g, length: 1}}\n"
+    )
+    run = sr.simulate(sr.System(sr.load(file)), until=0.5, store_steps=True)
+    one, other = (sr.sensitivity(run, sr.Final("b.x"), name) for name in ("g", "s.k"))
+    assert one["g"] == pytest.approx(2 * other["s.k"], rel=1e-12)
+    for names in (["g", "s.k"], ["s.k", "b.mass", "g"], ["g", "s"]):
+        with pytest.raises(sr.SarrusError, match=r"s\.k: follows by a formula"):
+            sr.sensitivity(run, sr.Final("b.x"), names)

@@ -73,6 +73,7 @@ class Parameters:
         self.values = np.array([self._value(name) for name in self.names])
         self._own_q, self._own_v = own_start(system, start)
         if self._design or self._formula or not self._known.keys() >= set(self.names):
+            self._refuse_both()
             self._refuse_other(self._moving)
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
@@ -246,6 +247,16 @@ class Parameters:
         own = {name: value for name, value in given.items() if name in model.parameters}
         places = {name: x for name, x in self._places(given).items() if name not in self.restitutions}
         return with_numbers(replace(model, formulas=model.formulas.with_values(own)), places)
+
+    def _refuse_both(self) -> None:
+        """A number that follows from another one that is asked for has no derivative of its own beside it."""
+        follow = self._from_file(self.variables) | self._from_design(self.variables)
+        both = next((name for name in self.names if name in follow and name in self._known), None)
+        if both is not None:
+            raise UnknownParameter(
+                f"{both}: follows by a formula from other parameters that are asked for, and has no derivative of "
+                "its own beside theirs. Leave it out, or them."
+            )
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""

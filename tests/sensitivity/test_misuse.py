@@ -178,7 +178,8 @@ def test_a_number_and_what_it_follows_from_are_not_asked_for_at_once(tmp_path: P
     file = tmp_path / "m.yaml"
     file.write_text(
         "name: m\nparameters: {g: 10}\nbodies: {b: {mass: 1, inertia: [1, 1, 1], position: [1.2, 0, 0]}}\n"
-        "forces: {s: {type: tsda, points: [{body: ground, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], k: 2*g, length: 1}}\n"
+        "forces: {s: {type: tsda, points: [{body: ground, at: [0, 0, 0]}, {body: b, at: [0, 0, 0]}], k: 2*g,"
+        " length: 1}}\n"
     )
     run = sr.simulate(sr.System(sr.load(file)), until=0.5, store_steps=True)
     one, other = (sr.sensitivity(run, sr.Final("b.x"), name) for name in ("g", "s.k"))

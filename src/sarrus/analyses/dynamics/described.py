@@ -32,10 +32,20 @@ from .prescribed import Prescribed
 from .sampler import motion_arrays, motion_entries, motion_work
 from .stepper import Settings
 
-FUNCTIONS = (
-    "update", "residual", "renew", "weights_of", "correct", "settled", "prepare", "local_error", "factor_to", "finish",
-    "accept", "keep",
-)  # of the time integration loop, which are those of `described_loop`  # fmt: skip
+FUNCTIONS = {
+    "update": loop.update,
+    "residual": loop.residual,
+    "renew": loop.renew,
+    "weights_of": loop.weights_of,
+    "correct": loop.correct,
+    "settled": loop.settled,
+    "prepare": loop.prepare,
+    "local_error": loop.local_error,
+    "factor_to": loop.factor_to,
+    "finish": loop.finish,
+    "accept": loop.accept,
+    "keep": loop.keep,
+}  # of the time integration loop, for described methods
 
 
 class Layout(NamedTuple):
@@ -123,7 +133,7 @@ class DescribedStepper(AlphaStepper):
         self.matrix = PlacedMatrix(Numbers(system, tables.names, tables.like), tables.n, tables.parts)
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
-        self._advance = link(alpha_loop.advance, **{name: getattr(loop, name) for name in FUNCTIONS})
+        self._advance = link(alpha_loop.advance, **FUNCTIONS)
         self._entries = kernels_of(system, self.scheme)
         own = [np.zeros(width) for width in (tables.n, tables.n, m, nq + m)]
         self._memory = loop.Memory._make([*own, motion_work(system)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -32,7 +32,7 @@ from .prescribed import Prescribed
 from .sampler import motion_arrays, motion_entries, motion_work
 from .stepper import Settings
 
-FUNCTIONS = {
+FUNCTIONS: dict[str, Callable[..., Any]] = {
     "update": loop.update,
     "residual": loop.residual,
     "renew": loop.renew,

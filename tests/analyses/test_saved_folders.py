@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -579,3 +580,15 @@ def test_a_refusal_of_the_operating_system_ends_in_a_result(
         assert run.status == "not saved"
         assert "Input/output error" in run.message
     assert sr.resume(tmp_path / "run2").success
+
+
+def test_a_run_is_not_read_with_another_system(tmp_path: Path) -> None:
+    """Multipliers, and so reactions, would be taken from other joints without a word."""
+    system, folder = slider_crank(), tmp_path / "run"
+    run = sr.simulate(system, save=folder, **GIVEN)
+    assert np.array_equal(sr.load_run(folder, system).reaction("pin").force, run.reaction("pin").force)
+    joints = system.model.joints
+    for others in (joints[::-1], joints[:-1]):
+        other = sr.System(replace(system.model, joints=others, forces=[], drivers=[]))
+        with pytest.raises(SarrusError, match="is a run of another system.*whose equations differ"):
+            sr.load_run(folder, other)

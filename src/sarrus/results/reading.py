@@ -13,6 +13,7 @@ from ..model.checks.arguments import checked
 from .motion.events import event_records
 from .motion.solution import State
 from .motion.trajectory import Trajectory
+from .saving.checked_file import SavedDataError
 from .saving.saved import arrays_of, recipe_of
 
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
@@ -39,14 +40,16 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     Raises
     ------
     SarrusError
-        If there is no run (also a FileNotFoundError), or if it is damaged or in another format (also a ValueError);
-        states that are damaged are refused where they are indexed.
+        If there is no run (also a FileNotFoundError), or if it is damaged, in another format or of another system (also
+        a ValueError); states that are damaged are refused where they are indexed.
     """
     folder = Path(path)
     about, arrays, state = arrays_of(folder)
     record = json.loads(str(state["told"]))
     if system is None and trusted:
         system = recipe_of(folder)["system"]()
+    if system is not None:
+        _refuse_other(folder, about, system)
     violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))
     names = ("q", "v", "a", "lam", "history", "memory", "revolutions")
     states: dict[str, Any] = {name: arrays[name] for name in names}
@@ -72,3 +75,14 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         **states,
         **counts,
     )
+
+
+def _refuse_other(folder: Path, about: dict[str, Any], system: Any) -> None:
+    """Coordinates and multipliers of a run are those of its own system, in its order of equations."""
+    own = {"coordinates": system.coordinate_names, "equations": system.row_names}
+    other = next((kind for kind, names in own.items() if about[kind] != list(names)), None)
+    if other is not None:
+        raise SavedDataError(
+            f"{folder}: is a run of another system than {system.name}, whose {other} differ or are in another order. "
+            "Give the system that moved, or leave it out."
+        )

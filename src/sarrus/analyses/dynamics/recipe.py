@@ -64,7 +64,8 @@ class Recipe:
     def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
         """A folder for the run, see `Store.create`."""
         about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
-        about |= {"coordinates": list(system.coordinate_names), "method": repr(self.method)}
+        about |= {"coordinates": list(system.coordinate_names), "equations": list(system.row_names)}
+        about["method"] = repr(self.method)
         about["until"] = self.plan.until
         return Store.create(path, self.plan.times, system, about, self.as_dict(), overwrite=overwrite)
 

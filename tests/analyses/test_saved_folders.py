@@ -590,5 +590,5 @@ def test_a_run_is_not_read_with_another_system(tmp_path: Path) -> None:
     joints = system.model.joints
     for others in (joints[::-1], joints[:-1]):
         other = sr.System(replace(system.model, joints=others, forces=[], drivers=[]))
-        with pytest.raises(SarrusError, match="is a run of another system.*whose equations differ"):
+        with pytest.raises(SarrusError, match=r"is a run of another system.*whose equations differ"):
             sr.load_run(folder, other)

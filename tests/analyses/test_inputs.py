@@ -10,7 +10,7 @@ import pytest
 import sarrus as sr
 from sarrus import model
 from sarrus.analyses.dynamics.inputs import features
-from sarrus.elements import Force
+from sarrus.elements import Element, Force
 from sarrus.elements.element import Scalar
 from sarrus.functions import exp, positive, sin, tanh
 from sarrus.model.primitive import Primitive
@@ -90,6 +90,9 @@ class Kicker(model.Force):
     def primitives(self, poses: Any) -> Any:
         point = self.point.resolve(poses, "point")
         yield Primitive(Kick, (point.body,), (self.height, self.begins), "kick")
+
+
+del Element.registry["Kick"], model.Force.kinds["kicker"]  # other tests see those of the package alone
 
 
 def test_a_force_of_the_users_own() -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,8 +32,8 @@ HALVINGS = 40  # of the distance from such a zero, so that features of 1e-12 of 
 BISECTIONS = 60  # of an interval with a corner, to round-off
 NEARLY = 0.01  # of the range of a law: how far it may be from a cubic within a part
 SHARES = np.linspace(0, 1, 22)  # of a part, where that is examined
-FITTED = SHARES[[0, 7, 14, 21]]  # where the cubic meets the law
-CUBIC = np.linalg.solve(FITTED[:, None] ** np.arange(4), np.eye(4))
+FITTED = [0, 7, 14, 21]  # of them, where the cubic meets the law
+CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
 PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
@@ -184,24 +183,24 @@ def _features(law: Law, begin: float, until: float) -> Features:
 
 def _parts(law: Law, t: Array, values: Array, tolerance: float, between: Array) -> Array:
     """Ends of parts in each of which the law is nearly a cubic; as many as show that there are too many."""
-    waiting, done = [*pairwise(between)], [float(between[0])]
-    waiting.reverse()
-    while waiting and len(done) <= PARTS:
-        a, b = waiting.pop()
-        if b - a > LEAST * (between[-1] - between[0]) and not _is_cubic(law, t, values, tolerance, a, b):
-            waiting += [(0.5 * (a + b), b), (a, 0.5 * (a + b))]
-        else:
-            done.append(float(b))
-    return np.array(done)
+    ends, low, high = between, between[:-1], between[1:]
+    least = LEAST * (between[-1] - between[0])
+    while len(low) and len(ends) <= PARTS:
+        divided = (high - low > least) & ~_are_cubic(law, t, values, tolerance, low, high)
+        middle = 0.5 * (low + high)[divided]
+        low, high = np.sort(np.append(low[divided], middle)), np.sort(np.append(high[divided], middle))
+        ends = np.append(ends, middle)
+    return np.sort(ends)
 
 
-def _is_cubic(law: Law, t: Array, values: Array, tolerance: float, a: float, b: float) -> bool:
-    """Whether a law is within a tolerance of its cubic between two times; samples at the very ends do not count."""
-    margin = AHEAD * (b - a)
-    own = a + margin + (b - a - 2 * margin) * SHARES
-    at_own = law(own)
-    first, last = np.searchsorted(t, (a + margin, b - margin))
-    x, y = np.append(own, t[first:last]), np.append(at_own, values[first:last])
-    share = (x - own[0]) / (own[-1] - own[0])
-    fitted = share[:, None] ** np.arange(4) @ (CUBIC @ at_own[[0, 7, 14, 21]])
-    return not np.any(abs(y - fitted) > tolerance)
+def _are_cubic(law: Law, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
+    """Whether a law is within a tolerance of its cubic in parts (n,); their very ends do not count."""
+    start, width = low + AHEAD * (high - low), (1 - 2 * AHEAD) * (high - low)
+    own = law((start[:, None] + width[:, None] * SHARES).ravel()).reshape(len(low), -1)
+    cubics = own[:, FITTED] @ CUBIC.T
+    far = np.any(abs(own - cubics @ (SHARES[:, None] ** np.arange(4)).T) > tolerance, axis=1)
+    part = np.maximum(np.searchsorted(low, t, side="right") - 1, 0)
+    share = (t - start[part]) / width[part]
+    fitted = np.einsum("nk,nk->n", cubics[part], share[:, None] ** np.arange(4))
+    far[part[(share >= 0) & (share <= 1) & (abs(values - fitted) > tolerance)]] = True
+    return ~far

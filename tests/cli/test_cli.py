@@ -129,6 +129,7 @@ MISUSE = [
     ("view {} --until 1 --trace rope", "no body 'rope' in slider-crank"),
     ("view {} --until 1 --plot slider.w", "slider-crank has no output 'slider.w'; did you mean"),
     ("view {} --plot slider.x", "--plot needs a motion. Give its duration with --until."),
+    ("view {} --trace slider", "--trace needs a motion. Give its duration with --until."),
     ("demo --output {}", "is a file, not a folder; choose another --output"),
 ]
 

@@ -56,7 +56,8 @@ class Recipe:
     ) -> Trajectory:
         """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
         run = self.march(system, store, progress).go(self.start, state)
-        found = announce([*energy_growth(system, run, self.settings.tolerances), *fast_vibration(run)])
+        growth = energy_growth(system, run, self.settings.tolerances)
+        found = announce([*growth, *fast_vibration(run, self.plan.budget.advice())])
         if store is not None and found:
             store.warn(found)
         return run

@@ -16,7 +16,7 @@ STRONG = 1e-2  # of the greatest acceleration of its kind: weaker ones may be ro
 RESOLVED = (0.01, 2.0)  # ω h of steps that a vibration forces upon the error control
 
 
-def fast_vibration(run: Trajectory) -> list[str]:
+def fast_vibration(run: Trajectory, advice: str) -> list[str]:
     """A warning where a vibration of several periods between two outputs forced the steps of a finished run.
 
     Its circular frequency is that of accelerations over velocities, of which only the change from output to output is
@@ -38,7 +38,7 @@ def fast_vibration(run: Trajectory) -> list[str]:
         return []
     return [
         f"{run.name}: a vibration of {run.coordinate_names[worst]} at some {omega[worst] / (2 * np.pi):.0e} Hz, which "
-        f"the outputs do not resolve, forced {run.nsteps} steps. Try method=sr.Radau(), or damping if it is of no use."
+        f"the outputs do not resolve, forced {run.nsteps} steps. {advice}"
     ]
 
 

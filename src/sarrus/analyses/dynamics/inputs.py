@@ -203,4 +203,4 @@ def _are_cubic(law: Law, t: Array, values: Array, tolerance: float, low: Array, 
     share = (t - start[part]) / width[part]
     fitted = np.einsum("nk,nk->n", cubics[part], share[:, None] ** np.arange(4))
     far[part[(share >= 0) & (share <= 1) & (abs(values - fitted) > tolerance)]] = True
-    return np.logical_not(far)
+    return np.asarray(~far)

@@ -43,7 +43,8 @@ def test_gradients_use_the_same_weights_and_their_slopes(apart: bool) -> None:
     weights = interpolation(np.array([s]), np.array([H]), apart)
     kinds = (0, 1) if apart else (0, 1, 2)  # accelerations are interpolated through several nodes
     nodes = ends.reshape(2, 3, 2)
-    value, slope = (np.einsum("kel,eln->kn", part[0], nodes)[list(kinds)] for part in weights)
-    ahead, behind = (inside(list(ends), s + d, apart)[list(kinds)] for d in (e / H, -e / H))
-    assert value == pytest.approx(inside(list(ends), s, apart)[list(kinds)], abs=1e-12)
+    value, slope, bend = (np.einsum("kel,eln->kn", part[0], nodes)[list(kinds)] for part in weights)
+    ahead, middle, behind = (inside(list(ends), s + d, apart)[list(kinds)] for d in (e / H, 0.0, -e / H))
+    assert value == pytest.approx(middle, abs=1e-12)
     assert slope == pytest.approx((ahead - behind) / (2 * e), rel=1e-4)
+    assert bend == pytest.approx((ahead - 2 * middle + behind) / e**2, rel=1e-3, abs=1e-4 * abs(bend).max())

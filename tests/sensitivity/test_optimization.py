@@ -12,6 +12,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.optimization.problem import Infeasible, Point
 from sarrus.analyses.optimization.search import Search, Variables
 from sarrus.model.written import with_numbers
 
@@ -224,15 +225,28 @@ def test_the_time_of_all_starts_is_over_in_an_executor_too() -> None:
     """Starts that are still queued when it is over are not simulated."""
     from concurrent.futures import ThreadPoolExecutor
 
-    settings = {"until": 0.02, "bounds": {"spring.k": (1.0, 30.0)}, "starts": 40, **LOOSE}
+    settings = {"until": 0.02, "bounds": {"spring.k": (1.0, 30.0)}, "starts": 100, **LOOSE}
     began = time.perf_counter()
     with ThreadPoolExecutor(1) as executor:
         found = sr.optimize(
-            slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, total_time_limit=1.0, **settings
+            slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, total_time_limit=3.0, **settings
         )
-    assert time.perf_counter() - began < 6.0
-    late = [one for one in found.start_reports if "the time limit of 1 s has passed" in one.message]
+    assert time.perf_counter() - began < 12.0
+    late = [one for one in found.start_reports if "the time limit of 3 s has passed" in one.message]
     assert len(late) > 20
+
+
+def test_a_start_without_derivatives_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the time is over in the middle of its gradient: the wall around it was asked for its slope, for ever."""
+
+    def undefined(point: Point) -> None:
+        raise Infeasible("it has no derivatives")
+
+    monkeypatch.setattr(Point, "slopes", property(undefined))
+    with pytest.raises(sr.SarrusError, match="it has no derivatives"):
+        sr.optimize(
+            slider_crank(), "slider.x", ["spring.k"], until=0.02, bounds={"spring.k": (1.0, 30.0)}, **LOOSE
+        )
 
 
 @pytest.mark.parametrize("solver", ["SLSQP", "trust-constr"])

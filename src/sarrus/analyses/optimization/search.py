@@ -212,10 +212,21 @@ class Search:
         return found
 
     def slope(self, z: Array) -> Array:
-        """Its gradient by z (p,)."""
+        """Its gradient by z (p,).
+
+        Raises
+        ------
+        TimeLimit
+            If the time of the whole search has passed.
+        Infeasible
+            If the last iterate, which stands for designs without derivatives, has none itself.
+        """
         try:
             matrix = self.point(z).slopes
         except Infeasible:
+            self.problem.refuse_late()
+            if np.array_equal(z, self.anchor):
+                raise
             return self._wall(z)[1]
         scaled = np.asarray(matrix * self.variables.scale)
         slope = np.asarray(scaled[: self.count].sum(axis=0))

@@ -219,7 +219,7 @@ class Search:
         TimeLimit
             If the time of the whole search has passed.
         Infeasible
-            If the last iterate, which stands for designs without derivatives, has none itself.
+            If the last iterate, whose slope replaces that of designs without derivatives, has none itself.
         """
         try:
             matrix = self.point(z).slopes

@@ -421,6 +421,12 @@ def formula_graph(law: Formula) -> tuple[Graph, Expression]:
     return graph, found
 
 
+def steps_in(graph: Graph, wanted: list[Expression]) -> list[Expression]:
+    """The arguments of step functions in recorded expressions: where one changes sign there is a corner or a jump."""
+    nodes = (graph.nodes[n] for n in needed(graph, wanted))
+    return [Expression(graph, node.args[0]) for node in nodes if node.op == "positive"]
+
+
 def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
     """The intermediate values of a formula (wanted, nt)."""
     values = evaluated(formula_graph(law)[0], wanted, {("x",): x}, MANY)

@@ -10,7 +10,7 @@ their intermediate results: around t = m in exp(-(t - m)²/w²).
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from ..._jit.replay import needed
 from ...algebra import Array
 from ...model import Curve, Formula
 from ...system import System
-from ...system.curve_derivatives import MANY, evaluated, formula_graph
+from ...system.curve_derivatives import MANY, evaluated, formula_graph, steps_in
 from ...system.once import once
 from ...system.population import Population
 from .laws_of_time import expressions_of_time, fields_of_time
@@ -37,9 +37,7 @@ CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
 PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
-LEAST = (
-    1e-12  # of a run: parts that are not divided any more; of the size of a law: a range that is round-off
-)
+LEAST = 1e-12  # of a run: parts that are not divided; of the size of a law: a range that is round-off
 
 
 class Features(NamedTuple):
@@ -80,6 +78,7 @@ class Law:
     ) -> None:
         self._key, self._graph, self._value = key, graph, value
         self._variable, self._numbers = variable, numbers
+        self._orders: dict[int, list[int]] = {}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Law) and self._key == other._key
@@ -105,15 +104,11 @@ class Law:
             self._orders[identity] = needed(self._graph, [Expression(self._graph, identity)])
         return self._orders[identity]
 
-    @cached_property
-    def _orders(self) -> dict[int, list[int]]:
-        return {}
-
     def zeros(self, t: Array) -> tuple[Array, Array]:
         """Times at which arguments of step functions change sign, and those at which other results do."""
         nodes = self._graph.nodes
         inner = [Expression(self._graph, n) for n in self._order(self._value.id) if nodes[n].op != "constant"]
-        sides = {nodes[one.id].args[0] for one in inner if nodes[one.id].op == "positive"}
+        sides = {one.id for one in steps_in(self._graph, [self._value])}
         with np.errstate(all="ignore"):
             found = evaluated(self._graph, inner, self._inputs(t), MANY)
         corners, others = [np.zeros(0)], [np.zeros(0)]

@@ -10,9 +10,7 @@ from ..._jit.expression import Expression, Graph
 from ...elements import OPERATORS
 from ...elements.recorder import Variant, record
 
-FIXED, OF_TIME, MOVES = range(
-    3
-)  # what a recorded number depends on: numbers alone, the time too, or the state
+FIXED, OF_TIME, MOVES = range(3)  # what a recorded number depends on: numbers, the time too, or the state
 
 
 @cache

@@ -21,7 +21,14 @@ from ...elements.recorder import Variant
 from ...model import Formula
 from ...results import Pieces, StepsTaken
 from ...system import System
-from ...system.curve_derivatives import CurveDerivatives, entries_of, formula_graph, formula_values, stored
+from ...system.curve_derivatives import (
+    CurveDerivatives,
+    entries_of,
+    formula_graph,
+    formula_values,
+    steps_in,
+    stored,
+)
 from ...system.population import Population
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
@@ -83,11 +90,7 @@ def _with_kinks(p: Population) -> bool:
 def _signs_of(law: Formula) -> list[Expression]:
     """What a law takes the sign of."""
     graph, found = formula_graph(law)
-    return [
-        Expression(graph, graph.nodes[n].args[0])
-        for n in needed(graph, [found])
-        if graph.nodes[n].op == "positive"
-    ]
+    return steps_in(graph, [found])
 
 
 def _owners(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:

@@ -11,11 +11,12 @@ import numpy as np
 
 import sarrus as sr
 from sarrus.algebra import Array
+from sarrus.functions import positive, sin
 
-from .problem import Known, Problem, cart, integrated, slide, stack
+from .problem import Known, Problem, cart, integrated, motion, slide, stack
 
 G = 9.81
-VERTICAL = {"positions": ["ball.z"], "velocities": ["ball.velocity.z"]}
+VERTICAL = motion("ball.z")
 
 
 def ramp(x: float, width: float) -> float:
@@ -104,8 +105,7 @@ def braked(
         y = integrated(f, start, t, method="Radau", rtol=1e-11, atol=1e-13, max_step=0.01)
         return Known(t, y[:, :1], y[:, 1:])
 
-    read = {"positions": ["mass.x"], "velocities": ["mass.velocity.x"]}
-    return Problem(name, make, until, known, read, smooth=False, exact=1e-7)
+    return Problem(name, make, until, known, motion("mass.x"), smooth=False, exact=1e-7)
 
 
 def stopped(name: str, stiffness: float, until: float, clearance: float = 0.05) -> Problem:
@@ -137,8 +137,7 @@ def stopped(name: str, stiffness: float, until: float, clearance: float = 0.05) 
         y = integrated(f, (0.0, 2.0), t, max_step=1e-3)
         return Known(t, y[:, :1], y[:, 1:])
 
-    read = {"positions": ["mass.x"], "velocities": ["mass.velocity.x"]}
-    return Problem(name, make, until, known, read, smooth=False)
+    return Problem(name, make, until, known, motion("mass.x"), smooth=False)
 
 
 def quarter_car(name: str, height: float, until: float) -> Problem:
@@ -147,8 +146,6 @@ def quarter_car(name: str, height: float, until: float) -> Problem:
     begins, takes = 1.0, 0.1
 
     def road(t: Any) -> Any:
-        from sarrus.functions import positive, sin
-
         s = (t - begins) / takes
         return height * sin(np.pi * s) ** 4 * positive(s) * positive(1 - s)
 
@@ -186,8 +183,7 @@ def quarter_car(name: str, height: float, until: float) -> Problem:
         y = integrated(f, (rest, rest + 0.5, 0, 0), t, stops=(begins, begins + takes), max_step=2e-3)
         return Known(t, y[:, :2], y[:, 2:])
 
-    read = {"positions": ["wheel.z", "car.z"], "velocities": ["wheel.velocity.z", "car.velocity.z"]}
-    return Problem(name, make, until, known, read, smooth=False)
+    return Problem(name, make, until, known, motion("wheel.z", "car.z"), smooth=False)
 
 
 def rolling(t: Array) -> Known:

@@ -10,7 +10,7 @@ import sarrus as sr
 from sarrus.algebra import Array
 from sarrus.functions import sin
 
-from .problem import Known, Problem, cart, integrated, stack
+from .problem import Known, Problem, cart, integrated, motion, stack
 
 G = 9.81
 
@@ -143,22 +143,22 @@ def make_rack() -> tuple[sr.System, Any]:
 DRIVEN = (
     Problem(
         "driven rotor", make_rotor, 5.0, rotor,
-        {"positions": ["pin.angle"], "velocities": ["pin.angle.rate"], "reactions": ["pin.force.x", "pin.force.y"]},
+        motion("pin.angle") | {"reactions": ["pin.force.x", "pin.force.y"]},
     ),
     Problem(
         "driven slider-crank", make_slider_crank, 2.0, slider_crank,
-        {"positions": ["slider.x"], "velocities": ["slider.velocity.x"]},
+        motion("slider.x"),
     ),
     Problem(
         "door on two hinges", make_door, 10.0, door,
-        {"positions": ["low.angle"], "velocities": ["low.angle.rate"]},
+        motion("low.angle"),
     ),
     Problem(
         "parallel crank", make_parallel_crank, 10.0, parallel_crank,
-        {"positions": ["A0.angle"], "velocities": ["A0.angle.rate"]},
+        motion("A0.angle"),
     ),
     Problem(
         "rack and pinion", make_rack, 5.0, rack,
-        {"positions": ["pin.angle", "bar.x"], "velocities": ["pin.angle.rate", "bar.velocity.x"]},
+        motion("pin.angle", "bar.x"),
     ),
 )  # fmt: skip

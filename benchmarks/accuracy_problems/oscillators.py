@@ -6,13 +6,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.special import ellipj
 
 import sarrus as sr
 from sarrus.algebra import Array
 
-from .problem import Known, Problem, cart, slide, stack
+from .problem import Known, Problem, cart, motion, slide, stack
 
-READ = {"positions": ["mass.x"], "velocities": ["mass.velocity.x"]}
+READ = motion("mass.x")
 
 
 def oscillator(
@@ -63,15 +64,11 @@ def two_masses(name: str, masses: tuple[float, float], k: tuple[float, float], u
         y = np.real(np.exp(np.outer(t, w)) * parts @ V.T)
         return Known(t, y[:, :2] + [0, 1], y[:, 2:])
 
-    names = ["mass_0", "mass_1"]
-    read = {"positions": [f"{n}.x" for n in names], "velocities": [f"{n}.velocity.x" for n in names]}
-    return Problem(name, make, until, known, read)
+    return Problem(name, make, until, known, motion("mass_0.x", "mass_1.x"))
 
 
 def hardening(t: Array) -> Known:
     """m x'' + k x + k₃ x³ = 0 from rest: x = A cn(ω t, κ)."""
-    from scipy.special import ellipj
-
     mass, k, cubic, A = 1.0, 10.0, 4000.0, 0.2
     frequency = np.sqrt((k + cubic * A**2) / mass)
     parameter = cubic * A**2 / (2 * (k + cubic * A**2))
@@ -145,13 +142,13 @@ OSCILLATORS = (
         make_hanging,
         5.0,
         hanging,
-        {"positions": ["mass.z"], "velocities": ["mass.velocity.z"]},
+        motion("mass.z"),
     ),
     Problem(
         "bushing",
         make_bushing,
         0.1,
         bushing,
-        {"positions": ["mass.x", "mass.z"], "velocities": ["mass.velocity.x", "mass.velocity.z"]},
+        motion("mass.x", "mass.z"),
     ),
 )

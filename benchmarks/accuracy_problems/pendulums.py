@@ -12,14 +12,10 @@ import sarrus as sr
 from sarrus.algebra import Array
 from sarrus.functions import sin
 
-from .problem import Known, Problem, cart, integrated, stack
+from .problem import Known, Problem, cart, integrated, motion, stack
 
 G = 9.81
-SWING = {
-    "positions": ["pin.angle"],
-    "velocities": ["pin.angle.rate"],
-    "reactions": ["pin.force.x", "pin.force.z"],
-}
+SWING = motion("pin.angle") | {"reactions": ["pin.force.x", "pin.force.z"]}
 
 
 def pendulum(
@@ -28,15 +24,15 @@ def pendulum(
     """A ball of little inertia on a pin, from rest at an angle from the lowest position."""
 
     def make() -> tuple[sr.System, Any]:
-        return _pendulum(mass, length, start, 0.0, g), None
+        return _pendulum(mass, length, start, g), None
 
     return Problem(name, make, until, partial(_elliptic, start, length, g, mass), SWING)
 
 
-def _pendulum(mass: float, length: float, start: float, axial: float, g: float) -> sr.System:
-    """The centre of a body a length below its pin, turned about -y by an angle; its inertia about y is `axial`."""
+def _pendulum(mass: float, length: float, start: float, g: float) -> sr.System:
+    """The centre of a body a length below its pin, turned about -y by an angle."""
     place = (length * np.sin(start), 0.0, -length * np.cos(start))
-    body = sr.Body("bob", mass, (axial + 1e-3 * mass * length**2,) * 3, position=place)
+    body = sr.Body("bob", mass, (1e-3 * mass * length**2,) * 3, position=place)
     pin = sr.Revolute("pin", sr.ground, body, point=(0, 0, 0), axis=(0, -1, 0))
     return sr.System(sr.Model("pendulum", [body], [pin], gravity=(0, 0, -g)))
 
@@ -70,7 +66,7 @@ def turning(t: Array) -> Known:
 
 
 def make_turning() -> tuple[sr.System, Any]:
-    system = _pendulum(1.0, 1.0, 0.0, 0.0, G)
+    system = _pendulum(1.0, 1.0, 0.0, G)
     return system, sr.assemble(system, rates={"pin": 10.0})
 
 
@@ -112,11 +108,7 @@ def links(count: int, angles: tuple[float, ...], name: str, until: float) -> Pro
         relative = np.diff(a, axis=1, prepend=0) - np.diff(angles, prepend=0)
         return Known(t, relative, np.diff(w, axis=1, prepend=0))
 
-    read = {
-        "positions": [f"pin_{n}.angle" for n in range(count)],
-        "velocities": [f"pin_{n}.angle.rate" for n in range(count)],
-    }
-    return Problem(name, make, until, known, read)
+    return Problem(name, make, until, known, motion(*(f"pin_{n}.angle" for n in range(count))))
 
 
 def cart_pole(name: str, mass: float, until: float, start: float = 2.0) -> Problem:
@@ -147,8 +139,7 @@ def cart_pole(name: str, mass: float, until: float, start: float = 2.0) -> Probl
         x, v = -share * (np.sin(y[:, 0]) - np.sin(start)), -share * np.cos(y[:, 0]) * y[:, 1]
         return Known(t, stack(y[:, 0] - start, x), stack(y[:, 1], v))
 
-    read = {"positions": ["pin.angle", "cart.x"], "velocities": ["pin.angle.rate", "cart.velocity.x"]}
-    return Problem(name, make, until, known, read)
+    return Problem(name, make, until, known, motion("pin.angle", "cart.x"))
 
 
 def spherical(name: str, until: float, start: float, speed: float) -> Problem:
@@ -171,11 +162,7 @@ def spherical(name: str, until: float, start: float, speed: float) -> Problem:
         y = integrated(f, [np.sin(start), 0, -np.cos(start), 0, speed, 0], t)
         return Known(t, y[:, :3], y[:, 3:])
 
-    read = {
-        "positions": ["bob.x", "bob.y", "bob.z"],
-        "velocities": ["bob.velocity.x", "bob.velocity.y", "bob.velocity.z"],
-    }
-    return Problem(name, make, until, known, read)
+    return Problem(name, make, until, known, motion("bob.x", "bob.y", "bob.z"))
 
 
 def kapitza() -> Problem:
@@ -203,9 +190,7 @@ def kapitza() -> Problem:
         y = integrated(f, (start, 0.0), t, max_step=1e-3)
         return Known(t, y[:, :1] - start, y[:, 1:])
 
-    return Problem(
-        "Kapitza's pendulum", make, 2.0, known, {"positions": ["pin.angle"], "velocities": ["pin.angle.rate"]}
-    )
+    return Problem("Kapitza's pendulum", make, 2.0, known, motion("pin.angle"))
 
 
 def near_the_top(t: Array) -> Known:
@@ -216,7 +201,7 @@ def near_the_top(t: Array) -> Known:
 
 
 def make_near_the_top() -> tuple[sr.System, Any]:
-    return _pendulum(1.0, 1.0, float(np.radians(179.9)), 0.0, G), None
+    return _pendulum(1.0, 1.0, float(np.radians(179.9)), G), None
 
 
 PENDULUMS = (

@@ -101,6 +101,13 @@ def integrated(
     return rows
 
 
+def motion(*names: str) -> dict[str, list[str]]:
+    """Outputs that are compared: coordinates of bodies or angles of joints, and their rates."""
+    parts = [name.rpartition(".") for name in names]
+    rates = [f"{part}.velocity.{x}" if x in "xyz" else f"{part}.{x}.rate" for part, _, x in parts]
+    return {"positions": [*names], "velocities": rates}
+
+
 def slide(mass: float, *forces: Any, body: sr.Body | None = None, **given: Any) -> sr.System:
     """A body "mass" that slides along x."""
     body = body or cart(mass)

@@ -10,7 +10,7 @@ import numpy as np
 import sarrus as sr
 from sarrus.algebra import Array
 
-from .problem import Known, Problem, integrated, stack
+from .problem import Known, Problem, integrated, motion, stack
 
 
 def spin(body: str) -> dict[str, list[str]]:
@@ -101,7 +101,7 @@ def coil(name: str, start: float, until: float, k: float = 2.0, J: float = 0.1, 
         x = decay * (np.cos(w * t) + mean / w * np.sin(w * t))
         return Known(t, stack(x - start), stack(-decay * (k / J / w) * np.sin(w * t)))
 
-    return Problem(name, make, until, known, {"positions": ["pin.angle"], "velocities": ["pin.angle.rate"]})
+    return Problem(name, make, until, known, motion("pin.angle"))
 
 
 def flywheel(t: Array) -> Known:
@@ -143,7 +143,6 @@ def make_gears() -> tuple[sr.System, Any]:
     return sr.System(sr.Model("gears", wheels, [*pins, mesh], [spring, motor])), None
 
 
-PIN = {"positions": ["pin.angle"], "velocities": ["pin.angle.rate"]}
 ROTATIONS = (
     free("free body, about its middle axis", (1.0, 2.0, 3.0), (0.001, 2.0, 0.001), 30.0),
     free("free body, fast", (2.0, 3.0, 4.0), (50.0, 100.0, 20.0), 2.0),
@@ -159,13 +158,13 @@ ROTATIONS = (
         make_flywheel,
         5.0,
         flywheel,
-        {**PIN, "reactions": ["pin.force.x", "pin.force.y"]},
+        {**motion("pin.angle"), "reactions": ["pin.force.x", "pin.force.y"]},
     ),
     Problem(
         "gears",
         make_gears,
         10.0,
         gears,
-        {"positions": ["pin_0.angle", "pin_1.angle"], "velocities": ["pin_0.angle.rate", "pin_1.angle.rate"]},
+        motion("pin_0.angle", "pin_1.angle"),
     ),
 )

@@ -311,10 +311,10 @@ def stop_after(t_end: float) -> Callable[[float], None]:
 
 def pairs_of_runs(place: Path) -> Iterator[tuple[str, Path, Path, Any, Any]]:
     """Kinds of folders: name, folder, that of another run, what it loads as, and the whole run."""
-    from sarrus.analyses.dynamics import march
+    from sarrus.analyses.dynamics.time_loop import time_loop
 
-    march.PAUSE = march.PATIENT = 0.0
-    march.CHUNK = 40
+    time_loop.PAUSE = time_loop.PATIENT = 0.0
+    time_loop.CHUNK = 40
     kinds = {
         "finished": (20_000, None, {"until": 1.0, "t_eval": np.linspace(0, 1, 1001)}),
         "cut short": (20_000, 0.6, {"until": 1.0, "t_eval": np.linspace(0, 1, 1001), "rtol": 1e-7}),

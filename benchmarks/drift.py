@@ -22,8 +22,8 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.stepper import Settings
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.equations.motion import Motion
 from sarrus.analyses.equations.state_projection import Projection
 from sarrus.euler import A, G

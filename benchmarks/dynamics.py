@@ -71,8 +71,9 @@ def share_of_python() -> float:
     """
     from hmmwv_bump import SPEED, bump, moved, vehicle
 
-    from sarrus._jit.link import link
-    from sarrus.analyses.dynamics import alpha, sampler
+    from sarrus._jit.linking.link import link
+    from sarrus.analyses.dynamics.dense_output import sampler
+    from sarrus.analyses.dynamics.integrators import alpha
 
     system = sr.System(vehicle({"left": bump}))
     start = moved(system, speed=SPEED)

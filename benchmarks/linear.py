@@ -25,7 +25,7 @@ from scipy.sparse.linalg import splu
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.newton_matrix import newton_matrix, weigh
+from sarrus.analyses.dynamics.stepping.newton_matrix import newton_matrix, weigh
 from sarrus.analyses.equations.motion import Motion
 from sarrus.linalg.sparse_solver import SparseLU
 

@@ -23,11 +23,11 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.chain.chain import Chain
 from sarrus.analyses.sensitivity.derivatives import as_responses
-from sarrus.analyses.sensitivity.evaluation import Evaluation
 from sarrus.analyses.sensitivity.hessian import Curvature
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 
 FOLDER = Path(__file__).resolve().parent
 TOLERANCES = {"rtol": 1e-5, "atol": 1e-7}

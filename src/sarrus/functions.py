@@ -4,7 +4,7 @@
 `maximum` are the same functions under the names that NumPy uses.
 """
 
-from ._jit.functions import (
+from ._jit.formulas.functions import (
     absolute,
     acos,
     asin,

@@ -6,8 +6,8 @@ from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus._jit.link import fingerprint
-from sarrus.analyses.dynamics import alpha_loop
+from sarrus._jit.linking.link import fingerprint
+from sarrus.analyses.dynamics.stepping import alpha_loop
 
 METHODS = (sr.HHT(), sr.GeneralizedAlpha(0.8), sr.HHT(0.0))
 

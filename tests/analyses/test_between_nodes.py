@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sarrus.analyses.dynamics.nodes import between
-from sarrus.analyses.sensitivity.sampling import interpolation
+from sarrus.analyses.dynamics.stepping.nodes import between
+from sarrus.analyses.sensitivity.sampling.sampling import interpolation
 
 RNG = np.random.default_rng(4)
 H = 0.3

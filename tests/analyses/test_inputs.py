@@ -9,7 +9,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import model
-from sarrus.analyses.dynamics.inputs import features
+from sarrus.analyses.dynamics.inputs.features import features
 from sarrus.elements import Element, Force
 from sarrus.elements.element import Scalar
 from sarrus.functions import exp, positive, sin, tanh

@@ -12,13 +12,13 @@ from tests.analyses.test_descriptions import OWN
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.alpha import HHT
+from sarrus.analyses.dynamics.integrators.alpha import HHT
 from sarrus.analyses.dynamics.methods.collocation import radau
 from sarrus.analyses.dynamics.methods.generalized_alpha import generalized_alpha
 from sarrus.analyses.dynamics.methods.leading_error import leading_errors
 from sarrus.analyses.dynamics.simulation import differentiable
-from sarrus.analyses.dynamics.stepper import Settings
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
 MIDPOINT, BDF2 = OWN.values()
 K, C, MASS = 40.0, 0.6, 2.0

@@ -9,8 +9,8 @@ from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import radau_run
-from sarrus.analyses.dynamics.alpha_loop import Tolerance
+from sarrus.analyses.dynamics.integrators import radau_run
+from sarrus.analyses.dynamics.stepping.alpha_loop import Tolerance
 
 
 def test_order_five(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import march
+from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.model import SarrusError
 from sarrus.results.saving import checked_file, saved
 from sarrus.results.saving.versions import versions

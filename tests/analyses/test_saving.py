@@ -11,7 +11,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import march
+from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.results.saving.saved import checkpoint
 
 METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau(), "ODE": sr.ODE()}

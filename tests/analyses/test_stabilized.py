@@ -7,8 +7,8 @@ from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.stepper import Settings
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.equations.motion import Motion
 from sarrus.results import DescribedSteps
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import sarrus as sr
-from sarrus.analyses.dynamics.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
-from sarrus.analyses.dynamics.stepper import Trouble
+from sarrus.analyses.dynamics.stepping.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
+from sarrus.analyses.dynamics.stepping.stepper import Trouble
 from sarrus.analyses.progress import TimeLimit, monitor
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import alpha, radau_run
+from sarrus.analyses.dynamics.integrators import alpha, radau_run
 
 SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7}
 

@@ -5,7 +5,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
 WITH_UNITS = {"position": "1 um", "orientation": "0.01 deg", "velocity": "3 mm/s", "rotation": "2 deg/s"}
 PLAIN = {"position": 1e-6, "orientation": np.radians(0.005), "velocity": 3e-3, "rotation": np.radians(1)}

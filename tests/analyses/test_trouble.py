@@ -10,7 +10,7 @@ from tests.analyses import linkages
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import room
+from sarrus.analyses.dynamics import memory as room
 from sarrus.functions import log, sqrt
 
 METHODS = [sr.HHT(), sr.Radau(), sr.ODE()]

@@ -177,7 +177,7 @@ def test_the_shell_has_every_method() -> None:
 def test_a_run_that_fails_at_the_start_still_says_why(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from sarrus.analyses.dynamics.outcome import nothing
+    from sarrus.analyses.dynamics.time_loop.outcome import nothing
 
     monkeypatch.setattr(
         "sarrus.analyses.simulate", lambda system, *args, **options: nothing(system, "stopped", "it is stuck")

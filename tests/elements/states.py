@@ -14,8 +14,8 @@ import numpy as np
 from tests.paper.paper import unit
 
 from sarrus import functions
-from sarrus._jit.expression import Graph
-from sarrus._jit.program import program
+from sarrus._jit.formulas.expression import Graph
+from sarrus._jit.formulas.program import program
 from sarrus.elements import OPERATORS
 from sarrus.elements.evaluation import dense, element_from, grid
 from sarrus.elements.operators import Axis

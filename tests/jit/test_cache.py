@@ -13,7 +13,7 @@ from numba import typeof
 from numba.core.registry import cpu_target
 
 import sarrus
-from sarrus._jit.cache import NO_KERNELS, SOURCES, KernelCache, fingerprint
+from sarrus._jit.linking.cache import NO_KERNELS, SOURCES, KernelCache, fingerprint
 
 PACKAGE = Path(sarrus.__file__).parent
 PROGRAM = """
@@ -135,7 +135,7 @@ def test_without_any_folder_it_still_runs(copy: Path, tmp_path: Path) -> None:
 
 
 def test_a_kernel_of_a_long_name_has_a_short_file_name() -> None:
-    from sarrus._jit.driver import compile_source
+    from sarrus._jit.kernels.driver import compile_source
 
     one, other = (compile_source("Phi_q_" * 60 + end, ["def f(x):", "    return x + 1"], {}) for end in "ab")
     assert one(1.0) == 2.0
@@ -144,7 +144,7 @@ def test_a_kernel_of_a_long_name_has_a_short_file_name() -> None:
 
 
 def test_stored_values_are_computed_once() -> None:
-    from sarrus._jit.cache import folder, stored_value
+    from sarrus._jit.linking.cache import folder, stored_value
 
     made: list[int] = []
     name = f"of_a_test_{os.getpid()}"

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import sarrus
-from sarrus._jit.cache import fingerprint
-from sarrus._jit.folders import made_private, private
+from sarrus._jit.linking.cache import fingerprint
+from sarrus._jit.linking.folders import made_private, private
 
 PACKAGE = Path(sarrus.__file__).parent
 NOBODY = 65534
@@ -160,7 +160,7 @@ def test_a_folder_of_ours_within_one_that_others_can_write_is_passed_over(tmp_pa
 
 
 def test_a_chosen_folder_that_is_not_used_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from sarrus._jit import cache
+    from sarrus._jit.linking import cache
 
     trap(tmp_path, os.geteuid(), 0o777)
     monkeypatch.setenv("SARRUS_CACHE_DIR", str(tmp_path))

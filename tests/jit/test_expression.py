@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sarrus._jit.expression import Expression, Graph
+from sarrus._jit.formulas.expression import Expression, Graph
 
 OPERATIONS = {
     "add": lambda a, b: a + b,

@@ -11,8 +11,7 @@ from numba import njit
 from scipy.integrate import quad
 
 from sarrus import functions
-from sarrus._jit.compiled_functions import COMPILED
-from sarrus._jit.curves import (
+from sarrus._jit.formulas.curves import (
     CODES,
     STEPS,
     curve_area,
@@ -22,9 +21,10 @@ from sarrus._jit.curves import (
     curve_twist,
     curve_value,
 )
-from sarrus._jit.expression import Graph
-from sarrus._jit.functions import atan2, nearest, sqrt
-from sarrus._jit.program import program
+from sarrus._jit.formulas.expression import Graph
+from sarrus._jit.formulas.functions import atan2, nearest, sqrt
+from sarrus._jit.formulas.program import program
+from sarrus._jit.kernels.compiled_functions import COMPILED
 
 STEP = 1e-200
 CURVE = np.array(
@@ -221,7 +221,7 @@ def test_bend_and_twist(x):
 @pytest.mark.parametrize("x", [-100.0, -30.0, -1e-9, 0.0, 1e-9, 0.3, 5.0, 18.0, 30.0, 100.0])
 def test_the_slope_of_tanh_does_not_cancel(x):
     """1 - tanh² has no digits from x = 19 on; its own derivative -2 tanh sech² has all near zero, too."""
-    from sarrus._jit.functions import sech2
+    from sarrus._jit.formulas.functions import sech2
 
     with mpmath.workdps(400):
         wanted = mpmath.sech(mpmath.mpf(x)) ** 2

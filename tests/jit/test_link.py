@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import sarrus
-from sarrus._jit.link import compiled, fingerprint, link, marked
-from sarrus._jit.scalars import Scalars
+from sarrus._jit.kernels.scalars import Scalars
+from sarrus._jit.linking.link import compiled, fingerprint, link, marked
 
 SOURCES = Path(sarrus.__file__).parent
 FACTOR = 2.0

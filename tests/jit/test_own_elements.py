@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.jit.mixed import by_hand, mixed_system, part_of, random_state
 
-from sarrus._jit.expression import Graph
-from sarrus._jit.functions import atan2, nearest, sqrt
+from sarrus._jit.formulas.expression import Graph
+from sarrus._jit.formulas.functions import atan2, nearest, sqrt
 from sarrus.algebra import I3, outer, row, single
 from sarrus.elements import OPERATORS, Element, ElementError
 from sarrus.elements import Force as ForceElement

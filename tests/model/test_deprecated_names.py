@@ -36,7 +36,7 @@ def test_attributes_are_those_of_classes_that_have_them() -> None:
             "sarrus.results",
             "sarrus.analyses.workspace.tracing.explore",
             "sarrus.system",
-            "sarrus.system.joints",
+            "sarrus.system.operators.joints",
             "sarrus.results.motion.parts",
         )
         for kind in vars(importlib.import_module(module)).values()

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sarrus._jit.expression import Graph
+from sarrus._jit.formulas.expression import Graph
 from sarrus.model import ModelError
 from sarrus.model.expression import FUNCTIONS, Expression, Name, Number, parse, parse_expression
 from sarrus.model.expression.dimensions import fits, unit_of

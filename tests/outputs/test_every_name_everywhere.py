@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import sarrus as sr
 from sarrus import mechanisms, model
-from sarrus.analyses.dynamics.event_output import EventOutput
+from sarrus.analyses.dynamics.events.event_output import EventOutput
 from sarrus.analyses.workspace.problem.formulation import formulate
 from sarrus.cli import main
 from sarrus.elements import Element, Force, output

@@ -6,8 +6,8 @@ import numpy as np
 
 import sarrus as sr
 from sarrus.analyses.dynamics.simulation import differentiable
-from sarrus.analyses.sensitivity.evaluation import Evaluation
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 from sarrus.model.written import with_numbers
 from sarrus.results import Steps, StepsTaken
 

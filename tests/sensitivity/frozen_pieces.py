@@ -8,12 +8,12 @@ from scipy.optimize import brentq
 from tests.sensitivity.frozen import values
 
 import sarrus as sr
-from sarrus.analyses.dynamics.events import Watch
-from sarrus.analyses.dynamics.nodes import Nodes
-from sarrus.analyses.dynamics.sampler import Sampler
+from sarrus.analyses.dynamics.dense_output.sampler import Sampler
+from sarrus.analyses.dynamics.events.events import Watch
 from sarrus.analyses.dynamics.simulation import differentiable
-from sarrus.analyses.dynamics.stepper import Settings
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.nodes import Nodes
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.results import Pieces, StepsTaken
 
 

@@ -7,8 +7,8 @@ import pytest
 from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.chain import Chain, Nodes
-from sarrus.analyses.sensitivity.chains import chain_of
+from sarrus.analyses.sensitivity.chain.chain import Chain, Nodes
+from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.elements import BUILT_IN
 from sarrus.model.written import with_numbers
 

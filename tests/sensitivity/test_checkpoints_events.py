@@ -7,10 +7,10 @@ from tests.sensitivity.test_events import BALL, BOUNCE, ball, falling
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.stepper import Settings
-from sarrus.analyses.dynamics.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
-from sarrus.analyses.sensitivity.responses import Response
+from sarrus.analyses.sensitivity.responses.responses import Response
 from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]

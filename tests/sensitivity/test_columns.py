@@ -8,8 +8,8 @@ from tests.sensitivity.test_all_elements import KINDS, changes, even
 from tests.sensitivity.test_events import STOP, pendulum
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.chain import Nodes
-from sarrus.analyses.sensitivity.chains import AnyChain, chain_of
+from sarrus.analyses.sensitivity.chain.chain import Nodes
+from sarrus.analyses.sensitivity.events.chains import AnyChain, chain_of
 from sarrus.analyses.sensitivity.steps import sweep
 from sarrus.linalg.columns_loop import COLUMNS
 

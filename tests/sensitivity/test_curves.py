@@ -10,10 +10,10 @@ from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.derivatives import differentiated
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.model.written import with_numbers, written_numbers
-from sarrus.system.curve_derivatives import CurveDerivatives
-from sarrus.system.element_values import memory_places
+from sarrus.system.curves.curve_derivatives import CurveDerivatives
+from sarrus.system.operators.element_values import memory_places
 
 FORCE = [[0, 1], [0.3, 2], [0.5, 1.5], [0.8, 2], [1.2, 0.5]]
 LAW = [[-1, -12], [0.5, 5], [1.5, 20], [2.5, 45]]

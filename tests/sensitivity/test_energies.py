@@ -10,7 +10,7 @@ from sarrus.model.laws.tape import Tape, whole
 from sarrus.outputs import Outputs
 from sarrus.outputs.energies import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
-from sarrus.system.curve_derivatives import evaluated
+from sarrus.system.curves.curve_derivatives import evaluated
 
 TIMES = 11  # more than there are lanes, and no multiple of them
 ENERGIES = ("kinetic", "potential")

@@ -9,8 +9,8 @@ from tests.sensitivity.frozen_pieces import at, differenced
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.parameters import Parameters
-from sarrus.analyses.sensitivity.responses import Response
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.responses import Response
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly

@@ -18,7 +18,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.derivatives import differentiated
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly

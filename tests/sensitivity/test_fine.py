@@ -6,7 +6,7 @@ from tests.sensitivity.test_events import BALL, BOUNCE, HIT, SIGN, STOP, ball, h
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.fine import FineIntegral
+from sarrus.analyses.sensitivity.responses.within_steps import FineIntegral
 
 STRETCH = sr.Integral(lambda o: o("ball.z") ** 2 + o.t * o("ball.velocity.z"), name="stretch")
 

@@ -9,7 +9,7 @@ from tests.sensitivity.frozen import again, differenced, values
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.steps import sweep
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import Record

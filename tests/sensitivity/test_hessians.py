@@ -16,11 +16,11 @@ from tests.sensitivity.zoo import zoo
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.chains import chain_of
 from sarrus.analyses.sensitivity.derivatives import _adjoint
-from sarrus.analyses.sensitivity.evaluation import Evaluation
+from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.lagrangians.changes import change_at
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 

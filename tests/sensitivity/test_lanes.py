@@ -8,9 +8,9 @@ from scipy.sparse import vstack
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus._jit.link import link
-from sarrus._jit.pointer import call_kernels
-from sarrus._jit.vector import LANES
+from sarrus._jit.kernels.pointer import call_kernels
+from sarrus._jit.kernels.vector import LANES
+from sarrus._jit.linking.link import link
 from sarrus.analyses.dynamics.methods.equations import GROUPS
 from sarrus.analyses.dynamics.methods.tables import DRIVERS
 from sarrus.analyses.sensitivity.lagrangians import by_parameters as by_numbers
@@ -22,8 +22,8 @@ from sarrus.linalg.columns_loop import COLUMNS
 from sarrus.linalg.lanes_loop import factor_lanes
 from sarrus.linalg.panel_loop import Factors
 from sarrus.linalg.row_order import by_rows, unsigned
-from sarrus.system import lane_buffers
-from sarrus.system.lane_buffers import aligned, buffer
+from sarrus.system.curves import lane_buffers
+from sarrus.system.curves.lane_buffers import aligned, buffer
 
 
 @pytest.fixture(scope="module")

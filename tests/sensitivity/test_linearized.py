@@ -7,7 +7,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.linearized import Linearized
+from sarrus.analyses.sensitivity.parameters.linearized import Linearized
 from sarrus.model.laws.tape import Tape
 
 
@@ -67,7 +67,7 @@ def test_nothing_passes_where_there_is_no_slope() -> None:
 
 
 def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    parameters = importlib.import_module("sarrus.analyses.sensitivity.parameters")
+    parameters = importlib.import_module("sarrus.analyses.sensitivity.parameters.parameters")
     made: list[int] = []
     kind = parameters.Linearized
     monkeypatch.setattr(parameters, "Linearized", lambda *given: made.append(1) or kind(*given))

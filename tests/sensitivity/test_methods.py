@@ -13,7 +13,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.derivatives import differentiated
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
 RESPONSES = [
     sr.Final("slider.x"),

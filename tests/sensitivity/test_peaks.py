@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.peaks import SHARPNESS
+from sarrus.analyses.sensitivity.responses.peaks import SHARPNESS
 
 T = np.linspace(0.0, 5.0, 400)
 SHAPES = {

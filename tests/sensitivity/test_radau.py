@@ -15,7 +15,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity.chain import Chain
+from sarrus.analyses.sensitivity.chain.chain import Chain
 from sarrus.analyses.sensitivity.steps import matrix
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 from sarrus.analyses.sensitivity.steps.sweep import ORDERS, Sweep

@@ -16,7 +16,7 @@ from tests.sensitivity.frozen import again, differenced
 import sarrus as sr
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.derivatives import differentiated
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.model.written import with_numbers
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

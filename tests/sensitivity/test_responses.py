@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.sampling import lagrange
+from sarrus.analyses.sensitivity.sampling.sampling import lagrange
 
 T = np.array([0.0, 0.1, 0.25, 0.3, 0.3, 0.55, 0.7])  # 0.3 stands twice: an event
 G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, -0.4])

@@ -8,7 +8,7 @@ import pytest
 from tests.sensitivity.frozen import again, values
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.parameters import Parameters
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RESPONSES = [sr.Final("rod_2.x"), sr.Integral("energy.kinetic")]

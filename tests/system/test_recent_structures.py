@@ -4,7 +4,7 @@ import gc
 import weakref
 
 import sarrus as sr
-from sarrus.system.structure import RECENT, _recent
+from sarrus.system.structure.structure import RECENT, _recent
 
 
 def pendulum(count: int, mass: float = 1.0) -> sr.System:

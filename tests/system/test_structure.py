@@ -10,8 +10,8 @@ import numpy as np
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.model.written import with_numbers
-from sarrus.system.once import MOST, once, once_alike
-from sarrus.system.structure import _recent
+from sarrus.system.cached import MOST, once, once_alike
+from sarrus.system.structure.structure import _recent
 
 
 def crank(**numbers: float) -> sr.System:

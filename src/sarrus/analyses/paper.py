@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.differences import SCHEMES, differences, repeated
+from .._jit.kernels.differences import SCHEMES, differences, repeated
 from ..algebra import Array
 from ..elements import GROUPS
 from ..elements.operators import DERIVATIVES
 from ..system import System
-from ..system.group import Group, signature
+from ..system.structure.group import Group, signature
 from .equations.saddle_point import Saddle
 from .position.assembly import assemble, project_velocity
 

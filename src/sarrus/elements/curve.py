@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from .._jit.curves import curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
-from .._jit.expression import Expression
-from .._jit.functions import real
+from .._jit.formulas.curves import curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
+from .._jit.formulas.expression import Expression
+from .._jit.formulas.functions import real
 
 
 class StoredCurve:
-    """The curve stored at ``numbers[at:]``, see `sarrus._jit.curves`. `at` may be recorded: then so is the call.
+    """The curve stored at ``numbers[at:]``, see `_jit.formulas.curves`. `at` may be recorded: then so is the call.
 
     Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives, `area` and `moment`
     integrals.

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.differentiate import directional, jacobian
-from .._jit.expression import Expression, Graph
-from .._jit.replay import replay
+from .._jit.formulas.differentiate import directional, jacobian
+from .._jit.formulas.expression import Expression, Graph
+from .._jit.formulas.replay import replay
 from ..algebra import Array, Block
 from .operators import DERIVATIVES, OPERATORS, Axis
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.expression import Graph
+from .._jit.formulas.expression import Graph
 from ..algebra import Array, Block
 from .curve import StoredCurve
 from .element import Element, ElementError, Pair, Single

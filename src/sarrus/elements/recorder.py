@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.emit import Output, Recording
-from .._jit.expression import Expression, Graph
+from .._jit.formulas.expression import Expression, Graph
+from .._jit.kernels.emit import Output, Recording
 from ..algebra import Array
 from .element import Element, ElementError
 from .evaluation import BODY_OPERANDS, element_from, grid, partition

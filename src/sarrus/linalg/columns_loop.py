@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._jit.lanes import fill, load, minus_product, plus_product, product, store
-from .._jit.link import compiled
-from .._jit.vector import LANES
+from .._jit.kernels.lanes import fill, load, minus_product, plus_product, product, store
+from .._jit.kernels.vector import LANES
+from .._jit.linking.link import compiled
 from ..algebra import Array
 from .panel_loop import REFINED, Factors
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from .._jit.link import link
+from .._jit.linking.link import link
 from ..algebra import Array
 from .factors import DENSE_BELOW, Factored
 from .rank import DEPENDENT, row_lengths

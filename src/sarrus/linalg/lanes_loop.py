@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
-from .._jit.link import compiled
-from .._jit.vector import LANES
+from .._jit.kernels.lanes import fill, load, minus_product, plus_product, product, ratio, store, turn
+from .._jit.kernels.vector import LANES
+from .._jit.linking.link import compiled
 from ..algebra import Array
 
 ONE: Any = np.uint64(1)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from .._jit.link import compiled
+from .._jit.linking.link import compiled
 from ..algebra import Array
 
 REFINED, REFINEMENTS = (

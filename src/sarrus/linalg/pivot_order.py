@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit.link import compiled
+from .._jit.linking.link import compiled
 from ..algebra import Array
 
 LOOKED_AT = 4  # columns at each step

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._jit.link import compiled
+from .._jit.linking.link import compiled
 from ..algebra import Array
 
 

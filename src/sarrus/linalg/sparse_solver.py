@@ -11,7 +11,7 @@ from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.sparse.linalg import splu
 
-from .._jit.link import link
+from .._jit.linking.link import link
 from ..algebra import Array
 from . import pivot_order, sparse_lu
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from .. import elements
-from .._jit.functions import atan2
+from .._jit.formulas.functions import atan2
 from ..elements import Element
 from .checks.deprecated import present_name
 from .checks.names import find

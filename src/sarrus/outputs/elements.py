@@ -15,7 +15,7 @@ from ..elements.output import Declared
 from ..model.blueprint import Placed
 from ..model.coordinates import WIDTH
 from ..system import System
-from ..system.population import Population
+from ..system.structure.population import Population
 from .output import Level, Output, provides
 
 LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}

@@ -13,22 +13,22 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from .._jit.differentiate import directional
-from .._jit.emit import NUMBERS_DOT, Output, Recording
-from .._jit.expression import Expression, Graph
-from .._jit.link import link
-from .._jit.reverse import gradient
-from .._jit.vector import LANES
+from .._jit.formulas.differentiate import directional
+from .._jit.formulas.expression import Expression, Graph
+from .._jit.formulas.reverse import gradient
+from .._jit.kernels.emit import NUMBERS_DOT, Output, Recording
+from .._jit.kernels.vector import LANES
+from .._jit.linking.link import link
 from ..algebra import Array
 from ..elements.evaluation import element_from
 from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
 from ..model.coordinates import WIDTH
 from ..system import System
-from ..system.lane_buffers import aligned, used
-from ..system.lane_drivers import block, entry, local
-from ..system.once import once
-from ..system.population import Population
+from ..system.cached import once
+from ..system.curves.lane_buffers import aligned, used
+from ..system.curves.lane_drivers import block, entry, local
+from ..system.structure.population import Population
 from . import energy_loop
 
 Energy = Literal["kinetic", "potential"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .._jit.link import compiled
-from .._jit.pointer import Entry, call_kernels
+from .._jit.kernels.pointer import Entry, call_kernels
+from .._jit.linking.link import compiled
 from ..algebra import Array
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..model.blueprint import Placed
 from ..system import System
-from ..system.joints import JointCoordinate, JointCoordinates
-from ..system.once import once
+from ..system.cached import once
+from ..system.operators.joints import JointCoordinate, JointCoordinates
 from .output import Level, Output, UnknownOutput, find_output
 
 

@@ -15,7 +15,7 @@ from ..model.blueprint import Placed
 from ..model.checks.deprecated import present_name
 from ..model.show import suggest
 from ..system import System
-from ..system.once import once
+from ..system.cached import once
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 

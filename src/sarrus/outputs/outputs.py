@@ -17,7 +17,7 @@ from ..model.coordinates import WIDTH
 from ..model.geometry.function import NEXT
 from ..model.geometry.marker import Marker
 from ..model.laws.tape import Traced, own
-from ..system.population import Population
+from ..system.structure.population import Population
 from .energy_recording import EnergyRecording
 from .output import UnknownOutput, find_output
 from .recording import TURN, bodies_of, members_of

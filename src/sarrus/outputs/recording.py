@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._jit.expression import Expression, Graph
-from .._jit.replay import needed
+from .._jit.formulas.expression import Expression, Graph
+from .._jit.formulas.replay import needed
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
@@ -18,9 +18,9 @@ from ..model.bodies.solid import GROUND
 from ..model.coordinates import WIDTH
 from ..model.laws.tape import Operation, Tape, Traced, value_of
 from ..system import System
-from ..system.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
-from ..system.local import GROUND as STILL
-from ..system.population import Population
+from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
+from ..system.structure.local import GROUND as STILL
+from ..system.structure.population import Population
 
 TURN = 2 * np.pi
 Key = tuple[str, int]

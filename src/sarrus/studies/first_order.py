@@ -15,7 +15,7 @@ import numpy as np
 from ..analyses import sensitivity, simulate
 from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
-from ..analyses.sensitivity.parameters import Parameters as Variables
+from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
 from ..model.announcement import announce, reports_warnings
 from ..results.result import Result

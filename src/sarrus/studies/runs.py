@@ -22,7 +22,7 @@ from ..analyses import (
 )
 from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
-from ..analyses.sensitivity.design_start import DesignStart
+from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..defaults import ATOL, RTOL
 from ..model import SarrusError
 from ..model.announcement import collecting

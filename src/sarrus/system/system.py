@@ -18,14 +18,14 @@ from ..model.checks.deprecated import accepts_deprecated_attributes
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.geometry.marker import Marker, marker
 from .check import Report, check_derivatives
-from .constraints import ConstraintOperators
-from .element_values import ElementValues, memory_places
-from .forces import ForceOperators
-from .inertia import InertiaOperators
-from .joints import JointCoordinates, SystemJoint
-from .population import populate
-from .reactions import Wrench, wrench
-from .structure import structure_of
+from .operators.constraints import ConstraintOperators
+from .operators.element_values import ElementValues, memory_places
+from .operators.forces import ForceOperators
+from .operators.inertia import InertiaOperators
+from .operators.joints import JointCoordinates, SystemJoint
+from .operators.reactions import Wrench, wrench
+from .structure.population import populate
+from .structure.structure import structure_of
 
 
 @accepts_deprecated_attributes

@@ -11,8 +11,8 @@ from ...model.announcement import reports_warnings
 from ...results import State, Trajectory
 from ...system import System
 from ..arguments import refuse_other_system
-from ..dynamics.nodes import Nodes
-from ..dynamics.winding import Winding
+from ..dynamics.dense_output.winding import Winding
+from ..dynamics.stepping.nodes import Nodes
 from ..equations.constraint_projection import onto
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace

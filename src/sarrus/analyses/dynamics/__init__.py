@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from .alpha import HHT, GeneralizedAlpha
-from .events import Event, Impact
-from .ida import IDA
-from .ode import ODE
-from .radau import Radau
-from .recipe import repeat, resume
+from .events.events import Event, Impact
+from .integrators.alpha import HHT, GeneralizedAlpha
+from .integrators.ida import IDA
+from .integrators.ode import ODE
+from .integrators.radau import Radau
 from .simulation import simulate
+from .time_loop.recipe import repeat, resume
 
 METHODS: dict[str, Any] = {kind.__name__.lower(): kind for kind in (HHT, GeneralizedAlpha, Radau, ODE, IDA)}
 

@@ -17,23 +17,23 @@ from ...results import Trajectory
 from ...system import System
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
-from . import kept_events
-from .alpha import HHT, GeneralizedAlpha
-from .breakpoints import Stops, stops_of
-from .described import Described
-from .events import Event
-from .ida import IDA
-from .march import Plan
+from .events.events import Event
+from .inputs.breakpoints import Stops, stops_of
+from .integrators.alpha import HHT, GeneralizedAlpha
+from .integrators.described import Described
+from .integrators.ida import IDA
+from .integrators.ode import ODE
+from .integrators.radau import Radau
+from .memory import refuse_too_large
 from .methods.description import Description
-from .ode import ODE
-from .outcome import nothing
-from .prescribed import Prescribed
-from .radau import Radau
-from .recipe import Recipe
-from .room import refuse_too_large
-from .step_budget import StepBudget
-from .stepper import Settings, Trouble
-from .tolerance import Given, Tolerances
+from .stepping.step_budget import StepBudget
+from .stepping.stepper import Settings, Trouble
+from .stepping.tolerance import Given, Tolerances
+from .time_loop import stored_events as kept_events
+from .time_loop.outcome import nothing
+from .time_loop.prescribed import Prescribed
+from .time_loop.recipe import Recipe
+from .time_loop.time_loop import Plan
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish

@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse import csc_array
 
-from ..._jit.link import compiled, link
+from ..._jit.linking.link import compiled, link
 from ...algebra import Array
 from ...linalg.sparse_lu import compressed
 from ...linalg.sparse_lu import refactor as factor_in_place
 from ...linalg.sparse_lu import solve as solve_in_place
 from ...linalg.sparse_solver import SparseLU
 from ...system import System
-from ...system.once import once_alike
+from ...system.cached import once_alike
 
 UNIT, LEFT_OUT = (
     "unit",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...system.curve_derivatives import Entries
+from ...system.curves.curve_derivatives import Entries
 from .block_matrix import Numbers, Part, PlacedMatrix
 
 

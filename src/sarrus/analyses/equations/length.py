@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...system import System
-from ...system.once import once_alike
+from ...system.cached import once_alike
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin

@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW, Factored, SingularSystem
 from ...linalg.sparse_solver import SingularMatrix, SparseLU
 from ...system import System
-from ...system.once import once_alike
+from ...system.cached import once_alike
 
 
 class Saddle:

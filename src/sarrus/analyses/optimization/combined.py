@@ -11,7 +11,7 @@ import numpy as np
 from ...algebra import Array
 from ...model.laws.tape import Tape, Traced
 from ..sensitivity.derivatives import as_responses
-from ..sensitivity.responses import Output, Response, told_apart
+from ..sensitivity.responses.responses import Output, Response, told_apart
 
 Part: TypeAlias = "Response | Output | Combined"
 

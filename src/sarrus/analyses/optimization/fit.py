@@ -16,8 +16,8 @@ from ...results import Optimum
 from ...system import System
 from ..arguments import refuse_other_system
 from ..position.initial_state import Start
-from ..sensitivity.design_start import DesignStart
-from ..sensitivity.responses import Misfit
+from ..sensitivity.parameters.design_start import DesignStart
+from ..sensitivity.responses.responses import Misfit
 from .problem import Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables
 from .solvers import Answer, in_words

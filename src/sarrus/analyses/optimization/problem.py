@@ -18,21 +18,21 @@ from ...model.announcement import announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
-from ..dynamics.events import restitutions_of, with_restitutions
-from ..dynamics.stepper import Trouble
+from ..dynamics.events.events import restitutions_of, with_restitutions
+from ..dynamics.stepping.stepper import Trouble
 from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
-from ..sensitivity.chain import FIELDS, Nodes, by_joints
-from ..sensitivity.chains import AnyChain, chain_of
+from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
-from ..sensitivity.design_start import DesignStart
-from ..sensitivity.evaluation import Evaluation
+from ..sensitivity.events.chains import AnyChain, chain_of
 from ..sensitivity.hessian import Curvature
-from ..sensitivity.parameters import Design, Parameters
-from ..sensitivity.sampling import NotThere
-from ..sensitivity.undefined import refuse
+from ..sensitivity.parameters.design_start import DesignStart
+from ..sensitivity.parameters.parameters import Design, Parameters
+from ..sensitivity.parameters.undefined import refuse
+from ..sensitivity.responses.evaluation import Evaluation
+from ..sensitivity.sampling.sampling import NotThere
 from .combined import Outer, Part
 
 Kind = TypeVar("Kind")

@@ -19,7 +19,7 @@ from ...algebra import Array
 from ...linalg.kkt import KKT, diagonal
 from ...results import Asked, Assembly
 from ...system import System
-from ...system.curve_derivatives import CurveDerivatives
+from ...system.curves.curve_derivatives import CurveDerivatives
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part
 from ..equations.joined_operators import Curved, Joined
 from ..equations.normalizations import normalizations

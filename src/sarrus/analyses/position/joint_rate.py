@@ -10,7 +10,7 @@ from ...algebra import Array
 from ...outputs import find_output
 from ...outputs.measure import measured
 from ...system import System
-from ...system.joints import JointCoordinate
+from ...system.operators.joints import JointCoordinate
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from ...algebra import Array
 from ...euler import A
 from ...model import AngleDriver
 from ...system import System
-from ...system.once import once
-from ...system.population import Population
+from ...system.cached import once
+from ...system.structure.population import Population
 
 Key: TypeAlias = tuple[
     Any, ...

@@ -15,7 +15,7 @@ from ...linalg.factors import SingularSystem
 from ...linalg.rank import components, independent_rows, rank_of, row_lengths
 from ...results import Assembly
 from ...system import System
-from ...system.once import once_alike
+from ...system.cached import once_alike
 from ..equations.length import lever, scaled
 from ..equations.minimum_norm import MinimumNorm, shortest
 from ..equations.normalizations import normalizations

@@ -3,7 +3,7 @@
 from ...outputs import Outputs
 from .checkpoints import sensitivity_by_checkpoints
 from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
-from .responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
+from .responses.responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
 
 __all__ = [
     "At",

@@ -19,27 +19,27 @@ from ...outputs.recording import Angles
 from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
 from ..dynamics import Event
-from ..dynamics.events import restitutions_of
+from ..dynamics.events.events import restitutions_of
 from ..dynamics.simulation import Differentiable, differentiable, refuse_end
-from ..dynamics.stepper import Settings, Trouble
-from ..dynamics.tolerance import Given, Tolerances
+from ..dynamics.stepping.stepper import Settings, Trouble
+from ..dynamics.stepping.tolerance import Given, Tolerances
 from ..position.assembly_derivatives import AssemblyDerivatives
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
-from .chain import FIELDS, Gradients, Nodes, by_joints, through
+from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
+from .chain.stretches import Stretches
 from .corners import corners
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
-from .evaluation import Evaluation, Explicit, where_of
-from .fine import fine
+from .events.first_order import TurnDerivatives
+from .events.piece_chain import Backward
 from .long_run import LongRun, Stretch
-from .parameters import Design, Parameters
-from .piece_chain import Backward
-from .pieces import PieceSampling, Where, angles_of, sampling_of
-from .responses import At, AtEvent, Final, Integral, Response, told_apart
-from .sampling import Sampling
-from .stretches import Stretches
-from .turn import TurnDerivatives
-from .undefined import undefined
+from .parameters.parameters import Design, Parameters
+from .parameters.undefined import undefined
+from .responses.evaluation import Evaluation, Explicit, where_of
+from .responses.responses import At, AtEvent, Final, Integral, Response, told_apart
+from .responses.within_steps import fine
+from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
+from .sampling.sampling import Sampling
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
 STEP, GRADIENT = 20, 6

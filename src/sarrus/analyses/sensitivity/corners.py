@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.expression import Expression, Graph
-from ..._jit.replay import needed
+from ..._jit.formulas.expression import Expression, Graph
+from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS
 from ...elements.recorder import Variant
 from ...model import Formula
 from ...results import Pieces, StepsTaken
 from ...system import System
-from ...system.curve_derivatives import (
+from ...system.curves.curve_derivatives import (
     CurveDerivatives,
     entries_of,
     formula_graph,
@@ -29,7 +29,7 @@ from ...system.curve_derivatives import (
     steps_in,
     stored,
 )
-from ...system.population import Population
+from ...system.structure.population import Population
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths

@@ -17,16 +17,16 @@ from ...outputs import find_output
 from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
-from .chain import Nodes, by_joints
-from .chains import AnyChain, chain_of
+from .chain.chain import Nodes, by_joints
 from .corners import corners
-from .evaluation import Evaluation, Explicit
+from .events.chains import AnyChain, chain_of
 from .hessian import Curvature
-from .parameters import Design, Parameters
-from .reported import Reported
-from .responses import Final, Output, Response
-from .sampling import Sampling
-from .undefined import refuse, undefined
+from .parameters.parameters import Design, Parameters
+from .parameters.undefined import refuse, undefined
+from .responses.evaluation import Evaluation, Explicit
+from .responses.responses import Final, Output, Response
+from .sampling.reported import Reported
+from .sampling.sampling import Sampling
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]

@@ -12,16 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...system.time_derivatives import timed
-from .chain import FIELDS, Chain, Nodes, by_joints
-from .chains import AnyChain
-from .curved_steps import CurvedSteps, Turned, remembered
-from .evaluation import Evaluation
+from ...system.curves.time_derivatives import timed
+from .chain.chain import FIELDS, Chain, Nodes, by_joints
+from .chain.curved_steps import CurvedSteps, Turned, remembered
+from .events.chains import AnyChain
+from .events.piece_chain import KINDS
+from .events.second_order import TurnChange, TurnCurvature, TurnMoved
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
-from .parameters import Parameters
-from .piece_chain import KINDS
-from .turn_curvature import TurnChange, TurnCurvature, TurnMoved
+from .parameters.parameters import Parameters
+from .responses.evaluation import Evaluation
 
 
 class Moved(NamedTuple):

@@ -17,13 +17,13 @@ from ...algebra import Array
 from ...results import Assembly, Pieces, StepsTaken, Trajectory, Turn
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
-from ..dynamics.breakpoints import stops_of
-from ..dynamics.events import Event
-from ..dynamics.march import CROWD, March, Plan
-from ..dynamics.nodes import Nodes
-from ..dynamics.stepper import KeepingStepper, Settings, Trouble
-from .pieces import LOW, Course
-from .sampling import HIGH, LINEAR, late
+from ..dynamics.events.events import Event
+from ..dynamics.inputs.breakpoints import stops_of
+from ..dynamics.stepping.nodes import Nodes
+from ..dynamics.stepping.stepper import KeepingStepper, Settings, Trouble
+from ..dynamics.time_loop.time_loop import CROWD, March, Plan
+from .sampling.pieces import LOW, Course
+from .sampling.sampling import HIGH, LINEAR, late
 
 # Steps of a stretch at first
 FIRST = 1600

@@ -46,7 +46,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     from ...analyses import Problem
     from ...analyses.optimization import Infeasible
-    from ...analyses.sensitivity.design_start import DesignStart
+    from ...analyses.sensitivity.parameters.design_start import DesignStart
     from ...studies.responses import differentiable, responses_of
     from ...system import System
     from ...views import tornado_figure

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.functions import atan2, nearest
+from ..._jit.formulas.functions import atan2, nearest
 from ...algebra import Array, Row, outer, present, row, single
 from ..element import Grid, Pair, Scalar
 from .dot1 import Dot1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
-from ..._jit.functions import atan2, nearest
+from ..._jit.formulas.functions import atan2, nearest
 from ...algebra import Array, single
 from ..element import Memory, Pair, Primitive, Scalar, Vec3
 from .dot2 import Dot2

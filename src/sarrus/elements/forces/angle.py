@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import pi
 from typing import Any, NamedTuple
 
-from ..._jit.functions import atan2, nearest
+from ..._jit.formulas.functions import atan2, nearest
 from ...algebra import Array, Row, present
 from ...euler import G
 from ..constraints.dot1 import Dot1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..._jit.functions import sqrt
+from ..._jit.formulas.functions import sqrt
 from ...algebra import Row
 from ...euler import B, G
 from ..element import Force, Scalar, Single, Vec3

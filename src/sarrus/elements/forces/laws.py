@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..._jit.functions import exp, log, minimum, ramp, tanh
+from ..._jit.formulas.functions import exp, log, minimum, ramp, tanh
 
 TINY = 1e-100  # keeps the logarithm of zero and its slopes finite; below round-off of all that is not zero
 

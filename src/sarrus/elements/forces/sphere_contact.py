@@ -9,7 +9,7 @@ are made by differentiating Q.
 
 from __future__ import annotations
 
-from ..._jit.functions import sqrt
+from ..._jit.formulas.functions import sqrt
 from ...algebra import Array, Row, cross
 from ...euler import E, rotate
 from ..element import Force, Pair, Scalar, Vec3

@@ -6,7 +6,7 @@ limit, and the depth sign (coordinate - limit). The derivatives are made by diff
 
 from __future__ import annotations
 
-from ..._jit.functions import sqrt
+from ..._jit.formulas.functions import sqrt
 from ...algebra import Row, present
 from ..constraints.dot2 import Dot2
 from ..constraints.segment import Segment

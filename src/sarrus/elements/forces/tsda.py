@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ..._jit.functions import sqrt
+from ..._jit.formulas.functions import sqrt
 from ...algebra import Array, Row, column, outer
 from ..constraints.segment import Segment
 from ..element import Curve, Force, Grid, Pair, Scalar, Vec3

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ... import elements
-from ..._jit.functions import cos
+from ..._jit.formulas.functions import cos
 from ..bodies.solid import Solid
 from ..coordinate import turned
 from ..errors import ModelError

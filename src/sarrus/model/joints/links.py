@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ... import elements
-from ..._jit.functions import cos
+from ..._jit.formulas.functions import cos
 from ..coordinate import Coordinate, heading
 from ..errors import ModelError
 from ..geometry.frame import Frame, LocalFrame, frame_axes

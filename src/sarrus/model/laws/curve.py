@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ..._jit.program import program
+from ..._jit.formulas.program import program
 from ..errors import ModelError
 from ..expression import Expression, Name, Number
 from ..quantity import is_list, numbers

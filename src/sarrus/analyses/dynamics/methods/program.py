@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.curves import CODES
-from ...._jit.expression import Expression, Graph
-from ...._jit.replay import needed
+from ...._jit.formulas.curves import CODES
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.replay import needed
 from ....algebra import Array
 from ....system import System
 from ...equations.block_matrix import Numbers

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ....system.once import once_alike
+from ....system.cached import once_alike
 from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, entries_of
 from .description import CONSTRAINTS, ROLES, Operation, Stage
 from .equations import (

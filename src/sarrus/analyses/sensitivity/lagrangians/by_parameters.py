@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit import pointer
-from ...._jit.differentiate import directional
-from ...._jit.emit import NUMBERS_DOT, Recording
-from ...._jit.reverse import gradient
+from ...._jit.formulas.differentiate import directional
+from ...._jit.formulas.reverse import gradient
+from ...._jit.kernels import pointer
+from ...._jit.kernels.emit import NUMBERS_DOT, Recording
 from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
-from ....system.lane_drivers import block, entry, entry_with, own_rows, own_tables
-from ....system.once import once_alike
+from ....system.cached import once_alike
+from ....system.curves.lane_drivers import block, entry, entry_with, own_rows, own_tables
 from .elements import STATES, Share, concerned
 
 ADJOINT = (*STATES, "xi", "lam", "nu")

@@ -11,17 +11,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.differentiate import directional
-from ...._jit.emit import NUMBERS_DOT, Recording
-from ...._jit.pointer import call_kernels
-from ...._jit.reverse import gradient
-from ...._jit.vector import LANES
+from ...._jit.formulas.differentiate import directional
+from ...._jit.formulas.reverse import gradient
+from ...._jit.kernels.emit import NUMBERS_DOT, Recording
+from ...._jit.kernels.pointer import call_kernels
+from ...._jit.kernels.vector import LANES
 from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
-from ....system.lane_buffers import buffer
-from ....system.lane_drivers import block, entry
-from ....system.once import once_alike
+from ....system.cached import once_alike
+from ....system.curves.lane_buffers import buffer
+from ....system.curves.lane_drivers import block, entry
 from .curves import CurveLagrangian
 from .elements import STATES, Share, concerned
 

@@ -18,18 +18,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.differentiate import directional
-from ...._jit.emit import NUMBERS_DOT
-from ...._jit.expression import Expression, Graph
-from ...._jit.replay import needed
-from ...._jit.reverse import gradient
+from ...._jit.formulas.differentiate import directional
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.replay import needed
+from ...._jit.formulas.reverse import gradient
+from ...._jit.kernels.emit import NUMBERS_DOT
 from ....algebra import Array
 from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....system import System
-from ....system.curve_derivatives import ORDERS, ROWS, CurveDerivatives, constant, curves_of
-from ....system.population import Population
-from ....system.time_derivatives import TimeDerivatives
+from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, constant, curves_of
+from ....system.curves.time_derivatives import TimeDerivatives
+from ....system.structure.population import Population
 from .elements import STATES, Share, concerned
 
 CURVES_DOT = "curves_dot"  # changes of curves

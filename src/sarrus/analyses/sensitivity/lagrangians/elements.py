@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from ...._jit.emit import Output, Recording
-from ...._jit.expression import Expression, Graph
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.kernels.emit import Output, Recording
 from ....algebra import Array
 from ....elements import Force, Primitive
 from ....elements.derived import HELD
@@ -26,8 +26,8 @@ from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....system import System
-from ....system.lane_drivers import local
-from ....system.population import Population
+from ....system.curves.lane_drivers import local
+from ....system.structure.population import Population
 
 STATES = ("q", "v", "a")  # operands of bodies besides ξ
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.link import compiled
-from ...._jit.pointer import Entry, call_kernels
-from ...._jit.vector import LANES
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS

@@ -7,18 +7,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit import pointer
-from ...._jit.vector import LANES
+from ...._jit.kernels import pointer
+from ...._jit.kernels.vector import LANES
 from ....algebra import Array
 from ....linalg.columns_loop import COLUMNS, Rows
 from ....linalg.panel_loop import Pattern
 from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
-from ....system.lane_buffers import buffer, used
-from ....system.once import once_alike
-from ...dynamics.entries import joined
+from ....system.cached import once_alike
+from ....system.curves.lane_buffers import buffer, used
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
+from ...dynamics.stepping.entries import joined
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
 from ..lagrangians.by_parameters import gradient_entry

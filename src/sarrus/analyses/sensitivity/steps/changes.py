@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit import pointer
+from ...._jit.kernels import pointer
 from ....algebra import Array
 from ....system import System
-from ....system.lane_buffers import buffer
-from ...dynamics.entries import joined
+from ....system.curves.lane_buffers import buffer
 from ...dynamics.methods.tables import NOWHERE, Group, Tables
+from ...dynamics.stepping.entries import joined
 from ..lagrangians.by_parameters import elements
 from ..lagrangians.elements import concerned
 from .block_loop import Changes

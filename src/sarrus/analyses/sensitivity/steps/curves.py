@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....system.curve_derivatives import CurveDerivatives, Entries
-from ....system.time_derivatives import TimeDerivatives
+from ....system.curves.curve_derivatives import CurveDerivatives, Entries
+from ....system.curves.time_derivatives import TimeDerivatives
 from ...dynamics.methods.equations import KINDS
 from .record import Occurrences, Operations
 from .sweep import PerOperation, unknowns_of

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ....system.once import once_alike
+from ....system.cached import once_alike
 from ...dynamics.methods.equations import MULTIPLIERS
 from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, at_stage, constrained, tables_of
 from ...equations.block_matrix import Numbers

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit import pointer
-from ...._jit.driver import COMPILING, Signature, compile_source
-from ...._jit.lanes import fill, load, plus_product, product, store
-from ...._jit.vector import LANES
+from ...._jit.kernels import pointer
+from ...._jit.kernels.driver import COMPILING, Signature, compile_source
+from ...._jit.kernels.lanes import fill, load, plus_product, product, store
+from ...._jit.kernels.vector import LANES
 from ....algebra import Array
 from ....system import System
-from ....system.once import once_alike
+from ....system.cached import once_alike
 from ...dynamics.methods.description import CONSTRAINTS
 from ...dynamics.methods.tables import Quantity, Structure, Tables
 
@@ -45,7 +45,7 @@ Rows = dict[Block, list[Entry]]  # blocks that are set, by others
 
 
 class Drivers(NamedTuple):
-    """One driver of each operation, or none: see `_jit.pointer.KernelTable`; `at` is where that of each begins."""
+    """One driver of each operation, or none: see `KernelTable`; `at` is where that of each begins."""
 
     addresses: Array
     starts: Array

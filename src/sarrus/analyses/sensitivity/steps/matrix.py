@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...._jit.link import link
+from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.panel_loop import Pattern, panel_ends
 from ....linalg.row_order import unsigned

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...._jit.link import link
-from ...._jit.vector import LANES
+from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import link
 from ....algebra import Array
-from ....system.lane_buffers import buffer
-from ...dynamics.entries import joined
+from ....system.curves.lane_buffers import buffer
+from ...dynamics.stepping.entries import joined
 from ..lagrangians.changes import lagrangian
 from ..lagrangians.curves import CurveLagrangian
 from . import second_order_loop as loop

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.link import compiled
-from ...._jit.pointer import Entry, call_kernels
-from ...._jit.vector import LANES
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import clear_lanes
 from .block_loop import Block, Run, collect, gather, remember

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.link import compiled
+from ...._jit.linking.link import compiled
 from ....algebra import Array
 
 

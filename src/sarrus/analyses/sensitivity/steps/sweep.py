@@ -7,10 +7,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...._jit.link import link
+from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
-from ....system.lane_buffers import aligned
+from ....system.curves.lane_buffers import aligned
 from . import sweep_loop as loop
 from .block_loop import Matrices
 from .blocks import OPERATIONS, Blocks

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.lanes import fill, load, plus_product, store
-from ...._jit.link import compiled
-from ...._jit.pointer import Entry, call_kernels
-from ...._jit.vector import LANES
+from ...._jit.kernels.lanes import fill, load, plus_product, store
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.columns_loop import ByRows, Rows, minus_rows, solve_panel
 from ....linalg.panel_loop import (

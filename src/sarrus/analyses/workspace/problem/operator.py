@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....system.constraints import ConstraintOperators
+from ....system.operators.constraints import ConstraintOperators
 
 
 class Vector:

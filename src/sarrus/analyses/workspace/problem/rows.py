@@ -13,7 +13,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ....system.joints import JointCoordinates
+from ....system.operators.joints import JointCoordinates
 from .handedness import Handedness
 from .measures import Measure
 from .operator import Matrix, Vector

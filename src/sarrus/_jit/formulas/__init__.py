@@ -1,0 +1,1 @@
+"""Formulas: recorded, differentiated, replayed, with curves of values."""

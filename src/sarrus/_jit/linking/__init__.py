@@ -1,0 +1,1 @@
+"""Compiled functions: linked, cached on disk, checked for references."""

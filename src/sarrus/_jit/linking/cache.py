@@ -1,0 +1,221 @@
+"""Cache of compiled kernels on disk, and its dependence on sources, versions and processor.
+
+Numba looks at one file's time stamp; an edit in any other file would leave callers with old formulas. The folder is
+therefore named by everything that a kernel depends on: the sources of the layers in which kernels are written, recorded
+and put together, the versions, and the processor. A kernel is a file of its own, named by function and signature, with
+a checksum: processes and versions that share the folder cannot mix theirs, and a damaged file is compiled again.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import json
+import os
+import pickle
+import shutil
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+import numpy as np
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+
+from .folders import PACKAGE, made_private
+
+SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system/structure/group.py")
+NO_KERNELS = (  # the first two store kernels; what the others make is named by all that it depends on
+    "_jit/linking/cache.py",
+    "_jit/linking/folders.py",
+    "_jit/linking/link.py",
+    "_jit/linking/reference_counts.py",
+    "_jit/kernels/scalars.py",
+)
+STALE_AFTER = 14 * 86400.0
+DIGEST = hashlib.sha256().digest_size
+
+
+def fingerprint(package: Path = PACKAGE) -> str:
+    """Hash of the kernels' sources, the versions of Python, Numba, llvmlite and NumPy, and the processor."""
+    digest = hashlib.sha256()
+    for part in (sys.version, numba.__version__, llvmlite.__version__, np.__version__):
+        digest.update(part.encode())
+    digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
+    for source in sorted(file for pattern in SOURCES for file in package.glob(pattern)):
+        name = source.relative_to(package).as_posix()
+        if name not in NO_KERNELS:
+            digest.update(name.encode() + source.read_bytes())
+    return digest.hexdigest()[:20]
+
+
+def candidates() -> list[Path]:
+    """Folders to try, best first: beside the package, the user's cache, the user's own in the temporary folder."""
+    owner = f"-{os.geteuid()}" if hasattr(os, "geteuid") else ""
+    user = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or _home() / ".cache"
+    places = [PACKAGE / "__pycache__", Path(user) / "sarrus", Path(tempfile.gettempdir()) / f"sarrus{owner}"]
+    return [place.resolve() for place in places]
+
+
+def _home() -> Path:
+    try:
+        return Path.home()
+    except RuntimeError:  # a user without a home
+        return Path(tempfile.gettempdir())
+
+
+@cache
+def folder() -> Path:
+    """The folder of this version's compiled kernels: ``SARRUS_CACHE_DIR``, or the first candidate.
+
+    One that cannot be written, or that another user could write, is passed over.
+    """
+    name = f"kernels-{fingerprint()}"
+    for place in [*_chosen(name), *candidates()]:
+        if made_private(place / name):
+            _forget_stale(place, keep=name)
+            return place / name
+    return _temporary()
+
+
+def _chosen(name: str) -> list[Path]:
+    """The folder that ``SARRUS_CACHE_DIR`` names, with a warning if it cannot be used."""
+    text = os.environ.get("SARRUS_CACHE_DIR")
+    place = Path(text).resolve() if text else None
+    if place and not made_private(place / name):
+        message = (
+            f"SARRUS_CACHE_DIR: {place} cannot be written, or can be written by other users, and is not used. "
+            "Give a folder that only you can write."
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
+    return [place] if place else []
+
+
+def _temporary() -> Path:
+    """A folder of this process alone, removed at its end."""
+    made, maker = Path(tempfile.mkdtemp(prefix="sarrus-")), os.getpid()
+    atexit.register(lambda: shutil.rmtree(made, ignore_errors=True) if os.getpid() == maker else None)
+    return made
+
+
+def _forget_stale(place: Path, keep: str) -> None:
+    """Remove folders of other versions that nobody has used for two weeks; another process may do so too."""
+    for other in place.glob("kernels-*"):
+        with suppress(OSError):
+            if other.name == keep:
+                os.utime(other)
+            elif time.time() - other.stat().st_mtime > STALE_AFTER:
+                shutil.rmtree(other, ignore_errors=True)
+
+
+def _sealed(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest() + content
+
+
+def _opened(file: Path) -> bytes:
+    """The content of a file without its checksum; a ValueError if it is damaged, an OSError if there is none."""
+    found = file.read_bytes()
+    if hashlib.sha256(found[DIGEST:]).digest() != found[:DIGEST]:
+        raise ValueError(f"{file} is damaged")
+    return found[DIGEST:]
+
+
+def stored_value(name: str, make: Callable[[], Any]) -> Any:
+    """A plain value that depends on the sources alone, found in the folder under a name, or made and stored there."""
+    file = folder() / f"{name}.value"
+    with suppress(OSError, ValueError):
+        return json.loads(_opened(file))
+    value = make()
+    with suppress(OSError):
+        draft = file.with_name(f"{file.name}.{os.getpid()}")
+        draft.write_bytes(_sealed(json.dumps(value).encode("ascii")))
+        draft.replace(file)
+    return value
+
+
+class _Locator:
+    """Location and version of stored functions, for Numba's cache (`numba.core.caching` protocol)."""
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> _Locator:
+        return cls()
+
+    def ensure_cache_path(self) -> None:
+        with suppress(OSError):
+            folder().mkdir(parents=True, exist_ok=True, mode=0o700)
+
+    def get_cache_path(self) -> str:
+        return str(folder())
+
+    def get_source_stamp(self) -> str:
+        return folder().name
+
+    def get_disambiguator(self) -> str:
+        return "kernel"
+
+
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # type: ignore[list-item]  # noqa: RUF012
+
+
+class _Files(IndexDataCacheFile):
+    """The compiled kernels of one function, a file for each key; there is no index that could be damaged."""
+
+    def save(self, key: str, data: Any) -> None:
+        with suppress(OSError), self._open_for_write(str(self._file(key))) as stream:
+            stream.write(_sealed(self._dump(data)))  # type: ignore[no-untyped-call]
+
+    def load(self, key: str) -> Any:
+        with suppress(OSError, ValueError):
+            return pickle.loads(_opened(self._file(key)))
+        return None
+
+    def flush(self) -> None:
+        """Remove the kernels of the function."""
+        for file in Path(self._cache_path).glob(f"{Path(self._index_name).stem}.*.kernel"):
+            file.unlink(missing_ok=True)
+
+    def _file(self, key: str) -> Path:
+        return Path(self._cache_path) / f"{Path(self._index_name).stem}.{key[:24]}.kernel"
+
+
+class KernelCache(FunctionCache):
+    """Numba's function cache, in our folder and files.
+
+    Other versions of the package may have the same kernels, but other records of arrays: records with the same names
+    but different fields have different keys, and a kernel whose records are no longer there is compiled again.
+    """
+
+    _impl_class = _Implementation
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        base = self._impl.filename_base
+        self._cache_file = _Files(self._cache_path, base, folder().name)  # type: ignore[no-untyped-call]
+
+    def _index_key(self, sig: Any, codegen: Any) -> str:
+        whole = super()._index_key(sig, codegen), tuple(_fields(kind) for kind in sig)  # type: ignore[no-untyped-call]
+        return hashlib.sha256(repr(whole).encode()).hexdigest()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError):
+            return None
+
+
+def _fields(kind: Any) -> Any:
+    """The class of a record, the names of its fields, and those of the records in it."""
+    if not (hasattr(kind, "fields") and hasattr(kind, "types")):
+        return None
+    record = getattr(kind, "instance_class", None)
+    parts = tuple((name, _fields(part)) for name, part in zip(kind.fields, kind.types, strict=True))
+    return getattr(record, "__module__", ""), getattr(record, "__qualname__", ""), parts

@@ -1,0 +1,1 @@
+"""The motion between the nodes of a run: compiled interpolation, and revolutions of angles."""

@@ -1,0 +1,331 @@
+"""States between the steps of a method, made consistent: one function that is compiled.
+
+A motion is interpolated in time through q, v and a at the ends of steps (`nodes`). What is given out lies on the
+constraints, Φ = 0 and Φ_q v = -Φ_t, by the least changes in the metric of M, and its accelerations and multipliers
+solve the equations of motion there: M a + Φ_qᵀλ = Q + S, Φ_q a = γ. All three need the factors of [M Φ_qᵀ; Φ_q 0].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.linking.link import compiled
+from ....algebra import Array
+from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
+from ..stepping.nodes import Nodes, between
+
+PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
+WARM = 8  # iterations for the weakest combination at the first state
+DONE, CHANGED, UNDONE = 0, 1, 2
+ROUND = 1e-11  # of the largest coordinate, or of 1: defects below it may be round-off
+MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
+REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
+TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
+
+
+class Entries(NamedTuple):
+    """The kernels of the groups of operators, see `_jit.kernels.pointer`."""
+
+    inertia: Entry
+    jacobian: Entry
+    residual: Entry
+    velocity: Entry
+    momentum: Entry
+    force: Entry
+    gamma: Entry
+    potential: Entry
+    remember: Entry
+
+
+class Work(NamedTuple):
+    """Operators' outputs and work arrays; weak: the combination of equations that is closest to vanishing."""
+
+    Phi: Array
+    Phi_qT_lam: Array
+    M_a: Array
+    S: Array
+    Q: Array
+    rate: Array
+    Phi_t: Array
+    gamma: Array
+    right: Array
+    solution: Array
+    potential: Array
+    memory: Array
+    weak: Array
+
+
+class Matrix(NamedTuple):
+    """The numbers of the operators; the matrix [M Φ_qᵀ; Φ_q 0] and its factors."""
+
+    values: Array
+    M: Array
+    Phi_q: Array
+    row_of: Array
+    left_out: Array
+    placed: Placed
+
+
+class Samples(NamedTuple):
+    """Times wanted, and room for the states there.
+
+    violation : largest |Φ|, |Φ_q v + Φ_t|
+    energy : kinetic, potential
+    growth : see `growth_of`; infinite where the state could not be settled
+    memory : what elements remember of the last step before
+    revolutions : of the joints' angles, see `Winding`
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    violation: Array
+    energy: Array
+    growth: Array
+    memory: Array
+    revolutions: Array
+
+
+@compiled
+def interpolate(nodes: Nodes, row: int, apart: bool, out: Samples, n: int) -> None:
+    """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
+    h = nodes.t[row + 1] - nodes.t[row]
+    s = (out.t[n] - nodes.t[row]) / h
+    between(nodes.q[row], nodes.v[row], nodes.a[row], nodes.q[row + 1], nodes.v[row + 1], nodes.a[row + 1],
+            s, h, apart, out.q[n], out.v[n], out.a[n])  # fmt: skip
+    for k in range(nodes.lam.shape[1]):
+        out.lam[n, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
+
+
+@compiled
+def factor(entries: Entries, b: Array, t: float, q: Array, matrix: Matrix) -> float:
+    """Evaluate and factor [M Φ_qᵀ; Φ_q 0]; returns how far the pivots can be trusted."""
+    call_kernels(entries.inertia, b, q, matrix.M)
+    call_kernels(entries.jacobian, b, t, q, matrix.Phi_q)
+    leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
+    return refactor(matrix.values, matrix.placed)
+
+
+@compiled
+def position_defect(entries: Entries, b: Array, t: float, q: Array, lam: Array, work: Work) -> None:
+    """Φ, as `work.rate`."""
+    call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+    for k in range(len(work.Phi)):
+        work.rate[k] = work.Phi[k]
+
+
+@compiled
+def velocity_defect(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Work) -> None:
+    """Φ_q v + Φ_t, as `work.rate`."""
+    call_kernels(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
+    for k in range(len(work.rate)):
+        work.rate[k] += work.Phi_t[k]
+
+
+@compiled
+def correct(x: Array, before: float, work: Work, matrix: Matrix) -> tuple[float, int]:
+    """Take the least change that removes the defect from x. Returns the largest defect, and what was done.
+
+    Nothing is DONE if the defect is small, or not half of what it was `before`. If it is no round-off either, the
+    change before has not helped and is UNDONE.
+    """
+    n, every, worst, length = len(x), 0.0, 0.0, 1.0
+    for k in range(len(work.rate)):
+        kept = work.rate[k] * (1.0 - matrix.left_out[k])
+        every, worst = max(every, abs(work.rate[k])), max(worst, abs(kept))
+    for k in range(n):
+        length = max(length, abs(x[k]))
+    if worst < PROJECTED or (not worst < 0.5 * before and worst < ROUND * length):
+        return every, DONE
+    if not worst < 0.5 * before:
+        for k in range(n):
+            x[k] += work.solution[k]
+        return every, UNDONE
+    for k in range(n):
+        work.right[k] = 0.0
+    for k in range(len(work.rate)):
+        work.right[n + k] = work.rate[k] * (1.0 - matrix.left_out[k])
+    backsolve(matrix.placed, work.right, work.solution)
+    for k in range(n):
+        x[k] -= work.solution[k]
+    return every, CHANGED
+
+
+@compiled
+def sensible(v: Array, defect: float, work: Work) -> bool:
+    """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
+    moved, length = 0.0, 0.0
+    for k in range(len(v)):
+        moved, length = max(moved, abs(work.solution[k])), max(length, abs(v[k] + work.solution[k]))
+    return moved < MAGNIFIED * defect or moved < SLIGHT * length
+
+
+@compiled
+def project(
+    entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
+    defect: Array,
+) -> bool:  # fmt: skip
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left.
+
+    Returns false where constraints are so nearly dependent that they tell less of the state than it was known before.
+    """
+    before = 1e30
+    for _ in range(PROJECTIONS):
+        position_defect(entries, b, t, q, lam, work)
+        before, done = correct(q, before, work, matrix)
+        if done == UNDONE:
+            return False
+        if done == DONE:
+            break
+    defect[0], before = before, 1e30
+    for _ in range(PROJECTIONS):
+        velocity_defect(entries, b, t, q, v, work)
+        before, done = correct(v, before, work, matrix)
+        if done == UNDONE or (done == CHANGED and not sensible(v, before, work)):
+            return False
+        if done == DONE:
+            break
+    defect[1] = before
+    return True
+
+
+@compiled
+def solve_motion(
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix
+) -> None:
+    """a and λ of the equations of motion, refined from the guess that is there."""
+    n = len(q)
+    call_kernels(entries.force, b, t, q, v, work.Q)
+    call_kernels(entries.gamma, b, t, q, v, work.gamma)
+    before = 1e30
+    for _ in range(REFINEMENTS):
+        call_kernels(entries.momentum, b, q, v, a, work.M_a, work.S)
+        call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
+        call_kernels(entries.velocity, b, t, q, a, work.rate, work.Phi_t)
+        for k in range(n):
+            work.right[k] = work.M_a[k] + work.Phi_qT_lam[k] - work.Q[k] - work.S[k]
+        for k in range(len(lam)):
+            defect = work.rate[k] - work.gamma[k]
+            work.right[n + k] = defect if matrix.left_out[k] == 0.0 else lam[k]
+        backsolve(matrix.placed, work.right, work.solution)
+        moved, length = 0.0, 1e-30
+        for k in range(n):
+            a[k] -= work.solution[k]
+            moved, length = max(moved, abs(work.solution[k])), max(length, abs(a[k]))
+        pulled, force = 0.0, 1e-30
+        for k in range(len(lam)):
+            lam[k] -= work.solution[n + k]
+            pulled, force = max(pulled, abs(work.solution[n + k])), max(force, abs(lam[k]))
+        change = max(moved / length, pulled / force)
+        if change <= REFINED or not change < 0.1 * before:
+            return
+        before = change
+
+
+@compiled
+def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Work, energy: Array) -> None:
+    """Kinetic and potential."""
+    call_kernels(entries.momentum, b, q, v, v, work.M_a, work.S)
+    total = 0.0
+    for k in range(len(v)):
+        total += 0.5 * v[k] * work.M_a[k]
+    energy[0], total = total, 0.0
+    if len(work.potential):
+        call_kernels(entries.potential, b, t, q, work.potential)
+        for k in range(len(work.potential)):
+            total += work.potential[k]
+    energy[1] = total
+
+
+@compiled
+def growth_of(work: Work, matrix: Matrix) -> float:
+    """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.
+
+    An inverse iteration that goes on from state to state: the length comes close to 1 / σ², σ the smallest singular
+    value of Φ_q M^(-½).
+    """
+    n, before, length = len(work.right) - len(work.weak), 0.0, 0.0
+    for k in range(len(work.weak)):
+        before += work.weak[k] ** 2
+    rounds = 1
+    if before == 0.0:
+        rounds, work.weak[:] = WARM, 1.0
+    for _ in range(rounds):
+        for k in range(n):
+            work.right[k] = 0.0
+        for k in range(len(work.weak)):
+            work.right[n + k] = work.weak[k] * (1.0 - matrix.left_out[k])
+        backsolve(matrix.placed, work.right, work.solution)
+        length = 0.0
+        for k in range(len(work.weak)):
+            length += work.solution[n + k] ** 2
+        length = length**0.5
+        for k in range(len(work.weak)):
+            work.weak[k] = work.solution[n + k] / length
+    return length
+
+
+@compiled
+def settle(
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
+    violation: Array, energy: Array,
+) -> float:  # fmt: skip
+    """Make one state consistent in place; returns how far the pivots can be trusted."""
+    trust = factor(entries, b, t, q, matrix)
+    if not trust > TRUSTED:
+        return trust
+    if not project(entries, b, t, q, v, lam, work, matrix, violation):
+        return 0.0
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix)
+    energies(entries, b, t, q, v, work, energy)
+    return trust
+
+
+@compiled(entry=True)
+def sample(
+    entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
+    work: Work, matrix: Matrix,
+) -> tuple[int, int]:  # fmt: skip
+    """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
+
+    Returns
+    -------
+    the entries filled, and the node arrived at; it stops before the end where the pivots do not fit
+    """
+    n = first
+    while n < len(out.t):
+        while row + 2 < len(nodes.t) and out.t[n] > nodes.t[row + 1]:
+            row += 1
+        for k in range(len(places)):
+            b[places[k]] = nodes.memory[row, k]
+        if row + 1 < len(nodes.t):
+            interpolate(nodes, row, apart, out, n)
+        else:
+            for k in range(nodes.q.shape[1]):
+                out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
+            for k in range(nodes.lam.shape[1]):
+                out.lam[n, k] = nodes.lam[row, k]
+        t = out.t[n]
+        if (
+            not settle(
+                entries,
+                b,
+                t,
+                out.q[n],
+                out.v[n],
+                out.a[n],
+                out.lam[n],
+                work,
+                matrix,
+                out.violation[n],
+                out.energy[n],
+            )
+            > TRUSTED
+        ):
+            break
+        out.growth[n] = growth_of(work, matrix)
+        n += 1
+    return n, row

@@ -1,0 +1,220 @@
+"""Consistent states of a motion at given times: on the constraints, with the accelerations and multipliers there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from copy import copy
+from typing import Any
+
+import numpy as np
+
+from ...._jit.linking.link import link
+from ....algebra import Array
+from ....linalg.factors import SingularSystem
+from ....linalg.sparse_solver import SingularMatrix
+from ....system import System
+from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
+from ...redundancy.redundant_constraints import Independence
+from ..stepping.entries import entry_of
+from ..stepping.newton_matrix import motion_matrix
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Trouble
+from . import sample_loop as loop
+
+GROUPS = {
+    "inertia": ("M",),
+    "jacobian": ("Phi_q",),
+    "residual": ("Phi", "Phi_qT_lam"),
+    "velocity": ("Phi_q_xi", "Phi_t"),
+    "momentum": ("M_a", "S"),
+    "force": ("Q",),
+    "gamma": ("gamma",),
+}
+
+
+def motion_entries(system: System) -> loop.Entries:
+    """The kernels of the equations of motion, for compiled code."""
+    groups = (*GROUPS.values(), ("potentials",), ("remembered",))
+    return loop.Entries._make([entry_of(system, *names) for names in groups])
+
+
+def motion_work(system: System) -> loop.Work:
+    """Arrays that compiled code works on where it solves the equations of motion."""
+    nq, m, places = system.nq, system.m, len(system.memory_places)
+    widths = (m, nq, nq, nq, nq, m, m, m, nq + m, nq + m, system.potentials.size, places, m)
+    return loop.Work._make(np.zeros(width) for width in widths)
+
+
+def motion_arrays(matrix: PlacedMatrix) -> loop.Matrix:
+    """The matrix of the equations of motion, as compiled code takes it."""
+    numbers = matrix.numbers
+    own = (numbers.values, *numbers.of(("M", "Phi_q")), numbers.row_of, numbers.left_out, matrix.placed)
+    return loop.Matrix._make(own)
+
+
+class Sampler:
+    """States of one system made consistent, by compiled code.
+
+    Parameters
+    ----------
+    system : System
+    independence : which equations are solved, where some are dependent
+    b : the numbers of the elements
+    host : a matrix in whose pattern that of the equations of motion stands, if there is one
+    apart : whether q and v are interpolated apart, see `nodes.between`
+
+    Attributes
+    ----------
+    unsettled : times at which the equations of motion could not be solved: states there are as interpolated
+    """
+
+    def __init__(
+        self,
+        system: System,
+        independence: Independence,
+        b: Array,
+        host: PlacedMatrix | None = None,
+        apart: bool = False,
+    ) -> None:
+        self.system, self.independence, self.b, self.apart = system, copy(independence), b.copy(), apart
+        self.matrix = motion_matrix(system, host)
+        self.matrix.numbers.keep(independence.rows)
+        self.unsettled: list[float] = []
+        self._entries, self._work = motion_entries(system), motion_work(system)
+        self._sample = link(loop.sample)
+        self._arrays: Any = None
+
+    def room(self, times: Array) -> loop.Samples:
+        """Room for states at these times."""
+        nq, m, n = self.system.nq, self.system.m, len(times)
+        states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
+        places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
+        remembered = (np.zeros((n, width)) for width in (places, joints))
+        return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
+
+    def states(self, nodes: Nodes, times: Array) -> loop.Samples:
+        """Consistent states at rising times between the first node and the last."""
+        self._choose(float(nodes.t[0]), nodes.q[0])
+        out = self.room(times)
+        out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
+        done, row, tried = 0, 0, -1
+        while done < len(times):
+            if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):
+                self._leave(out, done, nodes)
+                done += 1
+                continue
+            tried = done
+            done, row = self._sample(
+                self._entries,
+                self.b,
+                self.system.memory_places,
+                nodes,
+                self.apart,
+                out,
+                done,
+                row,
+                self._work,
+                self._arrays,
+            )
+            if done < len(times):
+                tried, self._arrays = (done if tried == done else -1), None
+        self._shorten(out)
+        return out
+
+    def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
+        """One state made consistent."""
+        nq, m = self.system.nq, self.system.m
+        alone = Nodes(
+            np.array([t]),
+            q[None].copy(),
+            v[None].copy(),
+            np.zeros((1, nq)),
+            np.zeros((1, m)),
+            memory[None].copy(),
+        )
+        return self.states(alone, np.array([t]))
+
+    def _leave(self, out: loop.Samples, n: int, nodes: Nodes) -> None:
+        """A state where the equations of motion cannot be solved: as interpolated."""
+        t = float(out.t[n])
+        self.unsettled.append(t)
+        q, v = out.q[n], out.v[n] = (
+            nodes.near(t, self.apart) if len(nodes.t) > 1 else (nodes.q[0], nodes.v[0])
+        )
+        out.a[n], out.lam[n], out.growth[n] = np.nan, np.nan, np.inf
+        system, b = self.system, self.b
+        rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
+        out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
+        out.energy[n] = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
+
+    def singular_at(self, t: float) -> bool:
+        """Whether the state at a time could not be settled."""
+        return bool(self.unsettled) and self.unsettled[-1] == t
+
+    def _choose(self, t: float, q: Array) -> None:
+        """Where equations are dependent, another choice of those to solve, if the present one is poor."""
+        if self.independence.renew(t, q):
+            self.matrix.numbers.keep(self.independence.rows)
+            self._arrays = None
+
+    def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
+        """A pivot order for the n-th state; false if its matrix is singular."""
+        t = float(out.t[n])
+        q = nodes.near(t, self.apart)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
+        self._choose(t, q)
+        self.b[self.system.memory_places] = nodes.memory[row]
+        return self._factored(t, q)
+
+    def _factored(self, t: float, q: Array) -> bool:
+        """Whether the matrix there could be factored."""
+        for name in ("M", "Phi_q"):
+            self.matrix.numbers.evaluate((name,), self.b, {"t": t, "q": q})
+        try:
+            self.matrix.factor(PRECISE)
+        except (SingularMatrix, ValueError):
+            return False
+        self._show_matrix()
+        return True
+
+    def _show_matrix(self) -> None:
+        """The matrix as the loop takes it."""
+        self._arrays = motion_arrays(self.matrix)
+
+    def choices(self) -> dict[str, Array]:
+        """The choices made so far, which decide on the last digits; for `resume`."""
+        found = {"sampler_null": self.independence.state(), "sampler_weak": self._work.weak}
+        ready = self._arrays is not None
+        return found | {f"sampler_{name}": array for name, array in self.matrix.state().items() if ready}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Take over choices made before."""
+        self.independence.resume(state["sampler_null"])
+        self.matrix.numbers.keep(self.independence.rows)
+        self._work.weak[:] = state["sampler_weak"]
+        if "sampler_factors" in state:
+            self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
+            self._show_matrix()
+
+    def _shorten(self, out: loop.Samples) -> None:
+        """The shortest multipliers, where equations are dependent."""
+        if self.independence.rows is not None:
+            for k in range(len(out.t)):
+                with suppress(SingularSystem):  # where all choices are dependent they stay as they are
+                    out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
+
+    def pushed(self, t: float, q: Array, f: Array) -> Array:
+        """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one.
+
+        Raises
+        ------
+        Trouble
+            In a singular position.
+        """
+        if not self._factored(t, q):
+            raise Trouble(
+                "singular configuration",
+                f"the position at t = {t:.6g} s is singular: an impulse has no one answer",
+            )
+        right = np.concatenate([f, np.zeros(self.system.m)])
+        return self.matrix.solve(right)[: self.system.nq]

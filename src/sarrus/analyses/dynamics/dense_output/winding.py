@@ -1,0 +1,97 @@
+"""Revolutions of joints' angles along a run, counted from step to step.
+
+Outputs may be any number of revolutions apart: what lies between them is known to the time integration alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...._jit.linking.link import link
+from ....algebra import Array
+from ....system import System
+from ..stepping.entries import entry_of
+from ..stepping.nodes import Nodes
+from . import winding_loop as loop
+
+
+class Winding:
+    """The joints' coordinates at the last state taken.
+
+    Parameters
+    ----------
+    system : System
+
+    Attributes
+    ----------
+    values : (nc,) angles with their revolutions, and displacements [rad], [m]
+    first : revolutions at the start; empty where each angle is nearest to its initial value
+    """
+
+    def __init__(self, system: System) -> None:
+        self._of = of = system.joint_coordinates
+        self.values, self.first = np.zeros(of.m), np.zeros(0)
+        if of.m:
+            operators: Any = of  # they have the structure of a system's constraints
+            self._residual = entry_of(operators, "Phi", "Phi_qT_lam")
+            self._velocity = entry_of(operators, "Phi_q_xi", "Phi_t")
+            self._work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.m)))
+
+    def begin(self, q: Array, revolutions: Array) -> None:
+        """A start; without revolutions each angle is nearest to its initial value."""
+        self.values, self.first = self._of.with_revolutions(self._of.Phi(q), revolutions), revolutions
+
+    def take(self, nodes: Nodes, t: Array, q: Array, v: Array) -> Array:
+        """Go on along nodes; returns the revolutions (nt, nc) at states between them."""
+        if not self._of.m:
+            return np.zeros((len(t), 0))
+        times = np.concatenate([nodes.t, t])
+        order = np.argsort(times, kind="stable")
+        both_q, both_v = (np.concatenate(x)[order] for x in ((nodes.q, q), (nodes.v, v)))
+        turns, found = np.zeros((2, len(times), self._of.m))
+        link(loop.count)(
+            self._residual, self._velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
+            turns, self._work,
+        )  # fmt: skip
+        found[order] = turns
+        return np.asarray(found[len(nodes.t) :])
+
+    def state(self) -> dict[str, Array]:
+        """What is needed to go on."""
+        return {"winding": self.values, "winding_first": self.first}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.values, self.first = np.array(state["winding"]), state["winding_first"]
+
+
+class WindingAlong:
+    """The revolutions at any time of a motion whose nodes are kept.
+
+    Parameters
+    ----------
+    system : System
+    nodes : of the whole motion
+    first : revolutions at its start
+    """
+
+    def __init__(self, system: System, nodes: Nodes, first: Array) -> None:
+        self._system, self._nodes, self._first = system, nodes, first
+
+    @cached_property
+    def _at_nodes(self) -> Array:
+        winding = Winding(self._system)
+        winding.begin(self._nodes.q[0], self._first)
+        return winding.take(self._nodes, self._nodes.t, self._nodes.q, self._nodes.v)
+
+    def __call__(self, t: Array, q: Array, v: Array) -> Array:
+        """At states (nt, nc), rising times."""
+        first = max(int(np.searchsorted(self._nodes.t, t[0])) - 1, 0)
+        last = int(np.searchsorted(self._nodes.t, t[-1], side="right"))
+        winding = Winding(self._system)
+        winding.begin(self._nodes.q[first], self._at_nodes[first])
+        return winding.take(self._nodes.part(slice(first, max(last, first + 1))), t, q, v)

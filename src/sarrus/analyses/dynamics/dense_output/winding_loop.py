@@ -1,0 +1,45 @@
+"""Angles of joints with their revolutions from state to state: one function that is compiled."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.linking.link import compiled
+from ....algebra import Array
+
+REVOLUTION = 6.283185307179586
+
+
+class Work(NamedTuple):
+    """Operators' operands and outputs; `lam` and `force` are those of a kernel that gives Φ beside others."""
+
+    lam: Array
+    Phi: Array
+    force: Array
+    rate: Array
+    Phi_t: Array
+    before: Array
+
+
+@compiled(entry=True)
+def count(
+    residual: Entry, velocity: Entry, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
+    turns: Array, work: Work,
+) -> None:  # fmt: skip
+    """Fill `turns` (nt, nc), the revolutions beyond Φ; `last` (nc,) holds the coordinates before and is replaced.
+
+    An angle is taken nearest to the one before and the mean of both rates times the time between.
+    """
+    for n in range(len(t)):
+        k = max(n - 1, 0)
+        call_kernels(velocity, b, t[n], q[n], v[n], work.rate, work.Phi_t)
+        call_kernels(residual, b, t[n], q[n], work.lam, work.Phi, work.force)
+        for c in range(len(work.rate)):
+            near = last[c]
+            if n > 0:
+                near += 0.5 * (t[n] - t[k]) * (work.rate[c] + work.before[c])
+            if angles[c]:
+                turns[n, c] = round((near - work.Phi[c]) / REVOLUTION)
+            last[c] = work.Phi[c] + REVOLUTION * turns[n, c]
+            work.before[c] = work.rate[c]

@@ -1,0 +1,1 @@
+"""Events of a run: their functions, and the search for their times."""

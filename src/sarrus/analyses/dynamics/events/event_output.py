@@ -1,0 +1,111 @@
+"""Formulas of outputs that events look at: their values, and their exact gradients for impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.expression import Expression, parse
+from ....outputs import Level, Output, Outputs, find_output
+from ....outputs.measure import measured
+from ....outputs.recording import States
+from ....system import System
+from ...equations.motion import Motion
+from ...redundancy.redundant_constraints import Independence
+
+IMPACT = "an impact"
+
+
+class EventOutput:
+    """A formula of a system's outputs, with its exact gradient by the position.
+
+    Angles are counted in revolutions from their value at the last state asked for.
+    """
+
+    def __init__(self, system: System, text: str) -> None:
+        self._system, self._tree, self._b = system, parse(text), system.b.copy()
+        self._outputs = {name: find_output(system, name) for name in self._tree.names()}
+        of_position = [name for name, one in self._outputs.items() if one.element and one.place is None]
+        self._measures = {name: measured(system, name, IMPACT) for name in of_position}
+        self._near: dict[str, float | None] = dict.fromkeys(of_position)
+        self._recording = any(one.element is None and one.place is None for one in self._outputs.values())
+        self._rates: dict[str, Expression] = {name: self._tree.derivative(name) for name in self._outputs}
+        self._motion: tuple[Independence, Motion] | None = None
+
+    def _values(self, t: float, q: Array, v: Array) -> dict[str, float]:
+        if self._recording:
+            self._system.remember(q, self._b, t)
+        return {name: self._value(name, one, t, q, v) for name, one in self._outputs.items()}
+
+    def _value(self, name: str, output: Output, t: float, q: Array, v: Array) -> float:
+        if output.place is not None:
+            return float(q[output.place])
+        if name not in self._near:
+            return t if name == "t" else self._recorded(output, t, q, v)
+        near = self._near[name]
+        if near is None and output.name not in self._system.joint_coordinates.names:
+            near = self._recorded(output, t, q, v)
+        self._near[name] = self._measures[name].value(q, near)
+        return float(self._near[name] or 0.0)
+
+    def _recorded(self, output: Output, t: float, q: Array, v: Array) -> float:
+        """The value of any output."""
+        a, lam = (
+            (0 * q, np.zeros(self._system.m)) if output.level < Level.ACCELERATION else self._solved(t, q, v)
+        )
+        states = States(np.array([t]), q[None], v[None], a[None], lambda: lam[None])
+        found = output.record(Outputs(self._system, states, self._b, _no_parameter))
+        return float(np.ravel(getattr(found, "value", found))[0])
+
+    def _solved(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Accelerations and multipliers, those of least norm where constraints are redundant."""
+        if self._motion is None:
+            choice = Independence(self._system, q, t)
+            self._motion = choice, Motion(self._system, choice.rows)
+        choice, motion = self._motion
+        if choice.renew(t, q):
+            motion.keep(choice.rows)
+        motion.b[:] = self._b
+        a, lam = motion.acceleration(t, q, v)
+        return a, lam if choice.rows is None else choice.shortest(t, q, lam)
+
+    def __call__(self, t: float, q: Array, v: Array) -> float:
+        """Its value."""
+        return float(self._tree.value(self._values(t, q, v)))
+
+    @property
+    def near(self) -> Array:
+        """The angles at the last state asked for; not a number before the first."""
+        return np.array([np.nan if x is None else x for x in self._near.values()])
+
+    @near.setter
+    def near(self, values: Array) -> None:
+        for name, x in zip(self._near, values, strict=True):
+            self._near[name] = None if np.isnan(x) else float(x)
+
+    def near_start(self, coordinates: Array, memory: Array) -> None:
+        """Take all joints' coordinates at the start, with their revolutions, and what elements remember."""
+        every = self._system.joint_coordinates
+        for name in self._near:
+            known = self._outputs[name].name in every.names
+            self._near[name] = float(coordinates[every.index(self._outputs[name].name)]) if known else None
+        if len(memory):
+            self._b[self._system.memory_places] = memory
+
+    def gradient(self, t: float, q: Array, v: Array) -> Array:
+        """Its derivative to q (nq,)."""
+        values, result = self._values(t, q, v), np.zeros(self._system.nq)
+        for name, tree in self._rates.items():
+            place, rate = self._outputs[name].place, float(tree.value(values))
+            if place is not None:
+                result[place] += rate
+            elif name != "t":
+                measure = self._measures.get(name) or measured(self._system, name, IMPACT)
+                result += rate * measure.gradient(q).toarray()[0]
+        return result
+
+
+def _no_parameter(name: str, _: Any) -> float:
+    raise ValueError(f"an event cannot depend on the parameter {name!r}")

@@ -1,0 +1,286 @@
+"""Events: what happens when a function of the state crosses zero along a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ....algebra import Array
+from ....model.checks.arguments import Whole, real
+from ....results import EventRecord
+from ....results.motion.events import event_records
+from ....system import System
+from ..dense_output.sampler import Sampler
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Trouble
+from .event_output import EventOutput
+
+LOOKS = 4  # at so many places of a step a crossing is looked for
+HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
+AHEAD = 1e-7  # s, after which its direction is seen
+JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
+# of what it moves until then: so near to zero when another event comes, it crosses at the same time
+MEETS = 1e-4
+NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
+Function = Callable[[float, Array, Array], float]
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A sudden change of the velocities by an impulse along an output, which reverses the output's rate.
+
+    ṡ⁺ = -restitution ṡ⁻ of the output s, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an impulse p.
+
+    Attributes
+    ----------
+    along : the output, e.g. "ball.z" or "pin.angle"; by default the event's own
+    restitution : 1 keeps the energy, 0 takes all of it that goes along
+    """
+
+    restitution: float = 1.0
+    along: str | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.restitution <= 1:
+            raise ValueError(f"restitution of an Impact must be between 0 and 1, but is {self.restitution!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """Something that is to be found along a motion: a function of the state that crosses zero.
+
+    Attributes
+    ----------
+    function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; or a Python function (t, q, v) -> float
+    direction : 1 for crossings upwards, -1 downwards, 0 both
+    terminal : whether the run ends there; a number: at that crossing
+    reset : `Impact`, or a function (t, q, v) -> v of new velocities, which are projected onto the constraints
+    name : for `Trajectory.events`; by default the formula, or the function's name
+    """
+
+    function: str | Function
+    direction: int = 0
+    terminal: bool | int = False
+    reset: Impact | Callable[[float, Array, Array], Array] | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not np.isscalar(self.direction) or self.direction not in (-1, 0, 1):
+            raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
+        if isinstance(self.function, type) or not (isinstance(self.function, str) or callable(self.function)):
+            raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")
+        if not isinstance(self.name, str):
+            raise TypeError(f"the name of an event must be a text, but is {self.name!r:.40}")
+        if not isinstance(self.terminal, bool):
+            Whole(0)("terminal", self.terminal)
+        if not (self.reset is None or isinstance(self.reset, Impact) or callable(self.reset)):
+            raise TypeError(f"reset must be an Impact or a function (t, q, v), but is {self.reset!r:.40}")
+        if isinstance(self.reset, Impact) and not (self.reset.along or isinstance(self.function, str)):
+            raise ValueError('the Impact of a Python function needs a direction: Impact(0.5, along="ball.z")')
+
+    @property
+    def title(self) -> str:
+        """Its name, also where none was given."""
+        own = self.function if isinstance(self.function, str) else getattr(self.function, "__name__", "event")
+        return self.name or own
+
+
+def restitutions_of(events: Sequence[Event]) -> dict[str, float]:
+    """Those of the impacts among some events, by the names that derivatives take."""
+    found = {event.title: event.reset for event in events}
+    return {f"{n}.restitution": float(x.restitution) for n, x in found.items() if isinstance(x, Impact)}
+
+
+def with_restitutions(events: Sequence[Event], values: Mapping[str, float]) -> list[Event]:
+    """The events with other restitutions, by name."""
+    return [_struck(event, values.get(f"{event.title}.restitution")) for event in events]
+
+
+def _struck(event: Event, restitution: float | None) -> Event:
+    if restitution is None or not isinstance(event.reset, Impact):
+        return event
+    return replace(event, reset=replace(event.reset, restitution=restitution))
+
+
+class Watch:
+    """One event along one run."""
+
+    def __init__(self, system: System, event: Event) -> None:
+        self.event = event
+        self.function: Any = (
+            EventOutput(system, event.function) if isinstance(event.function, str) else _apart(event.function)
+        )
+        self.name = event.title
+        along = event.reset.along if isinstance(event.reset, Impact) else None
+        self.output: Any = EventOutput(system, along) if along else self.function
+        self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
+        self.count, self.last, self.at = 0, 0.0, -np.inf
+
+    def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
+        """A start, perhaps after an event: then a function at zero has crossed it just now, or is about to."""
+        value = self._value(t, q, v)
+        change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if event else 0.0
+        own = t - self.at <= NEAR * max(1.0, t)
+        self.last = value
+        if own and abs(value) <= JUMPED * abs(change):
+            self.last = change
+        elif not own and abs(value) <= MEETS * abs(change):
+            self.last = -change
+
+    def _value(self, t: float, q: Array, v: Array) -> float:
+        """The function's value; what an impact is along counts its revolutions, too.
+
+        Raises
+        ------
+        Trouble
+            If it is not a number.
+        """
+        if self.output is not self.function:
+            self.output(t, q, v)
+        value = real(f"the value of the event {self.name}", self.function(t, q, v))
+        if np.isnan(value):
+            message = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
+            raise Trouble("event undefined", message)
+        return value
+
+    @property
+    def near(self) -> Array:
+        """The joints' coordinates from which turns are counted on."""
+        return np.array([x for output in self._counted for x in output.near])
+
+    @near.setter
+    def near(self, values: Array) -> None:
+        for output in self._counted:
+            output.near, values = values[: len(output.near)], values[len(output.near) :]
+
+    def near_start(self, coordinates: Array, memory: Array) -> None:
+        """Take the joints' coordinates at the start, with their revolutions, and what elements remember."""
+        for output in self._counted:
+            output.near_start(coordinates, memory)
+
+    def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
+        """The times of all crossings within the nodes."""
+        since = nodes.t[0]
+        for t, q, v in _looks(nodes, sampler.apart):
+            value = self._value(t, q, v)
+            if self.last * value < 0 and value * self.event.direction >= 0:
+                yield self._root(nodes, sampler, since, t)
+            if value != 0:
+                self.last, since = value, t
+
+    def _root(self, nodes: Nodes, sampler: Sampler, before: float, after: float) -> float:
+        def value(t: float) -> float:
+            sample = sampler.states(nodes, np.array([t]))
+            return float(self.function(t, sample.q[0], sample.v[0]))
+
+        if value(after) * self.last > 0:  # making the state consistent has moved the crossing behind it
+            return after
+        start = before
+        for _ in range(HALVINGS):
+            if value(start) * self.last > 0:
+                return float(brentq(value, start, after, xtol=NEAR * max(1.0, abs(after)), rtol=1e-15))
+            start = before + 0.5 * ((start if start > before else after) - before)
+        return before
+
+    @property
+    def ends(self) -> bool:
+        """Whether the run ends with the crossing just counted."""
+        wanted = self.event.terminal
+        return bool(wanted) and (wanted is True or self.count >= wanted)
+
+    def after(self, t: float, q: Array, v: Array, sampler: Sampler) -> Array:
+        """The velocities after it; the sampler has settled the state just before.
+
+        Raises
+        ------
+        ValueError
+            For a reset that does not return velocities.
+        """
+        reset = self.event.reset
+        if reset is None:
+            return v
+        if not isinstance(reset, Impact):
+            return self._velocities(reset(t, q.copy(), v.copy()), len(v))
+        s_q = self.output.gradient(t, q, v)
+        w = sampler.pushed(t, q, s_q)
+        return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
+
+    def _velocities(self, given: Any, size: int) -> Array:
+        """What a function of one's own has returned."""
+        message = (
+            f"the reset of the event {self.name} must return {size} finite velocities; return a new array"
+        )
+        try:
+            found = np.array(given, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise ValueError(message) from error
+        if found.shape != (size,) or not np.all(np.isfinite(found)):
+            raise ValueError(message)
+        return found
+
+
+def _apart(function: Function) -> Function:
+    """A function of one's own, which may overwrite the state that it is given."""
+    return lambda t, q, v: function(t, q.copy(), v.copy())
+
+
+def _looks(nodes: Nodes, apart: bool) -> Iterator[tuple[float, Array, Array]]:
+    """Places of the steps at which signs are compared."""
+    for k in range(len(nodes.t) - 1):
+        t0, t1 = nodes.t[k], nodes.t[k + 1]
+        for n in range(1, LOOKS):
+            t = float(t0 + n / LOOKS * (t1 - t0))
+            yield t, *nodes.part(slice(k, k + 2)).near(t, apart)
+        yield float(t1), nodes.q[k + 1], nodes.v[k + 1]
+
+
+class Watches:
+    """All events of one run."""
+
+    def __init__(self, system: System, events: Sequence[Event]) -> None:
+        self._all = [Watch(system, event) for event in events]
+        self.happened: list[EventRecord] = []
+
+    def __bool__(self) -> bool:
+        return bool(self._all)
+
+    def near(self, coordinates: Array, memory: Array) -> None:
+        """The joints' coordinates at the start, with their revolutions, and what elements remember."""
+        for watch in self._all:
+            watch.near_start(coordinates, memory)
+
+    def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
+        """A start at a state, perhaps after an event."""
+        for watch in self._all:
+            watch.begin(t, q, v, event)
+
+    def state(self) -> dict[str, Array]:
+        """What is known of them so far."""
+        happened, every = self.happened, self._all
+        names = [watch.name for watch in every]
+        found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
+        found["watch_last"] = np.array([watch.last for watch in every])
+        found["watch_at"] = np.array([watch.at for watch in every])
+        found |= {f"watch_near_{n}": watch.near for n, watch in enumerate(every)}
+        found["event_of"] = np.array([names.index(event.name) for event in happened], dtype=np.int64)
+        found["event_names"] = np.array(names, dtype="U")
+        return found | {
+            f"event_{n}": np.array([getattr(e, n) for e in happened]) for n in ("t", "q", "v", "after")
+        }
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state; older ones do not tell when each happened, and how far joints had turned."""
+        at = state.get("watch_at", np.full(len(self._all), -np.inf))
+        for n, watch in enumerate(self._all):
+            watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
+            watch.at, watch.near = float(at[n]), state.get(f"watch_near_{n}", watch.near)
+        self.happened = event_records(state)
+
+    def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
+        """All crossings within the nodes, in the order of time."""
+        found = [(t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler)]
+        return [(t, self._all[n]) for t, n in sorted(found)]

@@ -1,0 +1,1 @@
+"""Where laws over time change: the times at which steps must end."""

@@ -1,0 +1,92 @@
+"""Times at which a model's laws are not smooth: where its tables over time have their points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....model import Curve
+from ....system import System
+from ....system.cached import once
+from ....system.structure.population import Population
+from .features import features
+from .laws_of_time import fields_of_time
+
+
+@once
+def breakpoints(system: System) -> tuple[Array, Array]:
+    """Rising times of the points of all tables over time, and those among them where second derivatives jump.
+
+    A table is a cubic spline, twice continuously differentiable at its inner points, and straight beyond its ends.
+    """
+    curves = list(_curves_of_time(system.populations))
+    every = [x for curve in curves for x in curve.knots[1:-1]]  # the outer pieces are straight
+    ends = [x for curve in curves for x in (curve.knots[1], curve.knots[-2]) if len(curve.knots) > 3]
+    return np.unique(np.array(every)), np.unique(np.array(ends))
+
+
+ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
+
+
+class Stops(NamedTuple):
+    """Times at which steps end.
+
+    Attributes
+    ----------
+    all : of all of them
+    kinks : those after which a method starts anew
+    longest : step between them
+    quick : where a law varies faster than steps whose length is given can see
+    """
+
+    all: Array
+    kinks: Array
+    longest: float
+    quick: Array
+
+
+def stops_of(
+    system: System, given: Array, until: float, begin: float = 0.0, *, step: float | None = None
+) -> Stops:
+    """Times at which steps end; where a step is given, at corners only."""
+    if given.ndim != 1 or not np.all(np.isfinite(given)):
+        raise ValueError("breakpoints must be a list of times in s")
+    every, ends = breakpoints(system)
+    corners, soft, longest = features(system, begin, until)
+    stops, kinks = (np.concatenate([given, corners, times]) for times in (every, ends))
+    if step is not None:
+        return Stops(
+            _apart(stops, begin, until), _apart(kinks, begin, until), np.inf, _nearer(soft, corners, step)
+        )
+    stops = np.concatenate([stops, soft])
+    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, np.zeros(0))
+
+
+def _nearer(times: Array, corners: Array, step: float) -> Array:
+    """Those of the times that are nearer than half a step to others or to corners."""
+    every = np.unique(np.concatenate([times, corners]))
+    gaps = np.diff(every, prepend=-np.inf, append=np.inf)
+    near = np.minimum(gaps[:-1], gaps[1:]) < 0.5 * step
+    return every[near & np.isin(every, times)]
+
+
+def _apart(times: Array, begin: float, until: float) -> Array:
+    """The times inside of the run, without those that differ from the one before by round-off alone."""
+    least = ROUND * max(abs(begin), abs(until))
+    times = np.unique(times)
+    inside = times[(times > begin + least) & (times < until - least)]
+    return inside[np.diff(inside, prepend=-np.inf) > least]
+
+
+def _curves_of_time(populations: Iterable[Population]) -> Iterator[Curve]:
+    for p in populations:
+        if p.count:
+            for n in fields_of_time(p.variant):
+                yield from (
+                    values[n]
+                    for values in p.values
+                    if isinstance(values[n], Curve) and len(values[n].cubics) > 1
+                )

@@ -1,0 +1,201 @@
+"""Where loads, motions and roads that depend on the time change, so that steps do not pass over it.
+
+An error estimate sees what happens at the few times of a step: a pulse that begins and ends between them is missed,
+whatever the tolerance. So laws over the time are examined before a run. Their corners are where the argument of a step
+function changes sign. Between these a run is divided into parts in which every law is nearly a cubic, and steps end
+where short parts do. To find short features, laws are sampled at equal distances, and densely around the zeros of
+their intermediate results: around t = m in exp(-(t - m)²/w²).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.program import program
+from ...._jit.formulas.replay import needed
+from ....algebra import Array
+from ....model import Curve, Formula
+from ....system import System
+from ....system.cached import once
+from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, steps_in
+from ....system.structure.population import Population
+from .laws_of_time import expressions_of_time, fields_of_time
+
+SAMPLES = 2**13 + 1  # of a law over a run
+FEW = 64  # zeros of an intermediate result around which a law is sampled densely; where it oscillates it has more
+HALVINGS = 40  # of the distance from such a zero, so that features of 1e-12 of a run are seen
+BISECTIONS = 60  # of an interval with a corner, to round-off
+NEARLY = 0.01  # of the range of a law: how far it may be from a cubic within a part
+SHARES = np.linspace(0, 1, 22)  # of a part, where that is examined
+FITTED = [0, 7, 14, 21]  # of them, where the cubic meets the law
+CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
+PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
+SHORT = 4  # times that a part is shorter than the longest one where steps end with it
+AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
+LEAST = 1e-12  # of a run: parts that are not divided; of the size of a law: a range that is round-off
+
+
+class Features(NamedTuple):
+    """Where laws change.
+
+    Attributes
+    ----------
+    corners : times of corners and jumps
+    ends : times of other ends of short parts
+    longest : step that passes over no part in which a law varies
+    """
+
+    corners: Array
+    ends: Array
+    longest: float
+
+
+def features(system: System, begin: float, until: float) -> Features:
+    """The features of all laws over the time that are formulas or Python functions; tables have their points."""
+    found = [_features(law, begin, until) for law in _laws(system)]
+    corners, ends = (np.unique(np.concatenate([np.zeros(0), *(f[n] for f in found)])) for n in range(2))
+    return Features(corners, ends, min((f.longest for f in found), default=np.inf))
+
+
+class Law:
+    """A function of the time; two are equal if they do the same.
+
+    Parameters
+    ----------
+    key : what tells it from others
+    graph, value : where it is recorded
+    variable : the input that is the time
+    numbers : values of other inputs
+    """
+
+    def __init__(
+        self, key: Hashable, graph: Graph, value: Expression, variable: str, numbers: Mapping[Any, float]
+    ) -> None:
+        self._key, self._graph, self._value = key, graph, value
+        self._variable, self._numbers = variable, numbers
+        self._orders: dict[int, list[int]] = {}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Law) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __call__(self, t: Array) -> Array:
+        """Its values (nt,)."""
+        return self._of(self._value, t)
+
+    def _of(self, result: Expression, t: Array) -> Array:
+        """An intermediate result (nt,)."""
+        with np.errstate(all="ignore"):
+            value = evaluated(self._graph, [result], self._inputs(t), MANY, self._order(result.id))[0]
+        return np.broadcast_to(np.asarray(value, dtype=float), t.shape)
+
+    def _inputs(self, t: Array) -> dict[Any, Any]:
+        return {**self._numbers, (self._variable,): t}
+
+    def _order(self, identity: int) -> list[int]:
+        if identity not in self._orders:
+            self._orders[identity] = needed(self._graph, [Expression(self._graph, identity)])
+        return self._orders[identity]
+
+    def zeros(self, t: Array) -> tuple[Array, Array]:
+        """Times at which arguments of step functions change sign, and those at which other results do."""
+        nodes = self._graph.nodes
+        inner = [Expression(self._graph, n) for n in self._order(self._value.id) if nodes[n].op != "constant"]
+        sides = {one.id for one in steps_in(self._graph, [self._value])}
+        with np.errstate(all="ignore"):
+            found = evaluated(self._graph, inner, self._inputs(t), MANY)
+        corners, others = [np.zeros(0)], [np.zeros(0)]
+        for one, value in zip(inner, found, strict=True):
+            above = np.broadcast_to(np.asarray(value > 0), t.shape)
+            at = np.flatnonzero(above[1:] != above[:-1])
+            if len(at) and (one.id in sides or len(at) <= FEW):
+                where = corners if one.id in sides else others
+                where.append(self._bisected(one, t[at], t[at + 1], above[at]))
+        return np.concatenate(corners), np.concatenate(others)
+
+    def _bisected(self, one: Expression, low: Array, high: Array, above: Array) -> Array:
+        """Where a result changes sign between two times (n,)."""
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            same = (self._of(one, middle) > 0) == above
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        return high
+
+
+@once
+def _laws(system: System) -> tuple[Law, ...]:
+    """The laws over the time, each once."""
+    return tuple({law: None for p in system.populations if p.count for law in _of(p)})
+
+
+def _of(p: Population) -> Iterator[Law]:
+    """Formulas of a kind of element, and what its own Q or Phi computes from the time alone."""
+    fields = fields_of_time(p.variant)
+    graph, own = expressions_of_time(p.variant)
+    for values in p.values:
+        for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
+            yield Law(program(formula.function), *formula_graph(formula), "x", {})
+        numbers = tuple(np.concatenate([np.ravel(_number(value)) for value in values])) if own else ()
+        inputs = {("numbers", n): number for n, number in enumerate(numbers)}
+        for value in own:
+            yield Law((p.variant, value.id, numbers), graph, value, "t", inputs)
+
+
+def _number(value: Any) -> Any:
+    """A curve has the place of one number."""
+    return np.nan if isinstance(value, Curve | Formula) else value
+
+
+@lru_cache(256)
+def _features(law: Law, begin: float, until: float) -> Features:
+    span = until - begin
+    even = np.linspace(begin, until, SAMPLES)
+    corners, others = law.zeros(even)
+    near = span * 0.5 ** np.arange(1, HALVINGS + 1)
+    dense = np.concatenate([corners, others])[:FEW, None] + np.concatenate([-near, near])
+    t = np.unique(np.concatenate([even, dense[(dense > begin) & (dense < until)]]))
+    values = law(t)
+    spread = float(np.ptp(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0
+    if spread <= LEAST * np.nanmax(abs(values), initial=0.0):
+        return Features(corners, np.zeros(0), np.inf)
+    parts = _parts(law, t, values, NEARLY * spread, np.unique([begin, *corners, until]))
+    if len(parts) > PARTS:
+        change = law(even[:-1] + AHEAD * span) - values[np.searchsorted(t, even[:-1])]
+        return Features(corners, np.zeros(0), AHEAD * span * spread / float(np.nanmax(abs(change))))
+    lengths = np.diff(parts)
+    short = lengths < lengths.max() / SHORT
+    ends = np.concatenate([parts[:-1][short], parts[1:][short]])
+    longest = float(lengths.max()) if len(lengths) > 1 else np.inf
+    return Features(corners, np.setdiff1d(ends, corners), longest)
+
+
+def _parts(law: Law, t: Array, values: Array, tolerance: float, between: Array) -> Array:
+    """Ends of parts in each of which the law is nearly a cubic; as many as show that there are too many."""
+    ends, low, high = between, between[:-1], between[1:]
+    least = LEAST * (between[-1] - between[0])
+    while len(low) and len(ends) <= PARTS:
+        divided = (high - low > least) & ~_are_cubic(law, t, values, tolerance, low, high)
+        middle = 0.5 * (low + high)[divided]
+        low, high = np.sort(np.append(low[divided], middle)), np.sort(np.append(high[divided], middle))
+        ends = np.append(ends, middle)
+    return np.sort(ends)
+
+
+def _are_cubic(law: Law, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
+    """Whether a law is within a tolerance of its cubic in parts (n,); their very ends do not count."""
+    start, width = low + AHEAD * (high - low), (1 - 2 * AHEAD) * (high - low)
+    own = law((start[:, None] + width[:, None] * SHARES).ravel()).reshape(len(low), -1)
+    cubics = own[:, FITTED] @ CUBIC.T
+    far = np.any(abs(own - cubics @ (SHARES[:, None] ** np.arange(4)).T) > tolerance, axis=1)
+    part = np.maximum(np.searchsorted(low, t, side="right") - 1, 0)
+    share = (t - start[part]) / width[part]
+    fitted = np.einsum("nk,nk->n", cubics[part], share[:, None] ** np.arange(4))
+    far[part[(share >= 0) & (share <= 1) & (abs(values - fitted) > tolerance)]] = True
+    return np.asarray(~far)

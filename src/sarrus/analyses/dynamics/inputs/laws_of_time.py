@@ -1,0 +1,59 @@
+"""What an element computes from the time alone: laws in its fields, and expressions of its own."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from ...._jit.formulas.expression import Expression, Graph
+from ....elements import OPERATORS
+from ....elements.recorder import Variant, record
+
+FIXED, OF_TIME, MOVES = range(3)  # what a recorded number depends on: numbers, the time too, or the state
+
+
+@cache
+def fields_of_time(variant: Variant) -> list[int]:
+    """Which fields of an element, Time apart, are curves that are called with the time itself."""
+    kinds = [kind for kind in variant.kind.fields.values() if kind != "Time"]
+    if "Curve" not in kinds:
+        return []
+    nodes = _recorded(variant).nodes
+    called = {
+        nodes[node.args[0]].value[1]
+        for node in nodes
+        if node.op == "curve" and nodes[node.args[1]].value == ("t",)
+    }
+    widths = [
+        width
+        for width, kind in zip(variant.kind.widths(), variant.kind.fields.values(), strict=True)
+        if kind != "Time"
+    ]
+    starts = np.cumsum([0, *widths])
+    return [n for n in range(len(kinds)) if int(starts[n]) in called]
+
+
+@cache
+def expressions_of_time(variant: Variant) -> tuple[Graph, list[Expression]]:
+    """The largest expressions of the time and of numbers alone, without curves."""
+    if not variant.kind.rows and OPERATORS["Q"] not in variant.kind.family:
+        return Graph(), []
+    graph = _recorded(variant)
+    levels: list[int] = []
+    for node in graph.nodes:
+        if node.op == "input":
+            levels.append({"t": OF_TIME, "numbers": FIXED}.get(node.value[0], MOVES))
+        else:
+            levels.append(
+                MOVES if node.op.startswith("curve") else max((levels[n] for n in node.args), default=FIXED)
+            )
+    inner = {
+        n for node, level in zip(graph.nodes, levels, strict=True) if level == OF_TIME for n in node.args
+    }
+    own = [n for n, level in enumerate(levels) if level == OF_TIME and n not in inner and graph.nodes[n].args]
+    return graph, [Expression(graph, n) for n in own]
+
+
+def _recorded(variant: Variant) -> Graph:
+    return record(variant, ("Phi",) if variant.kind.rows else ("Q",)).graph

@@ -1,0 +1,187 @@
+"""SUNDIALS IDA (BDF of orders 1 to 5) on the stabilized index-2 equations: an independent check of the other methods.
+
+Multipliers are the derivatives of unknowns Λ and Μ, λ = Λ', μ = Μ', which lowers the index to 1 (Gear 1988):
+
+    q' = v - Φ_qᵀ Μ',    M v' = Q + S - Φ_qᵀ Λ',    Φ = 0,    Φ_q v + Φ_t = 0.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.factors import SingularSystem
+from ....results import Assembly
+from ....system import System
+from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from ...equations.motion import Motion
+from ...equations.state_projection import Projection
+from ...redundancy.redundant_constraints import Independence
+from ..stepping.failures import dependent_rows, singular
+from ..stepping.initialization import independence_at, remember_start
+from ..stepping.nodes import Nodes
+from ..stepping.stabilized_matrix import MATRICES, newton_parts
+from ..stepping.stepper import Settings, Tally, Trouble
+from .ode import PARTS
+
+UNMEASURED = 1e100  # tolerance of Λ and Μ, of which only the derivatives mean anything
+LIMIT = 1_000_000  # steps between two outputs
+
+
+@dataclass(frozen=True)
+class IDA:
+    """Lawrence Livermore's IDA, with exact Jacobians; needs the extra `ida`, which installs scikit-sundae."""
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> IDAStepper:
+        """The method at work, see `Stepper`.
+
+        Raises
+        ------
+        ImportError
+            If scikit-sundae is not installed.
+        """
+        if settings.store_steps:
+            raise ValueError("IDA() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
+        return IDAStepper(system, start, settings)
+
+
+class IDAStepper:
+    """IDA at work on one system, see `Stepper`."""
+
+    apart = False
+    host = None  # it keeps no matrix of the equations of motion for others
+
+    def __init__(self, system: System, start: Assembly, settings: Settings) -> None:
+        self.system, self.settings, self.t, self.tally = system, settings, start.t, Tally()
+        self.independence = independence_at(system, start)
+        self._equations = Equations(system, self.independence, start)
+        self.b = self._equations.motion.b
+        self._projection = Projection(system, self.b, self.independence.rows)
+        self._solver: Any = None
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state."""
+        self.t, self._q, self._v = t, q.copy(), v.copy()
+        motion, nothing_yet = self._equations.motion, np.zeros(2 * self.system.m)
+        try:
+            a, lam = motion.acceleration(t, q, v)
+        except SingularSystem:
+            raise singular(t, dependent_rows(self.system, q, t, self.independence)) from None
+        self._solver = _solver(self._equations, self.settings)
+        rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
+        self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """One step towards a time, see `Stepper`."""
+        rows = [self._node(self.t, self._q, self._v)]
+        step, before, nq = self._solver.step(stop, method="onestep", tstop=stop), self.t, self.system.nq
+        if not step.success:
+            raise Trouble("step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}")
+        self.t = float(step.t)
+        y = step.y.copy()
+        times = self.settings.times[(self.settings.times > before) & (self.settings.times < self.t)]
+        inner = np.linspace(before, self.t, PARTS + 1)[1:-1] if self.settings.dense else times[:0]
+        wanted = np.union1d(times, inner)
+        rows += [self._node(t, *self._at(t, self._solver.step(t).y[: 2 * nq])) for t in wanted]
+        self._q, self._v = self._at(self.t, y[: 2 * nq])
+        rows.append(self._node(self.t, self._q, self._v))
+        self.system.remember(self._q, self.b, self.t)
+        self.tally.add(1, 0, 0, 0, 0)
+        self.tally.nfev = self._equations.evaluations
+        self.tally.history.append(np.array([[self.t, self.t - before, np.nan, 0, 0]]))
+        return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
+
+    def _at(self, t: float, y: Array) -> tuple[Array, Array]:
+        """q and v on the constraints."""
+        q, v = np.split(np.array(y), 2)
+        return self._projection(float(t), q, v)
+
+    def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
+        a, lam = self._equations.motion.acceleration(float(t), q, v)
+        return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
+
+    def state(self) -> dict[str, Array]:
+        """What is told of it; IDA keeps its past to itself."""
+        return {"tally": self.tally.counts()}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """There is no such state.
+
+        Raises
+        ------
+        ValueError
+            Always.
+        """
+        raise ValueError(
+            "a run with IDA() is saved as it goes, but cannot be gone on with: IDA keeps its past to itself; read it "
+            "with load_run, or do it once more with repeat"
+        )
+
+    def steps(self) -> None:
+        """No steps are kept."""
+
+
+def _solver(equations: Equations, settings: Settings) -> Any:
+    try:
+        from sksundae.ida import IDA as Solver
+    except ImportError:
+        raise ImportError("IDA() needs scikit-sundae; install it with: pip install 'sarrus[ida]'") from None
+    m = equations.system.m
+    tolerances, max_step = settings.tolerances, settings.max_step
+    message: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}
+    message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+    message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v, np.full(2 * m, UNMEASURED)])
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Custom sparse Jacobian approximation")
+        sparse = {"linsolver": "sparse", "sparsity": equations.matrix.pattern()}
+        return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **message)
+
+
+class Equations:
+    """F(t, y, y') = 0 for y = [q; v; Λ; Μ], and F_y + c F_y'."""
+
+    def __init__(self, system: System, independence: Independence, start: Assembly) -> None:
+        self.system, self.independence, self.evaluations = system, independence, 0
+        self.motion = Motion(system, independence.rows)
+        remember_start(system, start, self.motion.b)
+        self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
+        nq, m = system.nq, system.m
+        self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), newton_parts(nq, m))
+        self._left_out = self._numbers.views[LEFT_OUT]
+        if self.independence.rows is not None:
+            self._left_out[:] = 1.0
+            self._left_out[self.independence.rows] = 0.0
+        self._row_of = self._numbers.row_of
+        self._cut = np.cumsum([nq, nq, m])
+
+    def residual(self, t: float, y: Array, rate: Array, out: Array) -> None:
+        """[q' - v + Φ_qᵀ Μ'; M v' + Φ_qᵀ Λ' - Q - S; Φ; Φ_q v + Φ_t]; Λ' and Μ' of equations left out are 0."""
+        self.evaluations += 1
+        system, b, kept = self.system, self.motion.b, 1.0 - self._left_out
+        q, v, _, _ = np.split(y, self._cut)
+        qd, a, lam, mu = (part.copy() for part in np.split(rate, self._cut))
+        q, v = q.copy(), v.copy()
+        first = qd - v + system.Phi_qT_lam(q, mu, t, b=b)
+        second = system.M_a(q, a, b=b) + system.Phi_qT_lam(q, lam, t, b=b)
+        second -= system.Q(q, v, t, b=b) + system.S(q, v, b=b)
+        third = np.where(kept > 0, system.Phi(q, t, b=b), lam)
+        fourth = np.where(kept > 0, system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b), mu)
+        out[:] = np.concatenate([first, second, third, fourth])
+
+    def jacobian(self, t: float, y: Array, rate: Array, _: Array, c: float, out: Array) -> None:
+        """The numbers of F_y + c F_y' by columns; (Φ_qᵀ Μ')_q is left out, Μ' being 0 on the solution."""
+        q, v = (part.copy() for part in np.split(y, self._cut)[:2])
+        _, a, lam, _ = (part.copy() for part in np.split(rate, self._cut))
+        views, operands = self._numbers.views, {"t": t, "q": q, "v": v, "a": a, "lam": lam}
+        groups = (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v"), ("gamma_v",))
+        for names in groups:
+            group = self.system.group(*names)
+            group.run(self.motion.b, *(operands[k] for k in group.operands), *(views[name] for name in names))
+        views["Phi_q"][self._left_out[self._row_of] > 0] = 0.0
+        self.matrix.weights[:] = [c, -1, c, c, 1, 1, -1, -1, c, -1, -1, 1, 1, -0.5, c, c]
+        out[:] = self.matrix.assembled()

@@ -1,0 +1,122 @@
+"""What the implicit methods with a compiled time loop share: their groups of operators, troubles, and saved states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from ....algebra import Array
+from ....system import System
+from ...equations.motion import Motion
+from ...redundancy.redundant_constraints import Independence
+from ..stepping import alpha_loop as loop
+from ..stepping.entries import entry_of
+from ..stepping.failures import singular, trouble_of
+from ..stepping.step_control import StepControl
+from ..stepping.stepper import Tally, Trouble
+
+PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
+GROUPS = {  # operators that are computed together, by the name under which loops call them
+    "RESIDUAL": ("Phi", "Phi_qT_lam"),
+    "MOMENTUM": ("M_a", "S"),
+    "FORCE": ("Q",),
+    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
+    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
+    "STIFFNESS": ("Q_q", "Q_v"),
+    "VELOCITY": ("Phi_q_xi", "Phi_t"),
+    "TURNING": ("gamma_v",),
+    "BENDING": ("Phi_q", "gamma"),
+}
+
+
+def entries(system: System, kinds: Iterable[str]) -> dict[str, Any]:
+    """The kernels of some groups of a system, and what elements remember."""
+    found = {kind.lower(): entry_of(system, *GROUPS[kind]) for kind in kinds}
+    return found | {"remember": entry_of(system, "remembered")}
+
+
+class Accelerations(Protocol):
+    """What solves the equations of motion, see `Motion`."""
+
+    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """a (nq,) and lam (m,) at a state."""
+
+
+class Implicit:
+    """An implicit method at work, see `Stepper`: the part that does not depend on the method."""
+
+    system: System
+    b: Array
+    t: float
+    independence: Independence
+    tally: Tally
+    apart = False
+    factorizations = 1  # for each evaluation of the matrices
+    _control: StepControl
+    _state: Any
+    _arrays: Any
+    _span: float
+    _vain: int
+
+    def _why_small(self) -> str:
+        """Why steps became too small."""
+        raise NotImplementedError
+
+    def _count(self, before: StepControl) -> None:
+        """What a call of the loop has done, by the scalars before it."""
+        now = self._control
+        matrices = int(now.matrices - before.matrices)
+        self.tally.add(
+            int(now.steps - before.steps),
+            int(now.rejected - before.rejected),
+            int(now.residuals - before.residuals),
+            matrices,
+            self.factorizations * matrices,
+        )
+
+    def _forget_pivots(self) -> None:
+        """The order of the pivots does not fit any more."""
+        self._arrays = None
+
+    def _look(self, status: int, taken: int) -> None:
+        """What comes of a call of the loop."""
+        self._vain = 0 if taken else self._vain + 1
+        state = self._state
+        if status == loop.REPIVOT:
+            self._forget_pivots()
+            if self._vain > 1:  # new pivots did not help: a shorter step may
+                self._control.h *= 0.25
+            if self._vain > PATIENCE:
+                raise self._explained(state.q0, state.v0)
+        if status == loop.TOO_SMALL and not taken:
+            message = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
+            raise self._explained(state.q0, state.v0, Trouble("step too small", message))
+
+    def _motion(self) -> Accelerations:
+        """What solves the equations of motion at a start."""
+        motion = Motion(self.system, self.independence.rows)
+        motion.b[:] = self.b
+        return motion
+
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        message = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
+
+    def _saved(self) -> dict[str, Array]:
+        """What is needed to go on, but for the matrices."""
+        found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
+        found |= {"control": self._control.as_array(), "b": self.b}
+        found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}
+        return found | {"null": self.independence.state()}
+
+    def _take_over(self, state: Mapping[str, Array]) -> None:
+        """Take over such a state."""
+        self.independence.resume(state["null"])
+        for name, array in zip(self._state._fields, self._state, strict=True):
+            array[:] = state[f"state_{name}"]
+        self._control.assign(state["control"])
+        self.b[:], self.tally, self._arrays = state["b"], Tally.of(state["tally"]), None
+        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])

@@ -1,0 +1,187 @@
+"""SciPy's explicit solvers on the index-1 equations, projected onto the constraints after every step.
+
+For systems that are not stiff, and as an independent check of other methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.factors import SingularSystem
+from ....results import Assembly
+from ....system import System
+from ...equations.motion import Motion
+from ...equations.state_projection import Projection
+from ..stepping.failures import singular, trouble_of
+from ..stepping.initialization import independence_at, remember_start
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Settings, Tally, Trouble
+
+TINY = 1e-10  # of the whole time: steps so short are given up on; a light part may turn within 1e-6 of it
+PATIENCE = 20  # after so many of them in a row
+PARTS = 8  # pieces of a step between which there are nodes, if states are wanted at any time
+SOLVERS = ("DOP853", "RK45", "RK23")
+
+
+@dataclass(frozen=True)
+class ODE:
+    """An explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
+
+    name: str = "DOP853"
+
+    def __post_init__(self) -> None:
+        if self.name not in SOLVERS:
+            raise ValueError(f"there is no ODE solver {self.name!r}; choose from {', '.join(SOLVERS)}")
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> ODEStepper:
+        """The method at work, see `Stepper`."""
+        if settings.store_steps:
+            raise ValueError("ODE() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
+        return ODEStepper(system, self.name, start, settings)
+
+
+class ODEStepper:
+    """An explicit solver at work on one system, see `Stepper`."""
+
+    apart = False
+    host = None  # it keeps no matrix of the equations of motion for others
+
+    def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:
+        self.system, self._name, self._settings = system, name, settings
+        self.t, self.tally, self._tiny = start.t, Tally(), 0
+        self.independence = independence_at(system, start)
+        self.motion = Motion(system, self.independence.rows)
+        self.b = self.motion.b
+        remember_start(system, start, self.b)
+        self._projection = Projection(system, self.b, self.independence.rows)
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin anew; SciPy's solver chooses its first step."""
+        from scipy import integrate
+
+        self.t, self._span, self._tiny = t, until - t, 0
+        tolerances, settings = self._settings.tolerances, self._settings
+        message: dict[str, Any] = {"max_step": settings.max_step, "first_step": settings.first_step or None}
+        message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
+        message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
+        try:
+            self._solver = getattr(integrate, self._name)(
+                self._rate, t, np.concatenate([q, v]), until, **message
+            )
+        except ValueError:  # SciPy's choice of a first step meets what is not finite
+            raise self._explained(q, v) from None
+        self._count()
+        if not np.all(np.isfinite(self._solver.f)):
+            raise self._explained(q, v)
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Steps towards a time, see `Stepper`."""
+        self._renew(self.t, self._solver.y[: self.system.nq])
+        rows = [self._node(self.t, *np.split(self._solver.y, 2))]
+        try:
+            self._solver.t_bound, self._solver.status = float(stop), "running"
+            for _ in range(min(limit, PATIENCE) if self.independence.rows is None else 1):
+                rows += self._step()
+                if self.t == stop:
+                    break
+        except SingularSystem:
+            if len(rows) == 1:
+                raise self._stuck_at() from None
+        except Trouble as error:
+            if len(rows) == 1:
+                raise self._stuck_at(error) from None
+        finally:
+            self._count()
+        return Nodes._make(np.array(column) for column in zip(*rows, strict=True))
+
+    def _count(self) -> None:
+        """Each evaluation of the motion factors its matrix."""
+        self.tally.nfev = self.tally.nlu = self.motion.evaluations
+
+    def _step(self) -> list[tuple[Any, ...]]:
+        """One step, and its nodes: some of the solver's own interpolant, then the projected end."""
+        solver, before = self._solver, self.t
+        message = solver.step()
+        if message:
+            raise Trouble("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
+        self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
+        if self._tiny >= PATIENCE:
+            raise Trouble("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
+        interpolant, h = solver.dense_output(), solver.t - before
+        nodes = [
+            self._node(t, *self._projection(t, *np.split(interpolant(t), 2))) for t in self._inner(before, h)
+        ]
+        q, v = self._projection(solver.t, *np.split(solver.y, 2))
+        self.system.remember(q, self.b, solver.t)
+        solver.y = np.concatenate([q, v])
+        solver.f = self._rate(solver.t, solver.y)
+        self.t, self.tally.nsteps = float(solver.t), self.tally.nsteps + 1
+        self.tally.history.append(np.array([[solver.t, h, np.nan, 0, 0]]))
+        return [*nodes, self._node(self.t, q, v)]
+
+    def _inner(self, before: float, h: float) -> list[float]:
+        """Times within a step at which there are nodes: those wanted, and some between."""
+        settings = self._settings
+        inner = settings.times[(settings.times > before) & (settings.times < before + h)]
+        if settings.dense:
+            inner = np.union1d(inner, before + np.arange(1, PARTS) / PARTS * h)
+        return [float(t) for t in inner]
+
+    def _node(self, t: float, q: Array, v: Array) -> tuple[Any, ...]:
+        a, lam = self.motion.acceleration(t, q, v)
+        return t, q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
+
+    def _renew(self, t: float, q: Array) -> None:
+        if self.independence.renew(t, q):
+            self.motion.keep(self.independence.rows)
+            self._projection.keep(self.independence.rows)
+
+    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+        """Why there are no further steps."""
+        message = otherwise or singular(self.t, [])
+        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
+
+    def _rate(self, t: float, y: Array) -> Array:
+        """The rate of [q; v]; not a number where there is none, so that the solver tries a shorter step."""
+        try:
+            return self.motion.rate(t, y)
+        except SingularSystem:
+            return np.full(len(y), np.nan)
+
+    def _stuck_at(self, otherwise: Trouble | None = None) -> Trouble:
+        q, v = np.split(self._solver.y, 2)
+        return self._explained(q, v, otherwise)
+
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on, see `Stepper`."""
+        solver = self._solver
+        numbers = np.array([self.t, self._span, self._tiny, solver.h_abs])
+        found = {"b": self.b, "own": numbers, "y": solver.y, "f": solver.f, "tally": self.tally.counts()}
+        return found | {"null": self.independence.state()}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.independence.resume(state["null"])
+        self.motion.keep(self.independence.rows)
+        self._projection.keep(self.independence.rows)
+        self.b[:], own, y = state["b"], state["own"], state["y"]
+        q, v = np.split(y, 2)
+        self.restart(float(own[0]), q, v, float(own[0] + own[1]))
+        self._span, self._tiny, self._solver.h_abs = float(own[1]), int(own[2]), float(own[3])
+        self._solver.y, self._solver.f = y.copy(), state["f"].copy()
+        self.tally = Tally.of(state["tally"])
+        self.motion.evaluations = self.tally.nfev
+
+    def steps(self) -> None:
+        """No steps are kept."""
+
+
+WHY = (
+    "a force is very stiff, or the mechanism comes to a singular position, where motions branch; `singularities` "
+    "locates such positions along a motion, and HHT() takes stiff forces"
+)

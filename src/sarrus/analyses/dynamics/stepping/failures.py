@@ -1,0 +1,127 @@
+"""Why a run cannot go on, in a sentence: what is not finite, which equations depend on each other, what to do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....elements import OPERATORS, Element
+from ....elements.evaluation import dense, element_from
+from ....elements.forces.gravity import EccentricGravity, Gravity
+from ....linalg.rank import rank_of
+from ....system import System
+from ....system.structure.local import GROUND, local
+from ...equations.missing_inertia import missing_inertia
+from ...redundancy.redundant_constraints import Independence
+from .stepper import Trouble
+
+NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
+CLOSE = 0.3  # the same where a step failed for another reason, that is told first
+LOST = 1e-8  # the same: dependent to round-off
+SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
+AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
+
+
+def has_laws(system: System) -> bool:
+    """Whether there are forces other than weight: only these may be stiff or have corners."""
+    weight = (Gravity, EccentricGravity)
+    return any(p.count and p.is_force and p.kind not in weight for p in system.populations)
+
+
+def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
+    """The forces that are not finite at a state, by the names that a model gives them."""
+    found: list[str] = []
+    if np.all(np.isfinite(system.Q(q, v, t, b=b))):
+        return found
+    rest = np.zeros(7)
+    for p in filter(lambda p: p.is_force, system.populations):
+        for k, owner in enumerate(p.owners):
+            at = p.at + k * p.kind.size()
+            element = element_from(p.kind, b[at : at + p.kind.size()], b)
+            operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
+            if not _is_finite(element, operands):
+                found.append(owner)
+    return found
+
+
+def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
+    """Whether a force is, evaluated in plain Python, where a root of a negative number is an error."""
+    try:
+        with np.errstate(all="ignore"):
+            return bool(
+                np.all(np.isfinite(np.asarray(dense(element, OPERATORS["Q"], operands), dtype=float)))
+            )
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return False
+
+
+def dependent_rows(
+    system: System, q: Array, t: float, first: Independence, nearly: float = NEARLY
+) -> list[str]:
+    """Equations that (nearly) depend on each other at a position, besides those that do at the start.
+
+    `nearly` is the smallest singular value, in parts of that at the start, below which they do.
+    Those of joints and drivers; normalizations, which take part where a body turns, only if there are no others.
+    """
+    if not np.all(np.isfinite(q)):
+        return []
+    null = rank_of(first.scaled_Phi_q(q, t), nearly * min(first.smallest, 1.0)).null
+    if null.shape[1] <= first.known:
+        return []
+    size = abs(null).max(axis=1)
+    names = system.row_names
+    found = [names[k] for k in np.argsort(-size) if size[k] > SHARE * size.max()]
+    return [name for name in found if not name.endswith("normalization")][:6] or found[:6]
+
+
+def trouble_of(
+    system: System,
+    b: Array,
+    t: float,
+    q: Array,
+    v: Array,
+    first: Independence,
+    span: float,
+    otherwise: Trouble,
+) -> Trouble:
+    """Why there are no further steps from a state: a force that is not finite, a singular position, or else.
+
+    `first` is the choice of independent equations at the start, `span` the time that was still to go.
+    """
+    for share in AHEAD:
+        names = not_finite(system, b, t + share * span, q + share * span * v, v)
+        if names:
+            return Trouble(
+                "not finite",
+                f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
+                "root or logarithm of what may become negative there, or a division by zero",
+            )
+    rows, lacking = dependent_rows(system, q, t, first), missing_inertia(system, q, t, b)
+    if lacking and len(dependent_rows(system, q, t, first, LOST)) == 0:
+        return Trouble("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
+    return (
+        singular(t, rows) if rows else _with_weak_rows(otherwise, dependent_rows(system, q, t, first, CLOSE))
+    )
+
+
+def _with_weak_rows(error: Trouble, rows: list[str]) -> Trouble:
+    """The same error, and the constraints that come close to being dependent."""
+    if not rows:
+        return error
+    message = (
+        f"{error.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
+        f"among {', '.join(rows)}"
+    )
+    return Trouble(error.status, message)
+
+
+def singular(t: float, rows: list[str]) -> Trouble:
+    """The sentence of a singular configuration."""
+    among = f" among {', '.join(rows)}" if rows else ""
+    return Trouble(
+        "singular configuration",
+        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there; "
+        "change the start or the dimensions, add a force that decides, or let `singularities` show where it happens",
+    )

@@ -1,0 +1,32 @@
+"""The start of a run: which equations are solved, and what elements remember."""
+
+from __future__ import annotations
+
+from ....algebra import Array
+from ....results import Assembly
+from ....system import System
+from ...redundancy.redundant_constraints import Inconsistent, Independence
+from .stepper import Trouble
+
+
+def independence_at(system: System, start: Assembly) -> Independence:
+    """Which equations are solved.
+
+    Raises
+    ------
+    Trouble
+        If the start is inconsistent, or equations contradict each other.
+    """
+    found = Independence(system, start.q, start.t)
+    try:
+        found.check(start)
+    except Inconsistent as contradiction:
+        raise Trouble("inconsistent", str(contradiction)) from None
+    return found
+
+
+def remember_start(system: System, start: Assembly, b: Array) -> None:
+    """Write into the parameters `b` what elements remember at the start of a run."""
+    if len(start.memory):
+        b[system.memory_places] = start.memory
+    system.remember(start.q, b, start.t)

@@ -1,0 +1,112 @@
+"""How many steps a run may take: a limit of the user's, or a projection that ends runs that crawl."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from .stepper import Trouble
+
+WINDOW = 20_000  # steps over which the mean step length is measured
+WINDOWS = 3  # in a row that crawl, before a run is ended: a transient may need short steps for a while
+MOST_STEPS = (
+    5_000_000  # that would still follow at the present mean length: more than that is called crawling
+)
+CHOSEN = 0.5  # mean length over `max_step`, above which the user has chosen the length
+GROWTH = 2.0  # mean length over that of the window before, from which steps recover by themselves
+MANY = 10_000  # steps of a method of order 2, from which the message names Radau()
+
+
+@dataclass(frozen=True)
+class StepBudget:
+    """What is known of the number of steps before a run.
+
+    Attributes
+    ----------
+    max_steps : limit of the user's, or None
+    longest : longest step that the user allows, or the fixed length [s]
+    method : of integration, for the advice
+    """
+
+    max_steps: int | None = None
+    longest: float = np.inf
+    method: Any = None
+
+    @property
+    def _order_two(self) -> bool:
+        return hasattr(self.method, "stabilized")
+
+    def advice(self) -> str:
+        """What to try where steps are too short."""
+        if self._order_two:
+            return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
+        other = "sr.HHT()" if type(self.method).__name__ == "Radau" else "sr.Radau()"
+        return f"Try method={other}, some damping in the model, or larger tolerances."
+
+    def remark(self, nsteps: int, span: float) -> str:
+        """What a finished run of many steps adds to its message."""
+        if not self._order_two or nsteps < MANY or span / nsteps > CHOSEN * self.longest:
+            return ""
+        return f" in {nsteps} steps of a method of order 2; sr.Radau(), of order 5, may need far fewer"
+
+
+class StepWatch:
+    """Counts the steps of one run against its budget.
+
+    Parameters
+    ----------
+    budget : StepBudget
+    until : end of the run [s]
+    """
+
+    def __init__(self, budget: StepBudget, until: float) -> None:
+        self.budget, self._until = budget, until
+        self._t, self._count, self._mean, self._crawled = 0.0, 0, 0.0, 0
+
+    def begin(self, t: float) -> None:
+        """The time at which the run starts, from which the first steps are counted."""
+        self._t = t
+
+    def look(self, t: float, count: int) -> None:
+        """After some steps: time and number of steps reached.
+
+        Raises
+        ------
+        Trouble
+            If there are more than `max_steps`, or if the run crawls.
+        """
+        most = self.budget.max_steps
+        if most is not None:
+            if count >= most and t < self._until:
+                raise Trouble(
+                    "too many steps",
+                    f"max_steps={most} were taken by t = {t:.6g} s. {self.budget.advice()}",
+                )
+            return
+        if count - self._count < WINDOW:
+            return
+        mean, before = (t - self._t) / (count - self._count), self._mean
+        self._t, self._count, self._mean = t, count, mean
+        ahead = (self._until - t) / mean if mean > 0 else np.inf
+        crawls = ahead > MOST_STEPS and mean < CHOSEN * self.budget.longest
+        recovers = before > 0 and mean > GROWTH * before
+        self._crawled = self._crawled + 1 if crawls and not recovers else 0
+        if self._crawled >= WINDOWS:
+            raise Trouble(
+                "too many steps",
+                f"steps have become too short near t = {t:.6g} s, {mean:.1e} s on average: {ahead:.1e} more would "
+                f"follow. {self.budget.advice()} max_steps= lets the run go on.",
+            )
+
+    def state(self) -> dict[str, Array]:
+        """What is needed to go on later."""
+        return {"step_watch": np.array([self._t, self._count, self._mean, self._crawled])}
+
+    def resume(self, state: Any) -> None:
+        """Go on from such a state."""
+        if "step_watch" in state:
+            self._t, count, self._mean, crawled = (float(x) for x in state["step_watch"])
+            self._count, self._crawled = int(count), int(crawled)

@@ -1,0 +1,155 @@
+"""What a method must do for `simulate`: take steps from a state, and start anew from another one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from ....algebra import Array
+from ...equations.block_matrix import PlacedMatrix
+from ...redundancy.redundant_constraints import Independence
+from .nodes import Nodes
+from .tolerance import Tolerances
+
+HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected before it
+
+
+class Trouble(ArithmeticError):
+    """A method cannot go on; `status` and `sentence` say why."""
+
+    def __init__(self, status: str, message: str) -> None:
+        super().__init__(message)
+        self.status, self.sentence = status, message
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a method is told.
+
+    Attributes
+    ----------
+    tolerances : of the local error
+    max_step, first_step : the longest step, and the first one (0: chosen) [s]
+    store_steps : whether steps are kept for derivatives
+    given : lengths of steps where they are prescribed
+    b : other numbers of the elements than the system's
+    times : rising times at which states are wanted: methods of high order, whose steps are long, have nodes there [s]
+    dense : whether states at other times are wanted too
+    """
+
+    tolerances: Tolerances
+    max_step: float = np.inf
+    first_step: float = 0.0
+    store_steps: bool = False
+    given: Array | None = None
+    b: Array | None = None
+    times: Array = field(default_factory=lambda: np.zeros(0))
+    dense: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.max_step > 0:
+            raise ValueError(f"max_step must be a positive time in s, but is {self.max_step}")
+
+
+@dataclass
+class Tally:
+    """What a method has done so far: see `Trajectory`."""
+
+    nfev: int = 0
+    njev: int = 0
+    nlu: int = 0
+    nsteps: int = 0
+    nrejected: int = 0
+    history: list[Array] = field(default_factory=list)
+
+    def add(self, steps: int, rejected: int, residuals: int, matrices: int, factors: int) -> None:
+        """Count what one call has done."""
+        self.nsteps, self.nrejected = self.nsteps + steps, self.nrejected + rejected
+        self.nfev, self.njev, self.nlu = self.nfev + residuals, self.njev + matrices, self.nlu + factors
+
+    def counts(self) -> Array:
+        """All numbers but the history."""
+        return np.array([self.nfev, self.njev, self.nlu, self.nsteps, self.nrejected])
+
+    @classmethod
+    def of(cls, counts: Array) -> Tally:
+        """What had been counted before."""
+        nfev, njev, nlu, nsteps, nrejected = (int(x) for x in counts)
+        return cls(nfev, njev, nlu, nsteps, nrejected)
+
+    def steps(self) -> Array:
+        """The history as one array."""
+        return np.concatenate([np.zeros((0, HISTORY)), *self.history])
+
+
+class Stepper(Protocol):
+    """A method at work on one system.
+
+    Attributes
+    ----------
+    t : time reached
+    b : the numbers of the elements, with what they remember at t
+    independence : which equations are solved
+    tally : what has been done
+    """
+
+    t: float
+    b: Array
+    independence: Independence
+    tally: Tally
+
+    @property
+    def apart(self) -> bool:
+        """Whether q and v are interpolated apart between its steps, see `nodes.between`."""
+
+    @property
+    def host(self) -> PlacedMatrix | None:
+        """A matrix in whose pattern that of the equations of motion stands, if there is one."""
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state; the past is forgotten. The run goes on until a time, if nothing comes between.
+
+        Raises
+        ------
+        Trouble
+            If accelerations do not exist there.
+        """
+
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Take at most `limit` steps, the last of which ends at a time exactly.
+
+        Returns
+        -------
+        Nodes
+            where it began, then the steps; nothing but the first if none could be taken
+
+        Raises
+        ------
+        Trouble
+            If it could take no step and cannot go on.
+        """
+
+    def steps(self) -> Any:
+        """The steps kept for derivatives, or None."""
+
+    def state(self) -> dict[str, Array]:
+        """All that is needed to go on later with the same numbers.
+
+        Raises
+        ------
+        ValueError
+            If the method cannot do so.
+        """
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state, in place of `restart`."""
+
+
+class KeepingStepper(Stepper, Protocol):
+    """A method that keeps its steps for derivatives."""
+
+    def forget(self) -> None:
+        """Of what was kept for derivatives nothing but the present state stays."""

@@ -1,0 +1,80 @@
+"""Where on its way a motion came close to positions where constraints are dependent, and which of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ....algebra import Array
+from ....system import System
+from ...redundancy.redundant_constraints import Independence
+from ..dense_output.sample_loop import Samples
+from ..stepping.failures import NEARLY, dependent_rows
+
+SHOWN = 4  # times and rows that the sentence names, at most
+
+
+class Nearness:
+    """Positions of one run at which constraints were nearly dependent, among the states that are given out.
+
+    It is seen by the growth of these states, see `sample_loop.growth_of`: far above the least one so far. Then the rows
+    are looked for by singular values, once for every approach, where it is closest.
+
+    Attributes
+    ----------
+    times : where each approach was closest [s]
+    """
+
+    def __init__(self, system: System, first: Independence) -> None:
+        self._system, self._first = system, first
+        self.times: list[float] = []
+        self._rows: list[str] = []
+        self._least, self._most, self._t, self._q = np.inf, 0.0, 0.0, np.zeros(system.nq)
+
+    def look(self, samples: Samples) -> None:
+        """Take further states, in the order of time."""
+        growth = samples.growth
+        self._least = min(self._least, growth.min(initial=np.inf))
+        close, before = growth > self._least / NEARLY**2, -1
+        for n in np.flatnonzero(close).tolist():
+            if n > before + 1:
+                self._leave()
+            if growth[n] > self._most:
+                self._most, self._t, self._q = float(growth[n]), float(samples.t[n]), samples.q[n].copy()
+            before = n
+        if len(close) and not close[-1]:
+            self._leave()
+
+    def _leave(self) -> None:
+        """An approach is over."""
+        rows = dependent_rows(self._system, self._q, self._t, self._first) if self._most else []
+        if rows:
+            self.times.append(self._t)
+            self._rows = self._rows or rows
+        self._most = 0.0
+
+    def sentence(self) -> str:
+        """What to add to the message of a run that reached its end."""
+        self._leave()
+        if not self.times:
+            return ""
+        times = ", ".join(f"{t:.6g}" for t in self.times[:SHOWN]) + (
+            ", ..." if len(self.times) > SHOWN else ""
+        )
+        return (
+            f"; near t = {times} s constraints are nearly dependent, among {', '.join(self._rows[:SHOWN])}: the motion "
+            "went on smoothly, multipliers there mean little"
+        )
+
+    def state(self) -> dict[str, Array]:
+        """What is known so far."""
+        numbers = np.array([self._least, self._most, self._t])
+        found = {"near_times": np.array(self.times), "near_rows": np.array(self._rows, dtype="U")}
+        return found | {"near_numbers": numbers, "near_q": self._q}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self.times, self._rows = state["near_times"].tolist(), state["near_rows"].tolist()
+        self._least, self._most, self._t = state["near_numbers"].tolist()
+        self._q = state["near_q"]

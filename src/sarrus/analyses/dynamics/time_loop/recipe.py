@@ -1,0 +1,164 @@
+"""What a run was asked for, so that it can be repeated or gone on with from its own file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ....algebra import Array
+from ....linalg.threads import one_thread_if_small
+from ....model import Model
+from ....model.announcement import announce, reports_warnings
+from ....results import Assembly, Trajectory, load_run
+from ....results.saving.checked_file import NOT_SAVED, NotSavedError
+from ....results.saving.saved import (
+    UNFINISHED,
+    Store,
+    arrays_of,
+    awaits_checkpoint,
+    other_versions,
+    recipe_of,
+)
+from ....system import System
+from ...progress import monitor
+from ..events.crossing import Crossing
+from ..stepping.stepper import Settings, Trouble
+from .energy_check import energy_growth
+from .outcome import nothing
+from .time_loop import March, Plan
+from .vibration_check import fast_vibration
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Model, start, method and settings of a run."""
+
+    model: Model
+    start: Assembly
+    method: Any
+    settings: Settings
+    plan: Plan
+
+    def as_dict(self) -> dict[str, Any]:
+        """What is stored."""
+        return {"recipe": self, "system": _SystemOf(self.model)}
+
+    def march(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> March:
+        """The run, at its start."""
+        stepper = self.method.stepper(system, self.start, self.settings)
+        if not self.settings.store_steps:
+            stepper = Crossing(stepper, system, self.settings)
+        return March(system, stepper, replace(self.plan, store=store, progress=progress))
+
+    def done(
+        self,
+        system: System,
+        store: Store | None,
+        progress: Callable[[float], None] | None,
+        state: Mapping[str, Array] | None = None,
+    ) -> Trajectory:
+        """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
+        run = self.march(system, store, progress).go(self.start, state)
+        growth = energy_growth(system, run, self.settings.tolerances)
+        found = announce([*growth, *fast_vibration(run, self.plan.budget.advice())])
+        if store is not None and found:
+            store.warn(found)
+        return run
+
+    def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
+        """A folder for the run, see `Store.create`."""
+        about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
+        about |= {"coordinates": list(system.coordinate_names), "equations": list(system.row_names)}
+        about["method"] = repr(self.method)
+        about["until"] = self.plan.until
+        return Store.create(path, self.plan.times, system, about, self.as_dict(), overwrite=overwrite)
+
+    def saved(
+        self,
+        path: str | os.PathLike[str],
+        system: System,
+        progress: Callable[[float], None] | None,
+        *,
+        overwrite: bool = False,
+    ) -> Trajectory:
+        """The run from its start, written to a folder."""
+        try:
+            store = self.store(path, system, overwrite=overwrite)
+            with store:
+                return self.done(system, store, progress)
+        except NotSavedError as wrong:
+            return nothing(system, NOT_SAVED, str(wrong))
+        except Trouble as error:
+            return nothing(system, error.status, error.sentence)
+
+
+@dataclass(frozen=True)
+class _SystemOf:
+    """The system of a stored model, made when it is asked for."""
+
+    model: Model
+
+    def __call__(self) -> System:
+        return System(self.model)
+
+
+@reports_warnings
+@one_thread_if_small
+def resume(
+    path: str | os.PathLike[str],
+    *,
+    progress: bool | Callable[[float], None] | None = None,
+    time_limit: float | None = None,
+    strict: bool = False,
+) -> Trajectory:
+    """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
+
+    Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if kept.
+    Model and options are read from the folder, which runs code that it holds: trust where it comes from.
+    A run that was stopped before its first checkpoint is begun again. All that was written is verified before. Where
+    the folder cannot be written, the status is "not saved", with what was computed before.
+
+    Parameters
+    ----------
+    path : the folder that was given to ``simulate(..., save=path)``
+    progress, time_limit : as for `simulate`
+    strict : raise the first warning as a `StrictError`
+
+    Raises
+    ------
+    SarrusError
+        If there is no run (also a FileNotFoundError), if it is damaged, of another version, or its functions could not
+        be stored (also a ValueError), or if another process writes it (also a FileExistsError).
+    """
+    folder = Path(path)
+    recipe: Recipe = recipe_of(folder)["recipe"]
+    system = System(recipe.model)
+    if awaits_checkpoint(folder):
+        with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
+            return recipe.saved(folder, system, message)
+    about, _, state = arrays_of(folder)
+    if _is_over(state):
+        return recipe.march(system, None, None).over(state, folder)
+    announce(other_versions(about))
+    try:
+        store, state = Store.reopen(folder)
+    except NotSavedError as wrong:
+        return replace(load_run(folder, system), success=False, status=NOT_SAVED, message=str(wrong))
+    with store, monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
+        return recipe.done(system, store, message, state)
+
+
+@reports_warnings
+@one_thread_if_small
+def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
+    """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
+    recipe: Recipe = recipe_of(Path(path))["recipe"]
+    return recipe.done(System(recipe.model), None, None)
+
+
+def _is_over(state: dict[str, Array]) -> bool:
+    return json.loads(str(state["told"]))["status"] not in UNFINISHED

@@ -1,0 +1,374 @@
+"""How a run goes on from its start to its end, whatever the method: breakpoints, events, outputs, trouble."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.announcement import announce, collected
+from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
+from ....results.motion.steps import Pieces, StepsTaken, Turn
+from ....results.motion.steps import until as steps_until
+from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
+from ....results.saving.saved import UNFINISHED, Store
+from ....system import System
+from ...progress import TimeLimit
+from ..dense_output.sample_loop import Samples
+from ..dense_output.sampler import Sampler
+from ..dense_output.winding import Winding, WindingAlong
+from ..events.events import Event, Impact, Watch, Watches, restitutions_of
+from ..stepping.nodes import Nodes, joined
+from ..stepping.step_budget import StepBudget, StepWatch
+from ..stepping.stepper import Stepper, Trouble
+from .initial_warnings import initial_warnings
+from .nearness import Nearness
+from .outcome import nothing, trajectory_of
+
+PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
+COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
+CHUNK = 400  # steps for one call of a method
+WATCHED = 40  # the same, where events are looked for
+CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is wanted of a run.
+
+    Attributes
+    ----------
+    times : rising times of the states wanted [s]
+    until : end [s]
+    stops : rising times that are hit exactly [s]
+    kinks : those of them after which the method starts anew
+    events : what is looked for
+    dense : whether the motion is wanted at any time
+    progress : called with the time reached after every chunk of steps
+    store : where states are written as they are computed, instead of being kept in memory
+    budget : how many steps the run may take
+    """
+
+    times: Array
+    until: float
+    stops: Array
+    kinks: Array
+    events: Sequence[Event] = ()
+    dense: bool = False
+    progress: Callable[[float], None] | None = None
+    store: Store | None = None
+    budget: StepBudget = field(default_factory=StepBudget)
+
+
+class March:
+    """One run of a method.
+
+    Parameters
+    ----------
+    system : System
+    stepper : the method at work
+    plan : what is wanted
+    """
+
+    def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
+        self.system, self.stepper, self.plan = system, stepper, plan
+        self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
+        self.watches = Watches(system, plan.events)
+        self.nearness = Nearness(system, stepper.independence)
+        self.winding = Winding(system)
+        self._last: Nodes | None = None
+        self.step_watch = StepWatch(plan.budget, plan.until)
+        self._samples: list[Samples] = []
+        self._written, self._started = 0, 0.0
+        self._dense: list[Nodes] = []
+        self._pieces: list[Any] = []
+        self._turns: list[Turn] = []
+        self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
+
+    @property
+    def portion(self) -> int:
+        """How many steps are taken by one call of the method."""
+        return WATCHED if self.watches else CHUNK
+
+    def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
+        """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
+        status, message, self._started = "finished", "reached the end", start.t
+        try:
+            if state is None:
+                self.winding.begin(start.q, start.revolutions)
+                self.watches.near(self.winding.values, start.memory)
+                self._begin(start.t, start.q, start.v)
+                self.step_watch.begin(start.t)
+                announce(initial_warnings(self.system, start, self.stepper.independence))
+            else:
+                self._resume(state)
+            self._save(force=True)
+            while self.stepper.t < self.plan.until and status == "finished":
+                status, message = self._stretch()
+                if status == "finished":  # else the end is told with it, and until then it is found again
+                    self._save()
+                    self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
+                if self.plan.progress:
+                    self.plan.progress(float(self.stepper.t))
+        except KeyboardInterrupt:
+            status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
+        except TimeLimit as over:
+            status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
+        except Trouble as error:
+            status, message = error.status, error.sentence
+        except NotSavedError as wrong:
+            return self._not_saved(str(wrong))
+        return self._result(status, message)
+
+    def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
+        self.stepper.restart(t, q, v, self.plan.until)
+        if self.watches:
+            self.watches.begin(t, q, v, event)
+
+    def _resume(self, state: Mapping[str, Array]) -> None:
+        announce(json.loads(str(state["told"])).get("warnings", ()))
+        self.stepper.resume(state)
+        self.sampler.resume(state)
+        self.watches.resume(state)
+        self.nearness.resume(state)
+        self.winding.resume(state)
+        self.step_watch.resume(state)
+        self._written = int(state["written"])
+        self._safe = float(self.stepper.t)
+        self._take_dense(state)
+
+    def _take_dense(self, state: Mapping[str, Array]) -> None:
+        if self.plan.dense and "dense_t" in state:
+            self._dense = [Nodes._make(state[f"dense_{name}"] for name in Nodes._fields)]
+
+    def over(self, state: Mapping[str, Array], folder: Path) -> Trajectory:
+        """A saved run that has come to its end, with the whole motion and the steps where they were kept."""
+        self.sampler.resume(state)
+        self.winding.resume(state)
+        self._take_dense(state)
+        if "kept_t" in state:
+            self.stepper.resume(state)
+        return self._opened(folder)
+
+    def _opened(self, folder: Path) -> Trajectory:
+        """What is in the folder, with what is kept besides."""
+        run = load_run(folder, self.system)
+        return replace(run, sol=self._solution(), steps=self.stepper.steps())
+
+    def _solution(self) -> Solution | NoSolution:
+        """The whole motion, where it was stored."""
+        if not self._dense:
+            return NoSolution()
+        nodes = joined(self._dense)
+        return Solution(nodes, self.sampler, WindingAlong(self.system, nodes, self.winding.first))
+
+    def _final(self) -> State | None:
+        """The state where the run ended, from which another one can go on."""
+        if self._last is None:
+            return None
+        last = self._last
+        found = self.sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
+        turns = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
+        b = self.stepper.b.copy()
+        b[self.system.memory_places] = last.memory[0]
+        self.system.remember(found.q[0], b, float(last.t[0]))
+        states = (found.q[0], found.v[0], found.a[0], found.lam[0], b[self.system.memory_places])
+        return State(float(last.t[0]), *states, turns)
+
+    def _save(self, message: Mapping[str, Any] | None = None, force: bool = False) -> None:
+        """Hand over what was computed; mark it as safe now and then, at the start, and at the end with the record."""
+        store = self.plan.store
+        if store is None:
+            return
+        for samples in self._samples or [self.sampler.room(np.zeros(0))]:
+            store.write(samples, self.stepper.tally.steps())
+            self.stepper.tally.history.clear()
+        self._samples.clear()
+        now = time.perf_counter()
+        if force or message is not None or now - self._marked > self._pause:
+            state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
+            state |= (
+                self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
+            )
+            state |= {
+                "written": np.array(self._written),
+                "told": np.array(json.dumps(message or self._told())),
+            }
+            if message is not None and (final := self._final()) is not None:
+                state |= final.to_store()
+            (store.mark if message is None else store.finish)(state)
+            self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
+            self._pause = max(PAUSE, PATIENT * (self._marked - now))
+
+    def _dense_state(self) -> dict[str, Array]:
+        if not self._dense:
+            return {}
+        self._dense = [joined(self._dense)]
+        return {f"dense_{name}": array for name, array in self._dense[0]._asdict().items()}
+
+    def _told(self) -> dict[str, Any]:
+        counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
+        message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
+        text = {"status": "cut short", "message": message, "t": self.stepper.t}
+        text |= {"singular": self.nearness.times, "warnings": collected()}
+        return text | counts
+
+    def _stretch(self) -> tuple[str, str]:
+        """Some steps, no further than the next stop, and what happened during them."""
+        stop, before = self._stop(), self.stepper.b.copy()
+        nodes = self.stepper.advance(stop, self.portion)
+        for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
+            ended = self._happen(nodes, t, watch, before)
+            if ended is not None:
+                return ended
+        self._take(nodes)
+        if self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
+            state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
+            self._begin(stop, state.q[0], state.v[0])
+        return "finished", "reached the end"
+
+    def _stop(self) -> float:
+        """The next time that is hit exactly."""
+        ahead = self.plan.stops[self.plan.stops > self.stepper.t]
+        return float(ahead[0]) if len(ahead) else self.plan.until
+
+    def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
+        """One crossing; a status and a sentence where it ends the run, or the motion goes on from another state."""
+        watch.count, watch.at = watch.count + 1, t
+        states = self.sampler.states(nodes, np.array([t]))
+        q, v = states.q[0], states.v[0]
+        after = watch.after(t, q, v, self.sampler)
+        self.watches.happened.append(EventRecord(watch.name, t, q, v, after))
+        if not watch.ends and watch.event.reset is None:
+            return None
+        self._take(_until(nodes, states))
+        self._turn(watch, t, q, v, after)
+        self.stepper.b[:] = before
+        rows = max(int(np.searchsorted(nodes.t, t)) - 1, 0)
+        self.stepper.b[self.system.memory_places] = nodes.memory[rows]
+        if watch.ends:
+            self.stepper.t = t
+            return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
+        state = self.sampler.state(t, q, after, nodes.memory[rows])
+        self._begin(t, state.q[0], state.v[0], event=True)
+        return self._crowd() or ("finished", "reached the end")
+
+    def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
+        """Where steps are kept: the record of an event."""
+        steps, event = self.stepper.steps(), watch.event
+        if steps is None:
+            return
+        message: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
+        if isinstance(event.reset, Impact) and not watch.ends:
+            message |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
+        elif not watch.ends:
+            message |= {"reset": event.reset}
+        message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
+        self._cut(steps, Turn(name=watch.name, t=t, function=event.function, **message))
+
+    def _cut(self, steps: StepsTaken, turn: Turn) -> None:
+        """Keep the steps up to an event, and the event."""
+        self._pieces.append(steps_until(steps, turn.t))
+        self._turns.append(turn)
+
+    def _steps(self) -> Any:
+        """All steps that were kept."""
+        steps = self.stepper.steps()
+        if steps is None or not self._turns:
+            return steps
+        ended = len(self._turns) == len(self._pieces) and self.stepper.t == self._turns[-1].t
+        pieces = self._pieces if ended else [*self._pieces, steps]
+        return Pieces(pieces=tuple(pieces), turns=tuple(self._turns), until=float(self.stepper.t))
+
+    def _crowd(self) -> tuple[str, str] | None:
+        """Whether events follow each other ever faster."""
+        last = self.watches.happened[-CROWD:]
+        if len(last) < CROWD or last[-1].t - last[0].t > CROWDED * self.plan.until:
+            return None
+        return "events accumulate", (
+            f"{CROWD} events, the last {last[-1].name}, within {last[-1].t - last[0].t:.2g} s near "
+            f"t = {last[-1].t:.6g} s: impacts that lose energy come to rest in finite time; end the run with "
+            "terminal=..., or model the contact by a force"
+        )
+
+    def _take(self, nodes: Nodes) -> None:
+        """Give out the states wanted within the nodes."""
+        last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
+        wanted = self.plan.times[self._written : last]
+        samples = self.sampler.states(nodes, wanted) if len(wanted) else self.sampler.room(wanted)
+        samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
+        if len(wanted):
+            self._samples.append(samples)
+            self.nearness.look(samples)
+            self._written = last
+        self._last = nodes.part(slice(-1, None))
+        if self.plan.dense:
+            self._dense.append(nodes)
+
+    def _result(self, status: str, message: str) -> Trajectory:
+        if status == "finished":
+            message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
+        message += self.nearness.sentence() if status in ("finished", "event") else ""
+        if self.plan.store:
+            return self._saved(self.plan.store, status, message)
+        samples = self.sampler.room(np.zeros(0))
+        if self._samples:
+            samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
+        tally = self.stepper.tally
+        return trajectory_of(
+            self.system,
+            samples,
+            status=status,
+            message=message,
+            nfev=tally.nfev,
+            njev=tally.njev,
+            nlu=tally.nlu,
+            nsteps=tally.nsteps,
+            nrejected=tally.nrejected,
+            history=tally.steps(),
+            events=tuple(self.watches.happened),
+            restitutions=restitutions_of(self.plan.events),
+            singular=tuple(self.nearness.times),
+            sol=self._solution(),
+            final=self._final(),
+            steps=self._steps(),
+        )
+
+    def _saved(self, store: Store, status: str, message: str) -> Trajectory:
+        """The result of a run that is on disk."""
+        text = {**self._told(), "status": status, "message": message}
+        try:
+            if status == "time limit":
+                self._save(force=True)
+            if status not in UNFINISHED:
+                self._save(text)
+            elif not store.replace_record(
+                json.dumps(text)
+            ):  # the last checkpoint stays: the run can be resumed
+                return nothing(self.system, status, message)
+        except NotSavedError as wrong:
+            return self._not_saved(str(wrong))
+        return self._opened(store.path)
+
+    def _not_saved(self, why: str) -> Trajectory:
+        """What was safe when the disk was full, a limit was reached, or the folder could not be written."""
+        assert self.plan.store is not None
+        try:
+            found = self._opened(self.plan.store.path)
+        except NoSavedDataError:
+            return nothing(self.system, NOT_SAVED, why)
+        message = f"{why} The run is safe up to t = {self._safe:.6g} s: continue it with sarrus.resume."
+        return replace(found, success=False, status=NOT_SAVED, message=message)
+
+
+def _until(nodes: Nodes, states: Samples) -> Nodes:
+    """The nodes up to a state between them."""
+    rows = int(np.searchsorted(nodes.t, states.t[0]))
+    last = Nodes(states.t, states.q, states.v, states.a, states.lam, nodes.memory[max(rows - 1, 0)][None])
+    return Nodes._make(np.concatenate(pair) for pair in zip(nodes.part(slice(rows)), last, strict=True))

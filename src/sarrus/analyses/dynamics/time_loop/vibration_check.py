@@ -1,0 +1,46 @@
+"""A look at runs of very many steps: whether a fast vibration, which the outputs do not show, forced them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Trajectory
+
+MANY = 20_000  # steps: fewer are no trouble
+EACH = 20  # steps for each output
+OUTPUTS = 100  # so many at least, or the motion between them is not known
+LOOKED_AT = 10_000  # the last outputs, of which statistics are made: a saved run may not fit into memory
+FAST = 5.0  # what accelerations would change velocities by between two outputs, over what they change by
+STRONG = 1e-2  # of the greatest acceleration of its kind: weaker ones may be round-off
+RESOLVED = (0.01, 2.0)  # ω h of steps that a vibration forces upon the error control
+
+
+def fast_vibration(run: Trajectory, advice: str) -> list[str]:
+    """A warning where a vibration of several periods between two outputs forced the steps of a finished run.
+
+    Its circular frequency is that of accelerations over velocities, of which only the change from output to output is
+    counted: a sampled vibration changes by √2 of its size, the motion itself hardly.
+    """
+    if not run.success or run.nsteps < max(MANY, EACH * len(run.t)) or len(run.t) < OUTPUTS:
+        return []
+    last = slice(-LOOKED_AT, None)
+    acceleration = _root_mean_square(run.a[last])
+    change = _root_mean_square(np.diff(run.v[last], axis=0)) / np.sqrt(2)
+    interval, step = float(np.median(np.diff(run.t))), float(run.t[-1] - run.t[0]) / run.nsteps
+    kinds = np.arange(acceleration.size).reshape(-1, 7)
+    strong = np.zeros(acceleration.size, dtype=bool)
+    for columns in (kinds[:, :3].ravel(), kinds[:, 3:].ravel()):
+        strong[columns] = acceleration[columns] > STRONG * acceleration[columns].max(initial=0.0)
+    omega = np.where(strong & (change > 0), acceleration / np.where(change > 0, change, 1.0), 0.0)
+    worst = int(np.argmax(omega))
+    if omega[worst] * interval < FAST or not RESOLVED[0] < omega[worst] * step < RESOLVED[1]:
+        return []
+    return [
+        f"{run.name}: a vibration of {run.coordinate_names[worst]} at some {omega[worst] / (2 * np.pi):.0e} Hz, which "
+        f"the outputs do not resolve, forced {run.nsteps} steps. {advice}"
+    ]
+
+
+def _root_mean_square(x: Array) -> Array:
+    return np.asarray(np.sqrt(np.mean(x * x, axis=0)))

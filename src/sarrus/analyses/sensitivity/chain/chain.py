@@ -1,0 +1,247 @@
+"""The whole chain of a run differentiated: assembly, start, steps; forward or backward, on stored states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Pieces, StepsTaken
+from ....system import System
+from ....system.curves.lane_buffers import used
+from ...position.assembly_derivatives import AssemblyDerivatives
+from ..steps.curves import Curves
+from ..steps.record import ACCELERATIONS, Record
+from ..steps.sweep import PerOperation, Sweep
+from ..steps.sweep_loop import Nodes as Ends
+from .start import Start
+
+FIELDS = ("q", "v", "a", "lam", "shift")
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """For every node (start and ends of steps) arrays (n + 1, nq or m, k): derivatives of a state, or by it.
+
+    `shift` (stretches + 1, k) are those of the times at which stretches between events begin, and of the end.
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    shift: Array
+
+    @classmethod
+    def zeros(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
+        """Zero in k columns."""
+        found = cls.unwritten(steps, k)
+        for name in FIELDS:
+            getattr(found, name)[...] = 0.0
+        return found
+
+    @classmethod
+    def unwritten(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
+        """Room for k columns; but for `shift`, which is zero, of any value."""
+        pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
+        count = sum(len(piece) + 1 for piece in pieces)
+        q, v, a, lam = (used(count, width, k) for width in (nq, nq, nq, m))
+        return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
+
+    def part(self, rows: slice) -> Nodes:
+        """Some of the nodes, as arrays of their own."""
+        q, v, a, lam = (np.ascontiguousarray(x[rows]) for x in (self.q, self.v, self.a, self.lam))
+        return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
+
+    def inner(self, dots: Nodes) -> Array:
+        """The change of each response (r, k), whose gradients these are, for changes of the states."""
+        pairs = ((getattr(self, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
+        states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
+        return np.asarray(states + self.shift.T @ dots.shift)
+
+    def after_start(self) -> Ends:
+        """The ends of the steps."""
+        return Ends(self.q[1:], self.v[1:], self.a[1:], self.lam[1:])
+
+    def asks_for_motion(self) -> Array:
+        """The nodes after the first of which accelerations or multipliers have gradients."""
+        asked = self.a[1:].any(axis=(1, 2)) | self.lam[1:].any(axis=(1, 2))
+        return np.flatnonzero(asked) + 1
+
+
+@dataclass(frozen=True)
+class Gradients:
+    """Gradients of k responses by the numbers (len(system.b), k), and by the guess of the assembly (nq, k).
+
+    `c` are those by the parameters of the joints' coordinates, on which events and given rates depend.
+    """
+
+    b: Array
+    q: Array
+    v: Array
+    c: Array = field(default_factory=lambda: np.zeros((0, 1)))
+
+
+class Chain:
+    """The derivatives of one run without events that was simulated with ``store_steps=True``.
+
+    Parameters
+    ----------
+    system, steps : the run
+    moving : whether it begins at a time that moves: its change is behind those of all numbers
+    """
+
+    def __init__(self, system: System, steps: StepsTaken, moving: bool = False) -> None:
+        self.system, self.steps, self._moving = system, steps, moving
+
+    @cached_property
+    def assembly(self) -> AssemblyDerivatives:
+        """The derivatives of the assembly from which the run started."""
+        return AssemblyDerivatives(self.system, self.steps.start)
+
+    @cached_property
+    def record(self) -> Record:
+        """The operations of the run."""
+        return Record(self.system, self.steps)
+
+    @cached_property
+    def start(self) -> Start:
+        """The derivatives of the accelerations at the start."""
+        return Start(self.system, self.steps, self.curves.of)
+
+    @cached_property
+    def curves(self) -> Curves:
+        """The derivatives by the numbers of curves."""
+        return Curves(self.record, self._moving)
+
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
+        """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
+
+        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only.
+        """
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db)
+
+    def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
+        """The same for changes of the first state."""
+        found = Nodes.unwritten(self.steps, db.shape[1])
+        self.swept(q, v, db, found)
+        return found
+
+    def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> None:
+        """Write the derivatives of all states, and perhaps the changes of all stages."""
+        sweep, state, sources = self._begun(self.record, q, v, db)
+        for name in ("q", "v", "a", "lam"):
+            getattr(found, name)[0] = sweep.block(state, name)
+        sweep.forward(state, found.after_start(), stored, sources)
+
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
+        found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, [len(self.steps)])
+        return found[0]
+
+    def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
+        """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""
+        last = len(self.steps)
+        found, ends = self._weighed(given, q, v, db, [last - 1, last])
+        return found, np.concatenate(ends)
+
+    def _weighed(
+        self, given: Nodes, q: Array, v: Array, db: Array, stops: list[int]
+    ) -> tuple[Array, list[Array]]:
+        """By a sweep with some stops, at which q', v', a' are stored."""
+        record = self._with_motion_at(given) if len(stops) == 1 else self.record
+        sweep, state, sources = self._begun(record, q, v, db)
+        pairs = ((name, sweep.block(state, name)) for name in ("q", "v", "a", "lam"))
+        total, at, ends = (
+            np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs)),
+            0,
+            list[Array](),
+        )
+        for stop in stops:
+            by = Ends(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
+            if stop > at:
+                total = total + sweep.weighed(state, by, sources, at, stop)
+            at = stop
+            ends += [sweep.block(state, name).copy() for name in ("q", "v", "a")]
+        return total, ends
+
+    def _with_motion_at(self, given: Nodes) -> Record:
+        """The operations, with accelerations by the equations of motion only at nodes where they have gradients."""
+        if not len(self.record.operations[ACCELERATIONS]):
+            return self.record
+        return Record(self.system, self.steps, given.asks_for_motion())
+
+    def _begun(
+        self, record: Record, q: Array, v: Array, db: Array
+    ) -> tuple[Sweep, Array, PerOperation | None]:
+        """A sweep, the derivatives of the first state, and what curves do besides."""
+        curves = self.curves if record is self.record else Curves(record, self._moving)
+        sweep = Sweep(record, db.shape[1], db)
+        a, lam = self.start.along(q, v, db)
+        first = {"q": q, "v": v, "a": a, "lam": lam}
+        for name, by in record.extra.items():
+            first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
+        return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
+
+    def gradients(self, given: Nodes) -> Gradients:
+        """Gradients of responses whose gradients by the states are given."""
+        by_q, by_v, by_b = self.by_start(given)
+        b, q, v, c = through(self.assembly, by_q, by_v)
+        return Gradients(by_b + b, q, v, c)
+
+    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
+        """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
+        record = self._with_motion_at(given)
+        sweep, back = Sweep(record, given.q.shape[2]), BackwardState(self.curves.width, given.q.shape[2])
+        curves = self.curves if record is self.record else Curves(record, self._moving)
+        back.over(sweep, curves, given, 0)
+        return back.through_start(self.start, given)
+
+
+class BackwardState:
+    """Gradients of responses carried backwards over steps: by the state, and by the numbers (width, columns)."""
+
+    def __init__(self, width: int, columns: int) -> None:
+        self.b = np.zeros((width, columns))
+        self.state: Array | None = None
+
+    def over(self, sweep: Sweep, curves: Curves, given: Nodes, first: int) -> None:
+        """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them."""
+        self.sweep = sweep
+        self.state = sweep.state() if self.state is None else self.state
+        solved = sweep.unknowns() if curves else None
+        by_b = sweep.backward(self.state, given.after_start(), first, solved)
+        self.b[: len(by_b)] += by_b
+        if solved is not None:
+            self.b += curves.gradient(solved)
+
+    def by_first(self, given: Nodes) -> dict[str, Array]:
+        """Gradients by q, v, a and λ of the first state."""
+        assert self.state is not None
+        found = {name: self.sweep.block(self.state, name) + getattr(given, name)[0] for name in FIELDS[:4]}
+        for name, by in self.sweep.record.extra.items():
+            for own, factor in by.items():
+                found[own] = found[own] + factor * self.sweep.block(self.state, name)
+        return found
+
+    def through_start(self, start: Start, given: Nodes) -> tuple[Array, Array, Array]:
+        """Gradients by q and v of the first state, and by the numbers."""
+        first = self.by_first(given)
+        by_q, by_v, by_b = start.transposed(*start.adjoint(first["a"], first["lam"]))
+        return by_q + first["q"], by_v + first["v"], by_b + self.b
+
+
+def by_joints(explicit: Array, own: Array) -> Array:
+    """Gradients by the parameters of joints' coordinates, and of restitutions behind these."""
+    found = explicit.copy()
+    found[: len(own)] += own
+    return found
+
+
+def through(assembly: AssemblyDerivatives, by_q: Array, by_v: Array) -> list[Array]:
+    """Gradients by the parameters, the guess q₀, v₀ and the joints' parameters of those by the assembled state."""
+    found = [assembly.adjoint(*pair) for pair in zip(by_q.T, by_v.T, strict=True)]
+    return [np.array([one[n] for one in found]).T for n in range(4)]

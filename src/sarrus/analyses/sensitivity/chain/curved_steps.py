@@ -1,0 +1,115 @@
+"""The steps of a run differentiated twice: the way along a direction, and the way back.
+
+A step backwards whose adjoint changes has the contracted second derivatives of its equations as sources.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import StepsTaken
+from ..lagrangians.changes import Change, change_at
+from ..lagrangians.curves import CurveLagrangian
+from ..steps.second_order import changes_along
+from ..steps.sweep import PerOperation, Sweep
+from .chain import BackwardState, Chain, Nodes
+
+
+class Solved(NamedTuple):
+    """The adjoint variables of all operations, and of the start."""
+
+    operations: PerOperation
+    start: tuple[Array, Array]
+
+
+class Back(NamedTuple):
+    """The way back through all steps: gradients by the first state and by the numbers, and what was solved for."""
+
+    q: Array
+    v: Array
+    b: Array
+    solved: Solved
+
+
+class Turned(NamedTuple):
+    """The changes of the Lagrangians of all operations, and of the start; those of the gradient by the numbers."""
+
+    sources: PerOperation
+    start: Change
+    b: Array
+
+
+class CurvedSteps:
+    """The steps of one run, differentiated twice.
+
+    Parameters
+    ----------
+    chain : of the run
+    curves : second derivatives by parameters of curves that change, and by the time at which it begins
+    """
+
+    def __init__(self, chain: Chain, curves: CurveLagrangian) -> None:
+        self._chain, self._system, self._steps, self._curves = chain, chain.system, chain.steps, curves
+
+    @cached_property
+    def _sweep(self) -> Sweep:
+        return Sweep(self._chain.record, 1)
+
+    def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> PerOperation:
+        """Write the changes of all nodes, with those of the numbers and of the first state; those of all stages."""
+        stages = self._sweep.stages()
+        self._chain.swept(q, v, b, nodes, stages)
+        return stages
+
+    def back(self, nodes: Nodes, turned: Turned | None) -> Back:
+        """Back through all steps, with the changes of their equations where an adjoint changes."""
+        chain, sweep = self._chain, self._sweep
+        back = BackwardState(chain.curves.width, 1)
+        back.state, solved = sweep.state(), sweep.unknowns()
+        by_b = sweep.backward(back.state, nodes.after_start(), 0, solved, turned.sources if turned else None)
+        back.b[: len(by_b)] += by_b
+        if self._curves:
+            back.b += chain.curves.gradient(solved)
+        back.sweep = sweep
+        first = back.by_first(nodes)
+        if turned:
+            for name in ("q", "v", "a", "lam"):
+                first[name] = first[name] - getattr(turned.start, name)[:, None]
+        of_start = chain.start.adjoint(first["a"], first["lam"])
+        by_q, by_v, by_b = chain.start.transposed(*of_start)
+        found = Back(first["q"] + by_q, first["v"] + by_v, back.b + by_b, Solved(solved, of_start))
+        return found._replace(b=found.b - turned.b[:, None]) if turned else found
+
+    def turned(self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: Solved) -> Turned:
+        """The changes of the equations of all steps.
+
+        With the changes of the numbers, of the nodes and of the stages, and the adjoint variables.
+        """
+        record, size = self._chain.record, len(self._system.b)
+        t_dot = np.full(len(self._steps), b_dot[size:].sum())
+        found = changes_along(record, b_dot[:size], stages, adjoint.operations, self._curves, t_dot)
+        start, by_b = self._start(b_dot, moved, adjoint.start), np.zeros(len(b_dot))
+        by_b[:size] = found.b + start.b
+        by_b[size:] += start.t + found.t.sum()
+        return Turned(found.sources, start, by_b)
+
+    def _start(self, b_dot: Array, moved: Nodes, adjoint: tuple[Array, Array]) -> Change:
+        """The changes of the equations of motion at the start."""
+        steps, (y, z), size = self._steps, (x[:, 0] for x in adjoint), len(self._system.b)
+        dots = {f"{name}_dot": getattr(moved, name)[0, :, 0] for name in ("q", "v", "a")}
+        return change_at(
+            self._system, "motion", float(steps.t[0]), remembered(steps, 0), b_dot[:size], steps.lam[0], z,
+            moved.lam[0, :, 0], self._curves, float(b_dot[size:].sum()), q=steps.q[0], v=steps.v[0], a=steps.a[0],
+            xi=y, **dots,
+        )  # fmt: skip
+
+
+def remembered(steps: StepsTaken, n: int) -> Array:
+    """The numbers of the elements, with what they remembered during a step."""
+    b = steps.b.copy()
+    b[steps.places] = steps.memory[n]
+    return b

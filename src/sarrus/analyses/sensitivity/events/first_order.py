@@ -1,0 +1,349 @@
+"""An event differentiated: when a function crosses zero within a step, and what then happens to the velocities.
+
+The state at an event is interpolated, q̃(τ), ṽ(τ), at the time τ since the last step began, and made consistent by the
+least changes; the event is where ψ(t, q, v) = 0:
+
+    M(q̃) (q - q̃) + Φ_q(q̃)ᵀσ = 0,    Φ(q) = 0,
+    M(q̃) (v - ṽ) + Φ_q(q̃)ᵀρ = 0,    Φ_q v + Φ_t = 0,    ψ = 0.
+
+After an impact along the output f by an impulse p, or where a function g gives other velocities,
+
+    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ + Φ_t = 0,    f_q v⁺ = -e f_q v,
+    M (v⁺ - g) + Φ_qᵀΛ = 0,         Φ_q v⁺ + Φ_t = 0.
+
+All of these equations are differentiated together. The multipliers of equations that others imply are zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
+
+from ....algebra import Array
+from ....elements.operators import OPERATORS
+from ....linalg.factors import Factored, SingularSystem
+from ....outputs.recording import Angles
+from ....results import StepsTaken, Turn
+from ....system import System
+from ....system.curves.curve_derivatives import CurveDerivatives
+from ...equations.saddle_point import Saddle
+from ..sampling.sampling import apart, interpolation
+from .functions import Recorded, recorded
+from .reactions import SolvedRecorded, recorded_solved, solves
+
+# of the tolerance of the steps: an event whose function goes no farther below zero only grazes
+SHALLOW = 1e-3
+CONSTRAINTS = {"place": "sigma", "rate": "rho", "rate_after": "Lam"}  # and their multipliers
+FORCES = ("position", "velocity", "impact")  # equations with masses
+Grid = Mapping[tuple[str, str], Any]
+
+
+class TurnDerivatives:
+    """The derivatives of the state after an event, and of its time within the step.
+
+    Parameters
+    ----------
+    system : System
+    steps : those before it; it lies in the last one
+    turn : the event
+    restitutions : names of those of all events
+    angles : the joints' coordinates along the run, with all their turns
+
+    Attributes
+    ----------
+    values, slopes, bends : shares of q, v, a at both nodes in q̃ and ṽ, and their derivatives by the time (2, 2, 3)
+    nodes : (2, 3, nq) q, v, a at both nodes
+    q0, v0, sigma, rho, after, base, Lam, p : q̃, ṽ, σ, ρ, v⁺, the velocities v or g that an impulse changes, Λ, p
+    by_e : (restitutions,) the derivatives of the restitution
+    matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions + 1) the derivatives of q, of v⁺ (v, where the run ended),
+        of the time since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of
+        joints' coordinates, by the restitutions, and by the time at which the stretch began
+
+    Raises
+    ------
+    ValueError
+        For an event that only grazes, and for Python functions that cannot be recorded.
+    """
+
+    def __init__(
+        self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str], angles: Angles
+    ) -> None:
+        self.system, self.turn, self._steps, self._angles = system, turn, steps, angles
+        self.b = steps.b.copy()
+        self.b[steps.places] = steps.memory[-1]
+        left_out = steps.left_out[len(steps) - 1] if len(steps.left_out) else np.zeros(system.m, dtype=bool)
+        self.kept = 1.0 - left_out
+        self._curves = CurveDerivatives(system)
+        name = f"{turn.name}.restitution"
+        self.by_e = np.array([float(own == name) for own in restitutions])
+        self._interpolate()
+        self._refuse_grazing()
+        self._solve_multipliers(np.flatnonzero(self.kept) if left_out.any() else None)
+
+    @property
+    def is_impact(self) -> bool:
+        """Whether velocities change by an impulse along an output."""
+        return self.turn.along is not None
+
+    @property
+    def is_reset(self) -> bool:
+        """Whether a function gives other velocities."""
+        return not self.is_impact and self.turn.reset is not None
+
+    @cached_property
+    def function(self) -> Recorded:
+        """ψ."""
+        return self.recorded(self.turn.function)
+
+    @cached_property
+    def output(self) -> Recorded:
+        """The output along which an impulse acts, a copy for each coordinate."""
+        return self.recorded(self.turn.along, self.system.nq)
+
+    @cached_property
+    def reset(self) -> Recorded:
+        """The function that gives velocities."""
+        return self.recorded(self.turn.reset)
+
+    def recorded(self, function: Any, copies: int = 1) -> Recorded:
+        """A function of the event, recorded at its state."""
+        if isinstance(function, str) and solves(self.system, function):
+            return recorded_solved(self.system, self._steps, self.turn, function, self.b, self._angles)
+        return recorded(self.system, self.turn, function, self.b, self._angles, copies)
+
+    def _interpolate(self) -> None:
+        steps, n = self._steps, len(self._steps) - 1
+        h = np.array([float(steps.h[n])])
+        found = interpolation((self.turn.t - steps.t[n : n + 1]) / h, h, apart(steps))
+        self.values, self.slopes, self.bends = (x[0, :2] for x in found)
+        self.nodes = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
+        self.q0, self.v0 = np.einsum("kel,eln->kn", self.values, self.nodes)
+        self.rates = np.einsum("kel,eln->kn", self.slopes, self.nodes)
+
+    def _refuse_grazing(self) -> None:
+        """An event whose function hardly crosses zero may come or not: its time has no derivative."""
+        steps, turn, psi = self._steps, self.turn, self.function.slopes
+        bend = self._bend()
+        known = sum(
+            abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
+        )
+        rate = float((psi.q @ self.rates[0] + psi.v @ self.rates[1] + psi.t[:, 0])[0])
+        if not rate * rate > 2 * bend * SHALLOW * known:
+            raise ValueError(
+                f"the event {turn.name} at t = {turn.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
+                "second there, so that a slightly other motion would not meet it, and its time has no derivative; "
+                "move what it looks for away from where the function turns, or leave the event out"
+            )
+
+    def _bend(self) -> float:
+        """The mean of |ψ̈| over the last step."""
+        function, psi, steps = self.function, self.function.slopes, self._steps
+        if isinstance(function, SolvedRecorded):
+            ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
+        else:
+            ends = [psi.q @ steps.v[k] + psi.v @ steps.a[k] for k in (-2, -1)]
+            curved = function.bend(*self.rates)
+        return abs(float((ends[1] - ends[0])[0]) / float(steps.h[-1]) + curved)
+
+    def _rate_at(self, k: int) -> Array:
+        """ψ̇ at a node (1,)."""
+        steps, turn = self._steps, self.turn
+        t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
+        there = replace(turn, t=float(t), q=q, v=v)
+        psi = recorded_solved(self.system, steps, there, str(turn.function), self.b, self._angles).slopes
+        return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
+
+    def _solve_multipliers(self, kept: Array | None) -> None:
+        system, turn, b = self.system, self.turn, self.b
+        saddle, none = Saddle(system, "M", kept), np.zeros(system.m)
+        M0 = system.M(self.q0, b=b)
+        self._unit = float(abs(M0.data).max(initial=0.0)) or 1.0
+        saddle.factor(M0.data, system.Phi_q(self.q0, turn.t, b=b).data)
+        self.sigma, self.rho = (
+            saddle.solve(-(M0 @ moved), none)[1] for moved in (turn.q - self.q0, turn.v - self.v0)
+        )
+        self.base, self.after, self.Lam, self.p = turn.v, turn.v, none, 0.0
+        if self.is_impact or self.is_reset:
+            J = system.Phi_q(turn.q, turn.t, b=b)
+            saddle.factor(system.M(turn.q, b=b).data, J.data)
+        if self.is_impact:
+            f_q, e = self.output.slopes.q[0], float(turn.restitution or 0.0)
+            w, sigma = saddle.solve(f_q, none)
+            self.p = -(1 + e) * float(f_q @ turn.v) / float(f_q @ w)
+            self.after, self.Lam = turn.v + self.p * w, self.p * sigma
+        elif self.is_reset:
+            gap = J @ turn.after + system.Phi_t(turn.q, turn.t, b=b)
+            s, sigma = saddle.solve(np.zeros(system.nq), gap)
+            self.base, self.after, self.Lam = turn.after, turn.after - s, -sigma
+
+    @cached_property
+    def sizes(self) -> list[dict[str, int]]:
+        """How many there are of each equation, unknown, and of what is given."""
+        nq, m, c = self.system.nq, self.system.m, len(self.system.joint_coordinates.b)
+        rows = {"position": nq, "place": m, "velocity": nq, "rate": m, "event": 1}
+        unknowns = {"q": nq, "sigma": m, "v": nq, "rho": m, "tau": 1}
+        if self.is_impact or self.is_reset:
+            rows, unknowns = rows | {"impact": nq, "rate_after": m}, unknowns | {"after": nq, "Lam": m}
+        if self.is_impact:
+            rows, unknowns = rows | {"restitution": 1}, unknowns | {"p": 1}
+        return [rows, unknowns, {"q0": nq, "v0": nq, "b": len(self.b), "c": c, "e": len(self.by_e), "t": 1}]
+
+    @cached_property
+    def places(self) -> list[dict[str, slice]]:
+        """Where each of them is."""
+        ends = [np.cumsum([0, *own.values()]).tolist() for own in self.sizes]
+        pairs = zip(self.sizes, ends, strict=True)
+        return [dict(zip(own, map(slice, at[:-1], at[1:]), strict=True)) for own, at in pairs]
+
+    @cached_property
+    def by_given(self) -> csr_array:
+        """The derivatives of the equations by q̃, ṽ, the numbers, the restitutions and the time."""
+        return self._joined(self._grid, 2)
+
+    @cached_property
+    def _factors(self) -> tuple[Factored, Array, Array]:
+        """Those of the derivatives by the unknowns, with factors of rows and columns that make masses about 1."""
+        rows, unknowns, given = self.places
+        by_rates = self.by_given[:, : given["v0"].stop] @ self.rates.ravel()
+        by_time = by_rates + self.by_given[:, [given["t"].start]].toarray()[:, 0]
+        matrix = self._joined(self._grid | {("", "tau"): csr_array(by_time[:, None])}, 1)
+        down, across = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
+        for name in FORCES:
+            down[rows.get(name, slice(0))] = 1 / self._unit
+        for name in (*CONSTRAINTS.values(), "p"):
+            across[unknowns.get(name, slice(0))] = self._unit
+        return Factored(diags_array(down) @ matrix @ diags_array(across)), down, across
+
+    def _joined(self, grid: Grid, kind: int) -> csr_array:
+        """Blocks as one matrix; those of constraints that others imply make their multipliers zero."""
+        rows, columns = self.places[0], self.places[kind]
+        parts = []
+        for (row, column), block in grid.items():
+            if column in columns and (row in rows or not row):
+                own = coo_array(block)
+                at = own.row + (rows[row].start if row else 0)
+                parts.append((own.data, at, own.col + columns[column].start))
+        data, at, to = (np.concatenate(x) for x in zip(*parts, strict=True))
+        shape = [sum(self.sizes[n].values()) for n in (0, kind)]
+        return csr_array(coo_array((data, (at, to)), shape=shape))
+
+    @cached_property
+    def derivatives(self) -> Array:
+        """Those of all unknowns by q, v, a at both nodes, the numbers, the restitutions and the beginning."""
+        given = self.places[2]
+        factors, down, across = self._factors
+        found = -across[:, None] * factors.solve(down[:, None] * self.by_given.toarray())
+        if not np.all(np.isfinite(found)):
+            raise SingularSystem(f"the equations of the event {self.turn.name} are singular")
+        parts = zip(self.values, (found[:, given["q0"]], found[:, given["v0"]]), strict=True)
+        by_nodes = sum(np.einsum("el,xn->xeln", shares, by) for shares, by in parts)
+        return np.concatenate([np.reshape(by_nodes, (len(found), -1)), found[:, given["b"].start :]], axis=1)
+
+    def adjoint(self, bars: Array) -> Array:
+        """The adjoint variables of all equations, of what has the gradients given by the unknowns."""
+        factors, down, across = self._factors
+        return np.asarray(down * factors.transposed(across * bars))
+
+    @cached_property
+    def result(self) -> Array:
+        """The places of q, v⁺ and τ among the unknowns."""
+        own = self.places[1]
+        return np.concatenate(
+            [np.arange(x.start, x.stop) for x in (own["q"], own.get("after", own["v"]), own["tau"])]
+        )
+
+    @property
+    def matrix(self) -> Array:
+        """See the class."""
+        return np.asarray(self.derivatives[self.result])
+
+    @cached_property
+    def _turning(self) -> Array:
+        """Φ_qt (m, nq)."""
+        system, turn = self.system, self.turn
+        if not any(p.kind.rows and p.kind.timed for p in system.populations):
+            return np.zeros((system.m, system.nq))
+        columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self.b) for xi in np.eye(system.nq)]
+        return np.array(columns).reshape(system.nq, system.m).T
+
+    def _by_b(self, name: str, q: Array, *operands: Array) -> csr_array:
+        """The derivatives of an operator by the numbers, also those of curves."""
+        t, b = self.turn.t, self.b
+        found = getattr(self.system, f"{name}_b")(q, *operands, *([] if name == "M_a" else [t]), b=b)
+        found = csr_array((found.data, found.indices, found.indptr), shape=(found.shape[0], len(b)))
+        if not self._curves or name == "M_a":
+            return found
+        kinds = dict(zip(OPERATORS[name].operands, operands, strict=False))
+        return csr_array(found + self._curves.matrix(name, b=b, t=t, q=q, **kinds))
+
+    @cached_property
+    def _grid(self) -> dict[tuple[str, str], Any]:
+        """The derivatives of all equations by everything in them."""
+        system, turn, b, q0, q = self.system, self.turn, self.b, self.q0, self.turn.q
+        M0, J0, J = system.M(q0, b=b), system.Phi_q(q0, turn.t, b=b), system.Phi_q(q, turn.t, b=b)
+        psi, kept = self.function.slopes, diags_array(self.kept)
+        grid = {
+            ("place", "q"): J, ("place", "b"): self._by_b("Phi", q),
+            ("place", "t"): system.Phi_t(q, turn.t, b=b)[:, None],
+            **{("event", name): getattr(psi, name) for name in ("q", "v", "b", "c", "t")},
+            **self._force("position", q0, turn.q - q0, self.sigma, "q0"),
+            **self._force("velocity", q0, turn.v - self.v0, self.rho, "q0"),
+            **self._rate("rate", turn.v, "v"),
+        }  # fmt: skip
+        for row, x, x0, multiplier in (("position", "q", "q0", "sigma"), ("velocity", "v", "v0", "rho")):
+            grid |= {(row, x): M0, (row, x0): grid.get((row, x0), 0 * M0) - M0, (row, multiplier): J0.T}
+        if self.is_impact or self.is_reset:
+            force = self._force("impact", q, self.after - self.base, self.Lam, "q")
+            grid |= force | self._rate("rate_after", self.after, "after")
+            grid |= self._struck(system.M(q, b=b), force)
+            grid |= {("impact", "Lam"): J.T}
+        for row, multiplier in CONSTRAINTS.items():
+            grid |= {at: kept @ csr_array(block) for at, block in grid.items() if at[0] == row}
+            grid[row, multiplier] = diags_array(1 - self.kept)
+        return grid
+
+    def _force(
+        self, row: str, q: Array, moved: Array, multipliers: Array, by: str
+    ) -> dict[tuple[str, str], Any]:
+        """The derivatives of M x + Φ_qᵀλ with x and λ held."""
+        system, t, b = self.system, self.turn.t, self.b
+        by_q = system.M_a_q(q, moved, b=b) + system.Phi_qT_lam_q(q, multipliers, t, b=b)
+        by_b = self._by_b("M_a", q, moved) + self._by_b("Phi_qT_lam", q, multipliers)
+        return {(row, by): by_q, (row, "b"): by_b, (row, "t"): (self._turning.T @ multipliers)[:, None]}
+
+    def _rate(self, row: str, v: Array, by: str) -> dict[tuple[str, str], Any]:
+        """Those of Φ_q v + Φ_t."""
+        system, q, t, b = self.system, self.turn.q, self.turn.t, self.b
+        by_q = system.Phi_q_xi_q(q, v, t, b=b) + csr_array(self._turning)
+        by_t = self._turning @ v + system.Phi_tt(q, t, b=b)
+        by_b = self._by_b("Phi_q_xi", q, v) + self._by_b("Phi_t", q)
+        return {
+            (row, "q"): by_q,
+            (row, by): system.Phi_q(q, t, b=b),
+            (row, "t"): by_t[:, None],
+            (row, "b"): by_b,
+        }
+
+    def _struck(self, M: csr_array, force: Grid) -> dict[tuple[str, str], Any]:
+        """Those of what an impulse or a function does to the velocities, beyond `_force`."""
+        turn = self.turn
+        found: dict[tuple[str, str], Any] = {("impact", "after"): M}
+        if self.is_reset:
+            slopes = self.reset.slopes
+            for name in ("q", "v", "b", "c", "t"):
+                found["impact", name] = force.get(("impact", name), 0) - M @ getattr(slopes, name)
+            return found
+        f_q, bends, e = self.output.slopes.q[0], self.output.bends, float(turn.restitution or 0.0)
+        sides = self.after + e * turn.v
+        for name in ("q", "b", "c", "t"):
+            bend = getattr(bends, name)
+            found["impact", name] = force.get(("impact", name), 0) - self.p * bend
+            found["restitution", name] = (sides @ bend)[None]
+        found |= {("impact", "v"): -M, ("impact", "p"): -f_q[:, None]}
+        found |= {("restitution", "after"): f_q[None], ("restitution", "v"): e * f_q[None]}
+        return found | {("restitution", "e"): (f_q @ turn.v) * self.by_e[None]}

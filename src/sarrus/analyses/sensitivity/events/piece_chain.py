@@ -1,0 +1,190 @@
+"""The chain of a run with events differentiated: stretches of steps, and between them what the events do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Pieces, StepsTaken
+from ....system import System
+from ....system.curves.time_derivatives import timed
+from ..chain.chain import Chain, Gradients, Nodes, by_joints, through
+from ..chain.stretches import Stretches
+from ..sampling.pieces import angles_of
+from .first_order import TurnDerivatives
+
+KINDS = ("q", "v", "a")
+Over: TypeAlias = Callable[
+    [int, Array, Array, Array], Array
+]  # goes over a stretch: its number, q', v', b'; its ends
+
+
+class PieceChain:
+    """The derivatives of one run with events that was simulated with ``store_steps=True``; see `Chain`.
+
+    Parameters
+    ----------
+    system, steps : the run
+    chains : of its stretches
+    restitutions : names of those of impacts by which derivatives are taken
+
+    Attributes
+    ----------
+    parts : the nodes of each stretch
+    """
+
+    def __init__(
+        self,
+        system: System,
+        steps: Pieces,
+        chains: Sequence[Chain],
+        restitutions: Sequence[str],
+    ) -> None:
+        self.system, self.steps, self.chains, self._restitutions = system, steps, chains, restitutions
+        ends = steps.first + [len(piece) for piece in steps.pieces]
+        self.parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
+
+    @property
+    def _joints(self) -> int:
+        """How many numbers the joints' coordinates have, with the restitutions."""
+        return len(self.system.joint_coordinates.b) + len(self._restitutions)
+
+    @cached_property
+    def turns(self) -> list[TurnDerivatives]:
+        """The derivatives of all events."""
+        pairs = zip(self.chains, self.steps.turns, strict=False)
+        angles = angles_of(self.system, self.steps)
+        return [
+            TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles)
+            for chain, turn in pairs
+        ]
+
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
+        """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""
+        found = Nodes.unwritten(self.steps, db.shape[1])
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Array:
+            own = self.chains[p].along_from(q, v, b)
+            for name in (*KINDS, "lam"):
+                getattr(found, name)[self.parts[p]] = getattr(own, name)
+            return np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])
+
+        found.shift[:] = self._over_all(over, db, dq, dv, dc)
+        return found
+
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states and by the times of events are given."""
+        found = np.zeros((given.q.shape[2], db.shape[1]))
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Array:
+            change, ends = self.chains[p].weighed_from(given.part(self.parts[p]), q, v, b)
+            found[:] += change
+            return ends
+
+        shift = self._over_all(over, db, dq, dv, dc)
+        return np.asarray(found + given.shift.T @ shift)
+
+    def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
+        """Over one stretch after another; the changes of the times at which they begin, and of the end."""
+        nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
+        held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
+        q, v = self.chains[0].assembly.along(db, dq=dq, dv=dv, dc=held)
+        for p, chain in enumerate(self.chains):
+            moving = chain.curves.width > len(db)
+            ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
+            if p < len(self.turns):
+                moved = self.turns[p].matrix @ np.concatenate([ends, db, held, shift[p : p + 1]])
+                q, v = moved[:nq], moved[nq:-1]
+                shift[p + 1] = shift[p] + moved[-1]
+        return shift
+
+    def gradients(self, given: Nodes) -> Gradients:
+        """Gradients of responses whose gradients by the states and by the times of events are given."""
+        stretches = Stretches(self.system, given.q.shape[2])
+        back = Backward(self.system, stretches, given.q.shape[2], self._joints)
+        back.over(self.steps, given, lambda p: self.turns[p].matrix)
+        by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
+        return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
+
+
+class Backward:
+    """Gradients of responses that go backwards over a run, through the events in it.
+
+    Parameters
+    ----------
+    system : System
+    stretches : what goes over steps
+    columns : responses
+    joints : how many numbers the joints' coordinates have, with the restitutions
+
+    Attributes
+    ----------
+    q, v : (nq, columns) by the state that follows an event, or by that of the start
+    b, c : by the numbers of the elements, and of the joints' coordinates with the restitutions
+    """
+
+    def __init__(self, system: System, stretches: Stretches, columns: int, joints: int) -> None:
+        self._system, self._stretches, self._timed = system, stretches, timed(system)
+        self.q, self.v = np.zeros((system.nq, columns)), np.zeros((system.nq, columns))
+        self.b, self.c = np.zeros((len(system.b), columns)), np.zeros((joints, columns))
+        self._shift = np.zeros(columns)  # by the time of the event
+        self._ahead: dict[str, Array] = {}  # by nodes before the steps gone over
+
+    def over(
+        self,
+        steps: StepsTaken | Pieces,
+        given: Nodes,
+        turn: Callable[[int], Array],
+        *,
+        lead: StepsTaken | None = None,
+        first: int = 0,
+    ) -> None:
+        """Go over some steps, the gradients by whose states, and by those of the nodes that lead them, are given.
+
+        `turn` gives the matrix of each event; `lead` are the last steps before, None at the start and after an event;
+        `first` is the number of events before.
+        """
+        pieces, turns = (steps.pieces, steps.turns) if isinstance(steps, Pieces) else ((steps,), ())
+        if len(turns) == len(pieces):
+            self._shift = self._shift + given.shift[-1]
+        end = len(given.q)
+        self._hand_over(given, end - sum(len(piece) + 1 for piece in pieces))
+        for p in range(len(pieces) - 1, -1, -1):
+            own = given.part(slice(end - len(pieces[p]) - 1, end))
+            end -= len(own.q)
+            if p < len(turns):
+                self._through(turn(p), own)
+            self._shift = self._shift + given.shift[p]
+            ahead = None if p else lead
+            self._stretches.over(pieces[p], ahead, own, self._timed and first + p > 0)
+            if ahead is None:
+                self._begin()
+
+    def _hand_over(self, given: Nodes, lead: int) -> None:
+        """Add the gradients by nodes that led the stretch gone over before; keep those by the nodes that lead this."""
+        for kind, bars in self._ahead.items():
+            getattr(given, kind)[-1 - len(bars) : -1] += bars
+        self._ahead = {kind: getattr(given, kind)[:lead] for kind in (*KINDS, "lam")}
+
+    def _through(self, turn: Array, own: Nodes) -> None:
+        """Through an event, to the two nodes between which it lies."""
+        nq, size = self._system.nq, len(self._system.b)
+        bars = turn.T @ np.concatenate([self.q, self.v, self._shift[None]])
+        ends = bars[: 6 * nq].reshape(2, 3, nq, -1)
+        for e in (0, 1):
+            for place, kind in enumerate(KINDS):
+                getattr(own, kind)[e - 2] += ends[e, place]
+        self.b += bars[6 * nq : 6 * nq + size]
+        self.c += bars[6 * nq + size : -1]
+        self._shift = self._shift + bars[-1]
+
+    def _begin(self) -> None:
+        """To the state with which a stretch begins."""
+        self.q, self.v, by_b = self._stretches.by_start()
+        size = len(self._system.b)
+        self.b += by_b[:size]
+        self._shift = self._shift + by_b[size:].sum(axis=0)

@@ -1,0 +1,379 @@
+"""What derivatives are taken by: numbers of the model, parameters of its file, design variables, numbers of elements.
+
+The chain from these to the numbers b of the elements and to the guess (q₀, v₀) of the assembly is the construction of
+the model; it is recorded once and differentiated exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model import Model, SarrusError
+from ....model.blueprint import blueprint
+from ....model.laws.formulas import Formulas
+from ....model.laws.tape import Tape, Traced, value_of
+from ....model.show import suggest
+from ....model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
+from ....system import System
+from ....system.cached import once
+from ....system.structure.population import places_of
+from ..chain.chain import Gradients
+from .design_start import own_start
+from .linearized import Linearized
+
+Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+GUESS = ("start.q.", "start.v.")
+# [-] relative difference between numbers of a design and of the model that may come from rounding
+SAME = 1e-7
+
+
+class UnknownParameter(SarrusError):
+    """A parameter that the model does not have."""
+
+
+class Parameters:
+    """Named numbers, and the derivatives of b, q₀ and v₀ with respect to them.
+
+    Parameters
+    ----------
+    system : System
+    wrt : names: ``rod.mass``, ``pin.point`` (all three), ``pin.point.x``, a parameter of the model file or a design
+        variable (which are meant where a number has the same name), a number of an element ``spring[tsda].k``, or
+        ``start.q.crank.r.x``, ``start.v...`` for the guess of the assembly; None for all numbers of the model
+    design : values of design variables
+    formula : a Python function of the design variables that returns numbers of the model by name
+    start : of the run, which depends on the model's own initial state, if it does
+    restitutions : of the run's impacts, by name; their numbers follow those of the joints' coordinates
+    """
+
+    def __init__(
+        self,
+        system: System,
+        wrt: Sequence[str] | None = None,
+        *,
+        design: Mapping[str, float] | None = None,
+        formula: Design | None = None,
+        start: Any = None,
+        restitutions: Mapping[str, float] | None = None,
+    ) -> None:
+        self.system, self.restitutions = system, dict(restitutions or {})
+        self._design, self._formula = dict(design or {}), formula
+        _refuse_incomplete(self._design, formula)
+        self._numbers = numbers_of(system)
+        hidden = self._design.keys() | system.model.parameters.keys()
+        self._known = {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
+        self.names = self._expanded(wrt)
+        self.values = np.array([self._value(name) for name in self.names])
+        self._own_q, self._own_v = own_start(system, start)
+        if self._design or self._formula or not self._known.keys() >= set(self.names):
+            self._refuse_both()
+            self._refuse_other(self._moving)
+
+    def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
+        if wrt is None:
+            return [*self._design] if self._design else [*self._numbers]
+        names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
+        return list(dict.fromkeys(names))
+
+    def _matches(self, name: str) -> list[str]:
+        if name in self._design or name in self._known or name in self.system.model.parameters:
+            return [name]
+        if name in self._element_numbers or name in self.restitutions or name.startswith(GUESS):
+            return [name]
+        found = [known for known in self._numbers if known.startswith(f"{name}.")]
+        if not found:
+            known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
+            raise UnknownParameter(f"{self.system.name} has no number {name!r}; {suggest(name, known)}")
+        return found
+
+    def _value(self, name: str) -> float:
+        if name in self._design:
+            return float(self._design[name])
+        if name in self._known:
+            return self._known[name]
+        if name in self.system.model.parameters:
+            return float(self.system.model.parameters[name])
+        if name in self.restitutions:
+            return self.restitutions[name]
+        if name.startswith(GUESS):
+            whole = self.system.q0 if name.startswith(GUESS[0]) else self.system.v0
+            return float(whole[_coordinate(self.system, name)])
+        return float(self.system.b[self._element_numbers[name]])
+
+    @cached_property
+    def _element_numbers(self) -> dict[str, int]:
+        """Places of the numbers of elements in b, by name."""
+        return {name: n for n, name in enumerate(self.system.parameter_names)}
+
+    @cached_property
+    def _tape(self) -> Tape:
+        """What the construction of the model is recorded on."""
+        return Tape()
+
+    @cached_property
+    def variables(self) -> dict[str, Traced]:
+        """The parameters as they are recorded."""
+        return {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
+
+    @cached_property
+    def _moving(self) -> dict[str, Any]:
+        """The numbers of the model that follow from the parameters, recorded."""
+        return self._places(self.variables)
+
+    @cached_property
+    def _outputs(self) -> list[tuple[int, int]]:
+        """Where recorded numbers arrive when the model is built of them: place in [b; q₀; v₀; c], place on the tape."""
+        system, size = self.system, len(self.system.b)
+        plan = blueprint(self._model())
+        found: list[tuple[int, int]] = []
+
+        def note(place: int, value: Any) -> None:
+            if isinstance(value, Traced):
+                found.append((place, value.at))
+
+        for place, value in places_of(system.populations, plan.placed, system.b):
+            note(place, value)
+        for first, whole, own in ((size, plan.q, self._own_q), (size + system.nq, plan.v, self._own_v)):
+            for k, value in enumerate(whole if own else ()):
+                note(first + k, value)
+        for place, value in places_of(
+            system.joint_coordinates.populations, plan.coordinates, system.joint_coordinates.b
+        ):
+            note(size + 2 * system.nq + place, value)
+        first = size + 2 * system.nq + len(system.joint_coordinates.b)
+        for place, name in enumerate(self.restitutions):
+            note(first + place, self._struck.get(name))
+        for name, variable in self.variables.items():
+            if name.startswith(GUESS):
+                at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
+                found.append((at, variable.at))
+            elif name not in self._design and name not in self._known and name in self._element_numbers:
+                found.append((self._element_numbers[name], variable.at))
+        return found
+
+    @property
+    def _struck(self) -> dict[str, Any]:
+        """The restitutions that follow from the parameters, recorded."""
+        return {name: x for name, x in (self.variables | self._moving).items() if name in self.restitutions}
+
+    def restitutions_at(self, values: Sequence[float]) -> dict[str, float]:
+        """The restitutions with other values of the parameters."""
+        given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
+        moved = given | self._places(given)
+        return {name: float(moved.get(name, own)) for name, own in self.restitutions.items()}
+
+    @property
+    def c_size(self) -> int:
+        """How many numbers the joints' coordinates have, with the restitutions."""
+        return len(self.system.joint_coordinates.b) + len(self.restitutions)
+
+    @property
+    def in_curves(self) -> bool:
+        """Whether they change numbers of tables or functions."""
+        return any(self.system.nb <= place < len(self.system.b) for place, _ in self._outputs)
+
+    def _model(self) -> Model:
+        """The model with recorded numbers in the places that depend on the parameters."""
+        return exchanged(self.system.model, lambda steps, value: self._moving.get(named(steps), value))
+
+    def _places(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The numbers of the model, by name, for numbers of any kind as values of the parameters."""
+        places = self._from_file(given) | self._from_design(given)
+        return places | {name: value for name, value in given.items() if name in self._known}
+
+    def _of_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The names of the model file, with values as they follow from its parameters; empty if none is given."""
+        formulas = self.system.model.formulas
+        own = {n: v for n, v in given.items() if n in formulas.parameters and n not in self._design}
+        return formulas.values(own) if own else {}
+
+    def _from_file(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Numbers that follow from the parameters of the model file."""
+        formulas = self.system.model.formulas
+        values = self._of_file(given)
+        own = {n: v for n, v in given.items() if n in values and n in formulas.parameters}
+        if not own:
+            return {}
+        moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
+        inside = in_functions(self.system.model).items()
+        return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
+            named(steps_of(path)): tree.value(values)
+            for path, tree in formulas.expressions.items()
+            if path[0] not in ("parameters", "points") and moving.intersection(tree.names())
+        }
+
+    def _from_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        if self._formula is None:
+            return {}
+        own = {name: given.get(name, value) for name, value in self._design.items()}
+        numbers: Any = self._formula(own)
+        if not isinstance(numbers, Mapping) or not numbers:
+            raise UnknownParameter(
+                f"a design's formula returns numbers of the model by name, {{'spring.k': ...}}, but not {numbers!r}"
+            )
+        return {
+            found: entry
+            for name, value in numbers.items()
+            for found, entry in _entries(name, value, {**self._numbers, **self.restitutions})
+        }
+
+    def model_at(self, values: Sequence[float]) -> Model:
+        """The model with other values of the parameters.
+
+        Raises
+        ------
+        UnknownParameter
+            For numbers of elements and of the start, which are no numbers of the model.
+        """
+        given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
+        for name in given:
+            if (
+                name not in self._design
+                and name not in self._known
+                and name not in self.system.model.parameters
+                and name not in self.restitutions
+            ):
+                raise UnknownParameter(
+                    f"{name} is no number of the model; take one of {', '.join([*self._known][:5])} ..."
+                )
+        model = self.system.model
+        own = {name: value for name, value in given.items() if name in model.parameters}
+        places = {name: x for name, x in self._places(given).items() if name not in self.restitutions}
+        return with_numbers(replace(model, formulas=model.formulas.with_values(own)), places)
+
+    def _refuse_both(self) -> None:
+        """A number that follows from another one that is asked for has no derivative of its own beside it."""
+        follow = self._from_file(self.variables) | self._from_design(self.variables)
+        both = next((name for name in self.names if name in follow and name in self._known), None)
+        if both is not None:
+            raise UnknownParameter(
+                f"{both}: follows by a formula from other parameters that are asked for, and has no derivative of "
+                "its own beside theirs. Leave it out, or them."
+            )
+
+    def _refuse_other(self, found: Mapping[str, Any]) -> None:
+        """The model must be the one that the design describes."""
+        for name, entry in found.items():
+            if name not in self._numbers and name not in self.restitutions:
+                message = (
+                    f"{name} follows from a formula, but is no number that derivatives can be taken through"
+                )
+                raise UnknownParameter(f"{message}; leave the parameters that it depends on away")
+            own = self.restitutions[name] if name in self.restitutions else self._numbers[name]
+            given = float(value_of(entry))
+            if abs(given - own) > SAME * max(1.0, abs(own)):
+                message = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
+                raise UnknownParameter(
+                    f"{message}; make the model with `with_numbers` from the design's numbers"
+                )
+
+    def number(self, name: str, variable: Callable[[str, float], Any]) -> Any:
+        """Any number by name, as it follows from the parameters, which `variable` records.
+
+        Raises
+        ------
+        UnknownParameter
+            If there is none.
+        """
+        value = self._value(self._matches(name)[0])
+        if name in self.names:
+            return variable(name, value)
+        own = {given: variable(given, self._value(given)) for given in self.names}
+        places = {} if name in self.system.model.parameters else self._places(own)
+        return (self._of_file(own) | places).get(name, value)
+
+    def along(self, change: Array) -> tuple[Array, Array, Array, Array]:
+        """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
+        return self._split(self._construction.along(np.asarray(change, dtype=float)))
+
+    def gradient(self, by: Gradients, by_c: Array) -> Array:
+        """Gradients by the parameters (p, k) of responses with the gradients given."""
+        return self._construction.gradient(np.concatenate([by.b, by.q, by.v, by_c]))
+
+    def gradient_along(self, bars: Array, bar_dots: Array, change: Array) -> Array:
+        """The change of a gradient (p,), with changes of the parameters and of the gradient by [b; q₀; v₀; c]."""
+        return self._construction.gradient_along(bars, bar_dots, change)
+
+    @cached_property
+    def _construction(self) -> Linearized:
+        """How [b; q₀; v₀; c] follow from the parameters; recorded once for the same numbers of a model."""
+        own, fixed = (
+            self._known.keys() | self.system.model.parameters.keys(),
+            tuple(self.restitutions.items()),
+        )
+        if self._design or self._formula or not own.issuperset(self.names):
+            return self.recorded()
+        return _recorded(self.system, tuple(self.names), (self._own_q, self._own_v), fixed)
+
+    def recorded(self) -> Linearized:
+        """The same, by building the model."""
+        size, outputs = len(self.system.b) + 2 * self.system.nq + self.c_size, self._outputs
+        places = [variable.at for variable in self.variables.values()]
+        return Linearized(self._tape, places, outputs, size)
+
+    def _split(self, whole: Array) -> tuple[Array, Array, Array, Array]:
+        size, nq = len(self.system.b), self.system.nq
+        b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
+        return b, q, v, c
+
+
+@once
+def numbers_of(system: System) -> Mapping[str, float]:
+    """Every number that was written into a system's model, by name."""
+    return written_numbers(system.model)
+
+
+@once
+def _recorded(
+    system: System,
+    names: tuple[str, ...],
+    own: tuple[bool, bool],
+    restitutions: tuple[tuple[str, float], ...],
+) -> Linearized:
+    """Of numbers that are the model's, which does not change."""
+    found = Parameters(system, names, restitutions=dict(restitutions))
+    found._own_q, found._own_v = own
+    return found.recorded()
+
+
+def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> None:
+    """A formula needs variables, which are finite numbers; variables without one are for responses alone."""
+    if formula is not None and not design:
+        raise UnknownParameter(
+            "formula is given without design; give the values of the variables, design={...}"
+        )
+    for name, value in design.items():
+        if isinstance(value, str) or not isfinite(value):
+            raise UnknownParameter(f"design variable {name!r} must be a finite number, but is {value!r}")
+
+
+def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:
+    """Whether a name of a file is one of some others, or follows from them."""
+    return name in on or any(_depends(formulas, own, on) for own in formulas.definitions[name].names())
+
+
+def _entries(name: str, value: Any, known: Mapping[str, float]) -> list[tuple[str, Any]]:
+    """A number, or the numbers of a vector, by their full names."""
+    if name in known:
+        return [(name, value)]
+    found = [own for own in known if own.startswith(f"{name}.")]
+    if not found or len(found) != np.size(value):
+        raise UnknownParameter(
+            f"the design gives {name!r}, which is no number of the model; {suggest(name, known)}"
+        )
+    return list(zip(found, np.ravel(np.asarray(value, dtype=object)), strict=True))
+
+
+def _coordinate(system: System, name: str) -> int:
+    """Place in q of the coordinate that ``start.q.crank.r.x`` names."""
+    names = system.coordinate_names
+    if name[len(GUESS[0]) :] not in names:
+        raise UnknownParameter(f"{system.name} has no coordinate {name!r}; {suggest(name, names)}")
+    return names.index(name[len(GUESS[0]) :])

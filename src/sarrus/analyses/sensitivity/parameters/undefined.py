@@ -1,0 +1,104 @@
+"""Which numbers have no derivative, since equations that others imply contradict their change?
+
+Where a combination n of equations vanishes, nᵀΦ_q = 0, a number may change only if nᵀΦ_b b' = 0 all along the motion:
+else the mechanism cannot be assembled, or is stuck.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ....algebra import Array
+from ....linalg.rank import rank_of, row_lengths
+from ....model.announcement import announce
+from ....results import Asked, Pieces, StepsTaken
+from ....system import System
+from ...equations.length import lever, scaled
+from ...position.assembly_derivatives import NoDerivative
+from ..chain.chain import Gradients
+from .parameters import Parameters
+
+# Smallest sum of contradictions, of equations scaled to unit gradients, for a change by one unit [m, rad]
+CONTRADICTED = 1e-6
+# Singular values of the equations in coordinates that are free in assembly: round-off of the assembled position, over
+# their squares, is the relative error of derivatives. Below the first there are none, below the second few digits.
+UNRESOLVED, COARSE = 1e-7, 1e-6
+SUMS = 3  # random sums of vanishing combinations that are looked at in one position
+
+
+def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Array:
+    """True for parameters whose change alone contradicts dependent equations at the start, halfway or at the end."""
+    pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
+    sums = [
+        (contradictions(system, steps.b, piece.t[n], piece.q[n]), np.zeros((system.nq, SUMS)))
+        for piece in pieces
+        if len(piece.left_out)
+        for n in (0, len(piece) // 2, len(piece))
+    ]
+    asked = pieces[0].start.asked
+    if asked is not None and np.any(asked.held):
+        sums.append(_of_held(system, steps.b, pieces[0].start.q, asked))
+    if not sums:
+        return np.zeros(len(parameters.names), dtype=bool)
+    by_b, by_q = (np.concatenate(columns, axis=1) for columns in zip(*sums, strict=True))
+    by_v, by_c = np.zeros_like(by_q), np.zeros((parameters.c_size, by_q.shape[1]))
+    found = abs(parameters.gradient(Gradients(by_b, by_q, by_v), by_c)).max(axis=1)
+    return np.asarray(found > CONTRADICTED)
+
+
+def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> None:
+    """Refuse parameters without a derivative.
+
+    Raises
+    ------
+    NoDerivative
+    """
+    missing = undefined(system, steps, parameters)
+    if np.any(missing):
+        name = parameters.names[int(np.argmax(missing))]
+        raise NoDerivative(
+            f"{system.name}: a change of {name} alone contradicts equations that repeat others; change together what "
+            "keeps them consistent, by a formula"
+        )
+
+
+def contradictions(system: System, b: Array, t: float, q: Array) -> Array:
+    """Random sums of nᵀΦ_b (len(b), SUMS)."""
+    J = system.Phi_q(q, t, b=b)
+    J = scaled(J, lever(system, q, J))
+    return _by_numbers(system, b, t, q, _sums(rank_of(J).null) / row_lengths(J)[:, None])
+
+
+def _of_held(system: System, b: Array, q: Array, asked: Asked) -> tuple[Array, Array]:
+    """Sums of nᵀΦ_b, and by the coordinates held, for the n that vanish in those that were free to be assembled.
+
+    Where a held crank is at a dead centre, the others cannot follow a change.
+    """
+    t, held = asked.t, np.flatnonzero(asked.held)
+    J = system.Phi_q(q, t, b=b)
+    free = scaled(J, lever(system, q, J))[:, np.flatnonzero(~asked.held)]
+    rank = rank_of(csr_array(free), UNRESOLVED)
+    if rank.smallest < COARSE:
+        announce([_coarse(system, rank.smallest)])
+    n = _sums(rank.null) / row_lengths(csr_array(free))[:, None]
+    by_q = np.zeros((system.nq, SUMS))
+    by_q[held] = J[:, held].T @ n
+    return _by_numbers(system, b, t, q, n), by_q
+
+
+def _coarse(system: System, smallest: float) -> str:
+    return (
+        f"{system.name}: the start is close to a dead centre of what is held in its assembly: derivatives are exact to "
+        f"{np.finfo(float).eps / smallest**2:.1g} of themselves only. Start farther away from it."
+    )
+
+
+def _sums(null: Array) -> Array:
+    return np.asarray(null @ np.random.default_rng(0).normal(size=(null.shape[1], SUMS)))
+
+
+def _by_numbers(system: System, b: Array, t: float, q: Array, n: Array) -> Array:
+    by_b = np.zeros((len(b), SUMS))
+    by_b[: system.nb] = system.Phi_b(q, t, b=b).T @ n
+    return by_b

@@ -1,0 +1,351 @@
+"""Responses evaluated on a run: their values, and their gradients by its states and by the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.announcement import announce
+from ....model.laws.tape import Traced
+from ....outputs import Outputs
+from ....outputs.recording import Angles, Key
+from ....results import Pieces, StepsTaken
+from ....system import System
+from ..chain.chain import Nodes
+from ..parameters.parameters import Parameters
+from ..sampling.consistent import READ, ConsistentSampling, Turned
+from ..sampling.pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
+from ..sampling.reported import Reported
+from ..sampling.sampling import NotThere, Sampling
+from .kinks import layout
+from .panels import LOBATTO, TRAPEZOIDAL, Rule
+from .responses import AtEvent, Response
+from .within_steps import PARTS, Fine, fine
+
+AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
+# of the slopes of an output on both sides of a kink: those of round-off differ by no more
+TOUCHES = 1e-7
+ONE_SIDED = (
+    "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
+    "time, or use a smooth function"
+)
+NOISE = (
+    "the argument of abs, max, min or clip is zero but for round-off, so that the derivative depends on the sign of "
+    "round-off. Use a smooth function"
+)
+UNSPLIT = (
+    "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
+    "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
+)
+
+
+@dataclass(frozen=True)
+class Explicit:
+    """Gradients of responses that do not go through the states: by b, by the joints' numbers, by named parameters."""
+
+    b: Array
+    c: Array
+    named: list[dict[str, float]]
+
+
+def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
+    """Where a response is sampled."""
+    if isinstance(steps, Pieces) or isinstance(response, AtEvent):
+        where = where_of(course_of(steps), response)
+        assert isinstance(steps, Pieces)
+        return PieceSampling(steps, where)
+    try:
+        return Sampling(steps, response.times(steps.t))
+    except NotThere as wrong:
+        raise NotThere(f"{response.title}: {wrong}") from None
+
+
+def where_of(course: Course, response: Response) -> Where:
+    """The times at which a response is sampled, and the stretches between events in which they lie."""
+    if isinstance(response, AtEvent):
+        return at_event(course, response.event, response.number, response.after)
+    if isinstance(response, Fine):
+        return within(course, PARTS)
+    times = response.times(course.times)
+    return within(course) if times is None else fixed(course, times)
+
+
+class Evaluation:
+    """Responses of one run.
+
+    Parameters
+    ----------
+    system, steps : the run
+    responses : evaluated in this order
+    parameters : whose numbers responses may use
+    angles : with their turns; by default counted along all nodes of the run
+    samplings : where each response is sampled; by default at its own times
+    """
+
+    def __init__(
+        self,
+        system: System,
+        steps: StepsTaken | Pieces,
+        responses: Sequence[Response],
+        parameters: Parameters,
+        angles: Angles | None = None,
+        samplings: Sequence[Sampling] | None = None,
+    ) -> None:
+        self._precise = (steps.pieces[0] if isinstance(steps, Pieces) else steps).precise
+        self._system, self._steps, self._parameters = system, steps, parameters
+        self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
+        self._samplings, self._outputs = list[Sampling](), list[Outputs]()
+        self._responses, self._found = list[Response](), list[Traced]()
+        self._reported = Reported(system, steps)
+        for n, response in enumerate(responses):
+            self._add(response, samplings[n] if samplings else None)
+        responses = self._responses
+        self.signals = [
+            np.broadcast_to(np.asarray(found.value, dtype=float), sampling.t.shape)
+            for found, sampling in zip(self._found, self._samplings, strict=True)
+        ]
+        self.values = np.array(
+            [r.value(g, s.t) for r, g, s in zip(responses, self.signals, self._samplings, strict=True)]
+        )
+
+    def _add(self, response: Response, given: Sampling | None) -> None:
+        """Evaluate one more response, where it is sampled; between its kinks, if there are some within the run."""
+        own = fine(response) if self._precise else response
+        where, outputs, found = self._evaluated(own, given or sampling(self._steps, own))
+        if outputs.tape.kinks and given:
+            self._warn_of_changes(response, outputs)
+        elif outputs.tape.kinks and response.pointwise:
+            self._warn_of_zeros(response, outputs)
+        elif outputs.tape.kinks:
+            split = layout(course_of(self._steps), partial(self._arguments, response), self._rule)
+            if split.noisy:
+                announce([f"{response.title}: {NOISE}"])
+            own = replace(response, name=response.title, panels=split.panels)
+            where, outputs, found = self._evaluated(own, self._sampling_at(split.where), list(split.sides))
+        self._responses.append(own)
+        self._samplings.append(where)
+        self._outputs.append(outputs)
+        self._found.append(found)
+
+    @property
+    def _rule(self) -> Rule:
+        return LOBATTO if self._precise else TRAPEZOIDAL
+
+    def _sampling_at(self, where: Where) -> Sampling:
+        return (
+            PieceSampling(self._steps, where)
+            if isinstance(self._steps, Pieces)
+            else Sampling(self._steps, where.t)
+        )
+
+    def _evaluated(
+        self, response: Response, where: Sampling, sides: Sequence[Array] = ()
+    ) -> tuple[Sampling, Outputs, Traced]:
+        """A response at the states that a run reports: where nodes are not such states, and it reads more of them."""
+        outputs = self._outputs_at(where, sides)
+        found = response.evaluate(outputs)
+        if self._needs_consistent(response, where, {kind for kind, _ in outputs.inputs}):
+            where = ConsistentSampling(self._system, self._steps, where)
+            outputs = self._outputs_at(where, sides)
+            found = response.evaluate(outputs)
+        return where, outputs, found
+
+    def _needs_consistent(self, response: Response, where: Sampling, read: set[str]) -> bool:
+        """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too."""
+        if not self._precise and read & {"v", "a", "lam"}:
+            return True
+        return response.pointwise and bool(read & set(READ)) and bool(where.between_nodes.any())
+
+    def _outputs_at(self, sampling: Sampling, sides: Sequence[Array] = ()) -> Outputs:
+        if self._reported.redundant and not isinstance(sampling, ConsistentSampling):
+            sampling.reported = self._reported
+        number, memory = self._parameters.number, sampling.memory
+        return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
+
+    def _arguments(self, response: Response, where: Where) -> list[Array]:
+        """What absolute values are taken of, at given times."""
+        outputs = self._evaluated(response, self._sampling_at(where))[1]
+        return [np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks]
+
+    def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
+        """Of derivatives at a kink itself."""
+        whole = self._arguments(response, within(course_of(self._steps)))
+        there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
+        if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
+            announce([f"{response.title}: {ONE_SIDED}"])
+
+    def _warn_of_changes(self, response: Response, outputs: Outputs) -> None:
+        """Of kinks within the part of a run whose samples are given."""
+        if not response.pointwise and any(
+            np.any(np.diff(np.sign(outputs.tape.values[at])) != 0) for at in outputs.tape.kinks
+        ):
+            announce([f"{response.title}: {UNSPLIT}"])
+
+    def gradients(self) -> tuple[Nodes, Explicit]:
+        """The gradients of all responses, one column each."""
+        nodes = Nodes.zeros(self._steps, len(self._responses))
+        parts = [self._gradient(n, nodes) for n in range(len(self._responses))]
+        b, c = (np.concatenate([getattr(part, name) for part in parts], axis=1) for name in ("b", "c"))
+        b = b + self._reported.pulled_back(nodes)
+        return nodes, Explicit(b, c, [part.named[0] for part in parts])
+
+    def _asks_for_multipliers(self, n: int) -> bool:
+        return any(kind == "lam" for kind, _ in self._outputs[n].inputs)
+
+    def _asks_for_method(self, n: int) -> bool:
+        """Whether a response takes multipliers of a method's nodes."""
+        return self._asks_for_multipliers(n) and not isinstance(self._samplings[n], ConsistentSampling)
+
+    def _with_reported(self, dots: Nodes, b: Array) -> Nodes:
+        """The changes of states, those of multipliers as far as responses need them as they are reported."""
+        wanted = [s for n, s in enumerate(self._samplings) if self._asks_for_method(n)]
+        if not (wanted and self._reported.redundant):
+            return dots
+        rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
+        return self._reported.along(dots, b, rows)
+
+    def _gradient(self, n: int, nodes: Nodes) -> Explicit:
+        response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
+        found = self._outputs[n].tape.gradient({self._found[n].at: response.weights(g, sampling.t)})
+        if sampling.moves:
+            by_t = np.broadcast_to(found[self._outputs[n].t.at], g.shape)
+            sampling.spread_time(by_t + response.by_times(g, sampling.t), nodes, n)
+        return self._collected(n, found, nodes, n)[1]
+
+    def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
+        """The change of every response's output at its times, (nt, k), with changes of states and numbers (…, k)."""
+        dots = self._with_reported(dots, b)
+        return [self._signal_along(n, dots, b, c, named) for n in range(len(self._responses))]
+
+    def _signal_along(self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> Array:
+        found = np.zeros((len(self._samplings[n].t), b.shape[1]))
+        for k in range(b.shape[1]):
+            found[:, k] = self._tape_along(n, dots, b, c, named, k)[self._found[n].at]
+        return found
+
+    def _tape_along(
+        self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array], k: int
+    ) -> list[Any]:
+        """The change of everything on a response's tape with column k of the changes."""
+        outputs, changes = self._outputs[n], {}
+        states = [key for key in outputs.inputs if key[0] in READ]
+        moved = self._samplings[n].all_gathered(states, dots, b, k)
+        for (kind, place), variable in outputs.inputs.items():
+            numbers = {"b": b, "c": c}.get(kind)
+            changes[variable.at] = moved[kind, place] if numbers is None else numbers[place, k]
+        if self._samplings[n].moves:
+            changes[outputs.t.at] = self._samplings[n].gathered_time(dots, k)
+        changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
+        return outputs.tape.along(changes)
+
+    def gradient_along(
+        self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
+    ) -> tuple[Nodes, Explicit]:
+        """The change of the gradient of response n, with changes of states and numbers in one column."""
+        response, outputs, sampling, g = (
+            self._responses[n],
+            self._outputs[n],
+            self._samplings[n],
+            self.signals[n],
+        )
+        of_steps, reported = dots, self._reported.redundant and self._asks_for_method(n)
+        dots = self._with_reported(dots, b)
+        at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
+        g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
+        t, t_dot = (
+            sampling.t,
+            sampling.gathered_time(dots, 0) if sampling.moves else np.zeros(len(sampling.t)),
+        )
+        turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
+        bars, change = outputs.tape.gradient_along({at: response.weights(g, t)}, {at: turned}, along)
+        nodes, by_states = Nodes.zeros(self._steps, 1), self._by_states(n, bars)
+        if sampling.moves:
+            by_t = np.broadcast_to(change[outputs.t.at], g.shape)
+            sampling.spread_time(by_t + response.by_times_along(g, t, g_dot, t_dot), nodes, 0)
+        if not isinstance(sampling, ConsistentSampling):
+            sampling.spread_along(by_states, dots, nodes)
+            nodes, explicit = self._collected(n, change, nodes, 0)
+            if reported:
+                first = self._collected(n, bars, Nodes.zeros(self._steps, 1), 0)[0]
+                by_b = self._reported.pulled_back_along(first, nodes, of_steps, b)
+                explicit = replace(explicit, b=explicit.b + by_b)
+            return nodes, explicit
+        sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)
+        nodes, explicit = self._collected(n, change, nodes, 0, sources)
+        return nodes, replace(explicit, b=explicit.b - by_b[:, None])
+
+    def _through_kinks(self, n: int, g_dot: Array) -> Array:
+        """What kinks add to the change of the weights, as they move.
+
+        An integral changes with the time τ of a kink by g⁻ - g⁺, which is zero there; and this by the change of g⁻ - g⁺
+        times τ'. As it stays zero, τ' is its change over its rate of change with time.
+
+        Raises
+        ------
+        ValueError
+            Where the argument of an absolute value touches zero without crossing it: the kink has no derivative.
+        """
+        response, g, t, found = (
+            self._responses[n],
+            self.signals[n],
+            self._samplings[n].t,
+            np.zeros(len(g_dot)),
+        )
+        panels = response.panels
+        if panels is None or not len(panels.joints):
+            return found
+        before, factors = panels.joints, response.at_kinks(g, t)
+        if not factors.any():
+            return found
+        rate = self._rate(n)
+        crossing, moved = rate[before] - rate[before + 1], g_dot[before] - g_dot[before + 1]
+        touches = abs(crossing) <= TOUCHES * (abs(rate[before]) + abs(rate[before + 1]))
+        if np.any(touches & (abs(moved) > TOUCHES * (abs(g_dot[before]) + abs(g_dot[before + 1])))):
+            raise ValueError(
+                f"{response.title}: the argument of abs, max, min or clip touches zero without crossing it, so that "
+                "the second derivatives do not exist. Use a smooth function, such as sqrt(x**2 + e**2)."
+            )
+        change = factors[before] * np.where(touches, 0.0, moved) / np.where(touches, 1.0, crossing)
+        found[before] -= change
+        found[before + 1] += change
+        return found
+
+    def _rate(self, n: int) -> Array:
+        """The derivative of a response's output by the time, along the motion (nt,)."""
+        outputs, sampling, moved = self._outputs[n], self._samplings[n], dict[int, Any]({})
+        rates = {"q": sampling.states.v, "v": sampling.states.a}
+        if any(kind in ("a", "lam") for kind, _ in outputs.inputs):
+            if not isinstance(sampling, ConsistentSampling):
+                sampling = ConsistentSampling(self._system, self._steps, sampling)
+            found = sampling.rates()
+            rates |= {"a": found.a[:, :, 0], "lam": found.lam[:, :, 0]}
+        for (kind, place), variable in outputs.inputs.items():
+            if kind in rates:
+                moved[variable.at] = rates[kind][:, place]
+        rate = outputs.tape.along(moved | {outputs.t.at: 1.0})[self._found[n].at]
+        return np.broadcast_to(np.asarray(rate, dtype=float), self.signals[n].shape)
+
+    def _by_states(self, n: int, bars: list[Any]) -> dict[Key, Array]:
+        """Of gradients by the inputs of a tape those by states."""
+        inputs, shape = self._outputs[n].inputs.items(), self._samplings[n].t.shape
+        return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
+
+    def _collected(
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: Turned
+    ) -> tuple[Nodes, Explicit]:
+        """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
+        outputs, sampling = self._outputs[n], self._samplings[n]
+        by_b = np.zeros((len(self._system.b), 1))
+        by_c = np.zeros((self._c_size, 1))
+        for (kind, place), variable in outputs.inputs.items():
+            bar = bars[variable.at]
+            if kind in ("b", "c"):
+                (by_b if kind == "b" else by_c)[place, 0] += bar
+        by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
+        named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
+        return nodes, Explicit(by_b, by_c, [named])

@@ -1,0 +1,181 @@
+"""Extremes of a sampled output: the vertex of a parabola, a corner at a kink, and a mean of all peaks."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import add
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.laws.tape import Tape, Traced
+from ..sampling.sampling import lagrange
+from .panels import Panels
+
+SHARPNESS = (
+    1000.0  # of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
+)
+NEAR = (
+    0.1  # of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
+)
+
+
+class Parabola:
+    """The value at the vertex of a parabola through three samples, recorded as a function of outputs and times."""
+
+    def __init__(self, g: Array, t: Array) -> None:
+        self._tape = Tape()
+        (g0, g1, g2), (t0, t1, t2) = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
+        a, c = t0 - t1, t2 - t1
+        first, middle, last = g0 / (a * (a - c)), g1 / (a * c), g2 / (c * (c - a))
+        bend = 2 * (first + middle + last)
+        slope = -(first * c + middle * (a + c) + last * a)  # at the middle sample
+        self.is_straight = not bend.value
+        if not self.is_straight:
+            self._value: Traced = g1 - slope * slope / (2 * bend)
+
+    def derivatives(self) -> Array:
+        """Those by the outputs, and by the times (2, 3)."""
+        return np.array(self._tape.gradient({self._value.at: 1.0})[:6]).reshape(2, 3)
+
+    def change(self, dots: Array) -> Array:
+        """Their change with changes of the outputs and of the times (2, 3)."""
+        along = self._tape.along(dict(enumerate(dots.ravel().tolist())))
+        return np.array(self._tape.gradient_along({self._value.at: 1.0}, {}, along)[1][:6]).reshape(2, 3)
+
+
+class Vertex(NamedTuple):
+    """Of a parabola through three samples, or one sample, or the corner between two samples at one time.
+
+    near : which samples
+    basis, by_times : the derivatives of its value by them, and by their times
+    parabola : None for others
+    """
+
+    near: slice
+    basis: Array
+    by_times: Array
+    parabola: Parabola | None = None
+
+    @property
+    def is_corner(self) -> bool:
+        """Whether it is at a kink."""
+        return len(self.basis) == 2
+
+    def placed(self, values: Array, count: int) -> Array:
+        """Zeros but for these samples (count,)."""
+        whole = np.zeros(count)
+        whole[self.near] = values
+        return whole
+
+    def moved(self, g_dot: Array, t_dot: Array) -> Array:
+        """The changes of its derivatives with those of the output and of the times (nt,)."""
+        if self.parabola is None:
+            return np.zeros((2, len(self.basis)))
+        return self.parabola.change(np.array([g_dot[self.near], t_dot[self.near]]))
+
+
+def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
+    """The extreme about sample n; sample n alone at an end, or beside an event, where a time stands twice."""
+    if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
+        near = slice(n - 1, n + 2)
+        parabola = Parabola(g[near], t[near])
+        if not parabola.is_straight:
+            basis, by_times = parabola.derivatives()
+            return Vertex(near, basis, by_times, parabola)
+    joint = next((k for k in (n, n - 1) if panels is not None and k in panels.joints), None)
+    if panels is not None and joint is not None:
+        return _corner(g, t, n, joint, panels)
+    return _sample(n)
+
+
+def _sample(n: int) -> Vertex:
+    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
+
+
+def _corner(g: Array, t: Array, n: int, joint: int, panels: Panels) -> Vertex:
+    """The extreme at a kink, where the output rises on one side and falls on the other.
+
+    Its time moves, as the kink does: the mean of both sides whose slope is zero does not change with the time, so that
+    its derivative at a fixed time is that of the extreme.
+    """
+    sides = panels.before(joint), panels.behind(joint)
+    left, right = (float((lagrange((t[side] - t[joint])[None])[1] @ g[side])[0]) for side in sides)
+    if not left * right < 0:
+        return _sample(n)
+    share = right / (right - left)
+    return Vertex(slice(joint, joint + 2), np.array([share, 1 - share]), np.zeros(2))
+
+
+class Peaks:
+    """The mean of all peaks of an output, weighted with exp(s peak), s being `SHARPNESS` over the output's range."""
+
+    def __init__(self, g: Array, t: Array, panels: Panels | None) -> None:
+        self._count, self._low = len(g), int(np.argmin(g))
+        self.vertices, self._tape = _peaks(g, t, panels), Tape()
+        tops = [self._tape.variable(float(v.basis @ g[v.near])) for v in self.vertices]
+        low = self._tape.variable(float(g[self._low]))
+        self._at = [*(top.at for top in tops), low.at]
+        self._mean = _mean(tops, low)
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(self._mean.value)
+
+    def weights(self) -> Array:
+        """Its derivatives by the output (nt,)."""
+        return self._spread(self._slopes)
+
+    def by_times(self) -> Array:
+        """Its derivatives by the times (nt,)."""
+        pairs = zip(self._slopes, self.vertices, strict=False)
+        return np.asarray(sum(slope * v.placed(v.by_times, self._count) for slope, v in pairs))
+
+    def along(self, g_dot: Array, t_dot: Array) -> tuple[Array, Array]:
+        """The changes of its derivatives by the output, and by the times, with those of both (nt,)."""
+        moved = [float(v.basis @ g_dot[v.near] + v.by_times @ t_dot[v.near]) for v in self.vertices]
+        dots = self._tape.along(dict(zip(self._at, [*moved, float(g_dot[self._low])], strict=True)))
+        _, change = self._tape.gradient_along({self._mean.at: 1.0}, {}, dots)
+        slope_dots = [float(change[n]) for n in self._at]
+        by_output, by_times = self._spread(slope_dots), np.zeros(self._count)
+        for slope, slope_dot, v in zip(self._slopes, slope_dots, self.vertices, strict=False):
+            basis_dot, times_dot = v.moved(g_dot, t_dot)
+            by_output[v.near] += slope * basis_dot
+            by_times[v.near] += slope_dot * v.by_times + slope * times_dot
+        return by_output, by_times
+
+    @property
+    def _slopes(self) -> list[float]:
+        """The derivatives of the mean by the peaks, and by the least value."""
+        found = self._tape.gradient({self._mean.at: 1.0})
+        return [float(found[n]) for n in self._at]
+
+    def _spread(self, slopes: list[float]) -> Array:
+        """Derivatives by the peaks as those by the output."""
+        found = np.zeros(self._count)
+        found[self._low] = slopes[-1]
+        for slope, vertex in zip(slopes, self.vertices, strict=False):
+            found[vertex.near] += slope * vertex.basis
+        return found
+
+
+def _peaks(g: Array, t: Array, panels: Panels | None) -> list[Vertex]:
+    """Those that are not far below the highest sample."""
+    rises = np.append(True, (np.diff(g) >= 0) | (np.diff(t) == 0))
+    falls = np.append((np.diff(g) < 0) | (np.diff(t) == 0), True)
+    high = g >= g.max() - NEAR * np.ptp(g)
+    every = [vertex_of(g, t, int(n), panels) for n in np.flatnonzero(rises & falls & high)]
+    joints = set() if panels is None else {*panels.joints, *(panels.joints + 1)}
+    found = {(v.near.start, v.near.stop): v for v in every if len(v.basis) > 1 or v.near.start not in joints}
+    return list(found.values()) or [vertex_of(g, t, int(np.argmax(g)), panels)]
+
+
+def _mean(tops: list[Traced], low: Traced) -> Traced:
+    highest = max(tops, key=lambda top: float(top.value))
+    if not highest.value > low.value:
+        return highest
+    shares = [np.exp(SHARPNESS * (top - highest) / (highest - low)) for top in tops]
+    total: Traced = reduce(add, (w * top for w, top in zip(shares, tops, strict=True))) / reduce(add, shares)
+    return total

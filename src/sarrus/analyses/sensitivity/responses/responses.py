@@ -1,0 +1,439 @@
+"""Responses: numbers that a motion has, each made of an output over time in one way; with exact derivatives.
+
+An output is given by its name, or as a function of `Outputs` that computes its value alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.laws.tape import Traced
+from ....outputs import Outputs
+from .panels import Panels
+from .peaks import Peaks, Vertex, vertex_of
+
+Output: TypeAlias = str | Callable[[Any], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What all responses share.
+
+    Parameters
+    ----------
+    of : name of an output, or a function of `Outputs`
+    name : under which results list it; by default made from the output's name
+    panels : between the kinks of the output, which an evaluation finds
+    """
+
+    of: Output
+    name: str = ""
+    panels: Panels | None = field(default=None, repr=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):
+            raise TypeError(
+                f"an output is a name, such as 'slider.x', or a function of Outputs, but is {self.of!r}"
+            )
+        given: Any = self.name
+        if not isinstance(given, str):
+            message = f"{type(self).__name__} of {self.told}: name must be a text, got {given!r}"
+            raise TypeError(
+                f"{message}. Name the arguments after the output, as in At('slider.x', time=0.5)."
+            )
+
+    @property
+    def title(self) -> str:
+        """Its name in tables."""
+        return self.name or f"{type(self).__name__.lower()} of {self.told}"
+
+    @property
+    def pointwise(self) -> bool:
+        """Whether it is of the output at single times, not of its whole history."""
+        return True
+
+    @property
+    def told(self) -> str:
+        """Its output in words."""
+        name = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
+        return name.strip("<>")
+
+    def times(self, t: Array) -> Array | None:
+        """The times at which the output is needed; None: at all nodes."""
+        return None
+
+    def value(self, g: Array, t: Array) -> float:
+        """The response, of the output at its times."""
+        raise NotImplementedError
+
+    def weights(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the output at each time."""
+        raise NotImplementedError
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        """Their change with those of the output and of the times."""
+        return np.zeros_like(g)
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the times themselves, where events move them."""
+        return np.zeros_like(g)
+
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        """Its derivatives by the output's integrals over parts of the run, per unit of the output, at each time (nt,).
+
+        Raises
+        ------
+        ValueError
+            Where second derivatives at kinks are not known.
+        """
+        return np.zeros_like(g)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        """Their change with those of the output and of the times."""
+        return np.zeros_like(g)
+
+    def rule(self, t: Array) -> Array:
+        """The weights of its times in integrals over the run."""
+        return self.panels.weights(t) if self.panels else trapezoidal(t)
+
+    def rule_by_times(self, g: Array) -> Array:
+        """The derivatives by the times of what these weights make of an output."""
+        return self.panels.by_times(g) if self.panels else trapezoidal_by_times(g)
+
+    def evaluate(self, outputs: Outputs) -> Traced:
+        """The output, recorded.
+
+        Raises
+        ------
+        TypeError
+            For a function that returns something else than one number for each time.
+        """
+        found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
+        if isinstance(found, Traced):
+            return found
+        if np.asarray(found).dtype.kind not in "biuf" or np.size(found) not in (1, np.size(outputs.t.value)):
+            message = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)
+            raise TypeError(
+                f"{self.title}: the function returns {message}, but a response is made of one number"
+            )
+        return outputs.constant(np.asarray(found, dtype=float))
+
+
+@dataclass(frozen=True, eq=False)
+class Final(Response):
+    """The output at the end."""
+
+    def times(self, t: Array) -> Array | None:
+        return t[-1:]
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[-1])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class At(Response):
+    """The output at a time [s]."""
+
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if np.ndim(self.time) or not np.isfinite(self.time):
+            raise ValueError(f"{self.told}: time must be one number of seconds, but is {self.time}")
+
+    @property
+    def title(self) -> str:
+        return self.name or f"{self.told} at {self.time:g} s"
+
+    def times(self, t: Array) -> Array | None:
+        return np.array([float(self.time)])
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[0])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class AtEvent(Response):
+    """The output at an event that changes velocities or ends the run; of ``t`` it is the event's time.
+
+    Parameters
+    ----------
+    event : its name
+    number : which one of this name, from 1 on
+    after : whether just after it, instead of just before
+    """
+
+    event: str = ""
+    number: int = 1
+    after: bool = False
+
+    @property
+    def title(self) -> str:
+        return self.name or f"{self.told} {'after' if self.after else 'at'} {self.event} {self.number}"
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(g[0])
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class Integral(Response):
+    """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`.
+
+    Steps in which the output has a kink, as ``np.abs`` has at zero, are split there.
+    """
+
+    @property
+    def pointwise(self) -> bool:
+        return False
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(self.rule(t) @ g)
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return self.rule(t)
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        return self.rule(t_dot)  # which is linear
+
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        return np.ones_like(g)
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        return self.rule_by_times(g)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        return self.rule_by_times(g_dot)
+
+
+class _Extreme(Response):
+    """The value at the vertex of a parabola through the outermost node and its neighbours.
+
+    The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
+    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At an event,
+    where an output may jump or have a corner, it is the value just before or just after it. At a kink, see `peaks`.
+    """
+
+    @property
+    def pointwise(self) -> bool:
+        return False
+
+    def outermost(self, g: Array) -> int:
+        """Which sample it is."""
+        raise NotImplementedError
+
+    def value(self, g: Array, t: Array) -> float:
+        return float(self.weights(g, t) @ g)
+
+    def weights(self, g: Array, t: Array) -> Array:
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.basis, len(g))
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.by_times, len(g))
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.moved(g_dot, t_dot)[0], len(g))
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        vertex = self._vertex(g, t)
+        return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
+
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        refuse_corners(self.title, [self._vertex(g, t)])
+        return np.zeros_like(g)
+
+    def _vertex(self, g: Array, t: Array) -> Vertex:
+        return vertex_of(g, t, self.outermost(g), self.panels)
+
+
+@dataclass(frozen=True, eq=False)
+class Peak(Response):
+    """The largest value of the output, with a derivative that is continuous where two of its peaks are equally high.
+
+    By default a mean of all peaks, vertices as those of `Maximum`, weighted with exp(s peak), s being 1000 over the
+    range of the output: less than 0.0003 of the range below the maximum, and equal to it where one peak is higher than
+    the others by more than some thousandths of the range.
+
+    With a `sharpness`: ln(mean of exp(sharpness g)) / sharpness, the mean taken over time. It is smooth everywhere, but
+    lies below the maximum, by more the shorter the peak is; give some thousand over the range of the output and short
+    steps for a value near to the maximum, or take `Maximum`.
+    """
+
+    sharpness: float | None = None
+
+    @property
+    def pointwise(self) -> bool:
+        return False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.sharpness is not None and not 0 < self.sharpness < np.inf:
+            raise ValueError(f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}")
+
+    def value(self, g: Array, t: Array) -> float:
+        if self.sharpness is None:
+            return self._peaks(g, t).value
+        top = float(g.max())
+        mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
+        return top + float(np.log(mean)) / self.sharpness
+
+    def weights(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).weights()
+        share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
+        return np.asarray(share / share.sum())
+
+    def by_times(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).by_times()
+        share = np.exp(self.sharpness * (g - g.max()))
+        by_length = _by_length(t) / (t[-1] - t[0])
+        return np.asarray((self.rule_by_times(share) / (self.rule(t) @ share) - by_length) / self.sharpness)
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).along(g_dot, t_dot)[0]
+        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
+        change = self.rule(t_dot) * share + self.rule(t) * share_dot
+        return np.asarray(change / whole - self.weights(g, t) * whole_dot / whole)
+
+    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        if self.sharpness is None:
+            return self._peaks(g, t).along(g_dot, t_dot)[1]
+        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
+        change = self.rule_by_times(share_dot) - self.rule_by_times(share) * whole_dot / whole
+        length, length_dot = t[-1] - t[0], t_dot[-1] - t_dot[0]
+        return np.asarray((change / whole + _by_length(t) * length_dot / length**2) / self.sharpness)
+
+    def _shares(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> tuple[Array, Array, float, float]:
+        """exp(sharpness g) over its maximum, and its integral; each with its change."""
+        assert self.sharpness is not None
+        share: Array = np.exp(self.sharpness * (g - g.max()))
+        share_dot: Array = self.sharpness * g_dot * share
+        return (
+            share,
+            share_dot,
+            float(self.rule(t) @ share),
+            float(self.rule(t_dot) @ share + self.rule(t) @ share_dot),
+        )
+
+    def at_kinks(self, g: Array, t: Array) -> Array:
+        if self.sharpness is None:
+            refuse_corners(self.title, self._peaks(g, t).vertices)
+            return np.zeros_like(g)
+        share = np.exp(self.sharpness * (g - g.max()))
+        return np.asarray(share / (self.rule(t) @ share))
+
+    def _peaks(self, g: Array, t: Array) -> Peaks:
+        return Peaks(g, t, self.panels)
+
+
+@dataclass(frozen=True, eq=False)
+class Maximum(_Extreme):
+    """The largest value of the output, also between steps; it has kinks where two are equal, see `Peak`."""
+
+    def outermost(self, g: Array) -> int:
+        return int(np.argmax(g))
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum(_Extreme):
+    """The least value of the output, also between steps."""
+
+    def outermost(self, g: Array) -> int:
+        return int(np.argmin(g))
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit(Response):
+    """Half the sum of squares of (output - data) / sigma at given times [s]."""
+
+    at: Sequence[float] = ()
+    data: Sequence[float] = ()
+    sigma: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not len(self.at) == len(self.data) > 0:
+            message = f"{len(self.at)} times and {len(self.data)} data"
+            raise ValueError(f"{self.title}: there are {message}; give one measured number for each time")
+        for what, given in (("times", self.at), ("data", self.data)):
+            if not np.isfinite(np.asarray(given, dtype=float)).all():
+                raise ValueError(f"{self.title}: its {what} are not all finite numbers; leave gaps out")
+        if not (np.isfinite(self.sigma) and self.sigma > 0):
+            raise ValueError(f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}")
+
+    def times(self, t: Array) -> Array | None:
+        return np.asarray(self.at, dtype=float)
+
+    def residuals(self, g: Array) -> Array:
+        """(output - data) / sigma (nt,)."""
+        return np.asarray((g - np.asarray(self.data, dtype=float)) / self.sigma)
+
+    def value(self, g: Array, t: Array) -> float:
+        return 0.5 * float(np.sum(self.residuals(g) ** 2))
+
+    def weights(self, g: Array, t: Array) -> Array:
+        return np.asarray(self.residuals(g) / self.sigma)
+
+    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
+        return np.asarray(g_dot / self.sigma**2)
+
+
+def told_apart(titles: Iterable[str]) -> tuple[str, ...]:
+    """Names in tables; the second of two that are equal ends with 2."""
+    found: dict[str, None] = {}
+    for title in titles:
+        choices = (f"{title} {n}" if n > 1 else title for n in count(1))
+        found[next(choice for choice in choices if choice not in found)] = None
+    return tuple(found)
+
+
+def refuse_corners(title: str, vertices: Sequence[Vertex]) -> None:
+    """Refuse an extreme at a kink.
+
+    Raises
+    ------
+    ValueError
+    """
+    if any(vertex.is_corner for vertex in vertices):
+        raise ValueError(
+            f"{title}: its extreme is at a kink (abs, max, min or clip), which has first derivatives only. Use a "
+            "smooth function, such as sqrt(x**2 + e**2)."
+        )
+
+
+def _by_length(t: Array) -> Array:
+    """The derivatives of the length of a run by the times (nt,)."""
+    found = np.zeros_like(t)
+    found[0], found[-1] = -1.0, 1.0
+    return found
+
+
+def trapezoidal(t: Array) -> Array:
+    """Weights of the trapezoidal rule (nt,)."""
+    h = np.diff(t)
+    return np.asarray(np.concatenate([[0.0], h / 2]) + np.concatenate([h / 2, [0.0]]))
+
+
+def trapezoidal_by_times(g: Array) -> Array:
+    """The derivatives of the trapezoidal rule by the times (nt,)."""
+    means = 0.5 * (g[1:] + g[:-1])
+    return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))

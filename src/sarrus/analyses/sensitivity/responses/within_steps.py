@@ -1,0 +1,69 @@
+"""Responses over a whole run on long steps of a high order: taken within the steps, too, by Lobatto's rule.
+
+Four points of each step, its ends among them, integrate polynomials up to degree five exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from ....algebra import Array
+from .panels import INNER
+from .responses import Integral, Maximum, Minimum, Peak, Response
+
+PARTS = (0.0, INNER, 1 - INNER)  # [-] of a step: where it is sampled
+SHARES = np.array([1.0, 5.0, 5.0]) / 12  # [-] of a step: weights of its start and inner points
+
+
+class Fine(Response):
+    """A response whose times are those at `PARTS` of all steps, and the end."""
+
+    def times(self, t: Array) -> Array:
+        h = np.diff(t)
+        return np.append(np.column_stack([t[:-1], t[:-1] + INNER * h, t[1:] - INNER * h]), t[-1])
+
+    def rule_by_times(self, g: Array) -> Array:
+        means = g[:-1].reshape(-1, 3) @ SHARES + g[3::3] * SHARES[0]
+        found = np.zeros_like(g)
+        found[3::3] += means
+        found[:-1:3] -= means
+        return found
+
+    def rule(self, t: Array) -> Array:
+        own = np.append(np.outer(np.diff(t[::3]), SHARES), 0.0)
+        own[3::3] += np.diff(t[::3]) * SHARES[0]
+        return np.asarray(own)
+
+
+class FineIntegral(Fine, Integral):
+    """The integral by Lobatto's rule."""
+
+
+class FinePeak(Fine, Peak):
+    """The rounded maximum, its mean by Lobatto's rule."""
+
+
+class FineMaximum(Fine, Maximum):
+    """The maximum with three times as many samples."""
+
+
+class FineMinimum(Fine, Minimum):
+    """The minimum with three times as many samples."""
+
+
+FINE: dict[type[Response], type[Fine]] = {
+    Integral: FineIntegral,
+    Peak: FinePeak,
+    Maximum: FineMaximum,
+    Minimum: FineMinimum,
+}
+
+
+def fine(response: Response) -> Response:
+    """The same response, taken within the steps, too, if it is one over the whole run."""
+    kind = FINE.get(type(response))
+    if kind is None:
+        return response
+    return kind(**{f.name: getattr(response, f.name) for f in fields(response)} | {"name": response.title})

@@ -1,0 +1,296 @@
+"""States at which responses are taken, consistent as those of `Trajectory`, with their derivatives.
+
+Between the nodes of a method, and for those of order two at the nodes too, velocities do not satisfy the constraints
+exactly, and accelerations and multipliers not the equations of motion: all differ by the error of the run. A run
+reports states that do, see `dynamics.dense_output.sampler`; so do responses that read them, and their derivatives are
+those of what is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....outputs.recording import Key, States
+from ....results import Pieces, StepsTaken
+from ....system import System
+from ....system.curves.time_derivatives import timed
+from ...dynamics.dense_output.sampler import Sampler
+from ...dynamics.stepping.nodes import Nodes as NodesOfRun
+from ...equations.minimum_norm import MinimumNorm
+from ...redundancy.redundant_constraints import Independence
+from ..chain.chain import Nodes
+from ..lagrangians.curves import CurveLagrangian
+from ..steps.second_order import changes_along
+from ..steps.sweep import PerOperation
+from ..steps.sweep_loop import Nodes as Ends
+from .consistent_states import Back, ConsistentStates, ConsistentSweep
+from .pieces import PieceSampling
+from .reported import Changes, Place, Reported
+from .sampling import Sampling, apart
+
+READ = ("q", "v", "a", "lam")
+
+
+class Motion(NamedTuple):
+    """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times.
+
+    lam : the changes of the multipliers that the operations solve for
+    """
+
+    found: Ends
+    stages: PerOperation
+    b: Array
+    t: Array
+    lam: Array
+
+
+class Turned(NamedTuple):
+    """What the change of an adjoint takes: the sources of the operations, the gradients that change, the motion."""
+
+    sources: PerOperation
+    bars: Ends
+    motion: Motion
+
+
+class Chosen(Independence):
+    """The independent equations that a step has solved, which stay.
+
+    Parameters
+    ----------
+    system : System
+    left_out : (m,) 1 for equations that others imply
+    """
+
+    def __init__(self, system: System, left_out: Array) -> None:
+        self._system = system
+        self.rows = np.flatnonzero(left_out == 0.0) if left_out.any() else None
+        if self.rows is not None:
+            self._minimum = MinimumNorm(system, self.rows)
+
+    def renew(self, t: float, q: Array) -> bool:
+        """No other choice is made."""
+        return False
+
+
+class ConsistentSampling(Sampling):
+    """The states at some times of a run, consistent; the rest of `Sampling` is that of what they are made of.
+
+    Parameters
+    ----------
+    system, steps : the run
+    of : the states before
+    """
+
+    def __init__(self, system: System, steps: StepsTaken | Pieces, of: Sampling) -> None:
+        self._system, self._run, self._of = system, steps, of
+        self.moves = of.moves
+
+    @property
+    def t(self) -> Array:
+        """The times (nt,). [s]"""
+        return self._of.t
+
+    @property
+    def memory(self) -> dict[int, Array]:
+        """What elements remember at the times (nt,), by place among the numbers."""
+        return self._of.memory
+
+    def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by the times themselves, where they move."""
+        self._of.spread_time(bar, nodes, column)
+
+    def gathered_time(self, nodes: Nodes, column: int) -> Array:
+        """The change of the times, where they move."""
+        return self._of.gathered_time(nodes, column)
+
+    @cached_property
+    def _pieces(self) -> list[tuple[StepsTaken, Array]]:
+        """The stretches between events, and which times lie in each, rising."""
+        t = self.t
+        if not isinstance(self._of, PieceSampling):
+            assert not isinstance(self._run, Pieces)
+            return [(self._run, np.argsort(t, kind="stable"))]
+        assert isinstance(self._run, Pieces)
+        order = np.lexsort([t, self._of.piece])
+        places = enumerate(self._run.pieces)
+        found = ((piece, order[self._of.piece[order] == p]) for p, piece in places)
+        return [(piece, rows) for piece, rows in found if len(rows)]
+
+    @cached_property
+    def _record(self) -> ConsistentStates:
+        """The consistent states, and what they are made of."""
+        before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
+        q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
+        left_out, memory = np.zeros(lam.shape), np.zeros((len(t), len(system.memory_places)))
+        first = self._pieces[0][0]
+        for piece, rows in self._pieces:
+            remembered = np.concatenate([piece.memory, piece.memory[-1:]])
+            nodes = NodesOfRun(piece.t, piece.q, piece.v, piece.a, piece.lam, remembered)
+            steps = np.clip(np.searchsorted(piece.t, t[rows]) - 1, 0, len(piece) - 1)
+            memory[rows] = piece.memory[steps]
+            if len(piece.left_out):
+                left_out[rows] = piece.left_out[steps + 1]
+            choices = np.unique(left_out[rows], axis=0) if len(piece.left_out) else left_out[rows[:1]]
+            for choice in choices:
+                own = rows[(left_out[rows] == choice).all(axis=1)]
+                found = Sampler(system, Chosen(system, choice), piece.b, apart=apart(piece)).states(
+                    nodes, t[own]
+                )
+                q[own], v[own], a[own], lam[own] = found.q, found.v, found.a, found.lam
+        dq = (q - before.q) * between[:, None]
+        defined = np.isfinite(np.concatenate([a, lam], axis=1)).all(axis=1)
+        return ConsistentStates(
+            b=self._run.b, t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
+            sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between, defined=defined,
+            left_out=left_out, places=first.places, memory=memory,
+        )  # fmt: skip
+
+    @cached_property
+    def states(self) -> States:
+        """The states there."""
+        record = self._record
+        return States(record.t, record.q, record.v, record.a, lambda: record.lam)
+
+    @cached_property
+    def _solved(self) -> ConsistentStates:
+        """With the multipliers that the operations solve for."""
+        record = self._record
+        lam = record.lam.copy()
+        for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
+            lam[row] = self._of_choice(row)
+        return replace(record, lam=lam).with_multipliers(self._system)
+
+    @cached_property
+    def _sweep(self) -> ConsistentSweep:
+        return ConsistentSweep(self._system, self._solved, self._moving)
+
+    def _of_choice(self, row: int) -> Array:
+        """The multipliers of independent equations (m,) with the constraint forces of those reported."""
+        system, record, b = self._system, self._record, self._run.b.copy()
+        b[record.places] = record.memory[row]
+        J = system.Phi_q(record.q[row], float(record.t[row]), b=b)
+        minimum = MinimumNorm(system, np.flatnonzero(record.left_out[row] == 0.0))
+        minimum.null(J)
+        return minimum.forces((J.T @ record.lam[row])[:, None])[:, 0]
+
+    @cached_property
+    def _minimum(self) -> Reported:
+        """The least multipliers at the times."""
+        return self._least(self._moving)
+
+    def _least(self, moving: bool) -> Reported:
+        record, steps = self._solved, self._pieces[0][0]
+        there = {name: getattr(record, name) for name in ("t", "q", "v", "a", "lam", "memory")}
+        left_out = record.left_out.astype(bool)
+        alone = replace(steps, h=np.zeros(len(record.t)), left_out=left_out, **there)
+        return Reported(self._system, alone, moving)
+
+    @cached_property
+    def _moving(self) -> bool:
+        """Whether events move times, on which the system depends by itself."""
+        return self.moves and timed(self._system)
+
+    def along(self, dots: Nodes, b: Array, column: int) -> Motion:
+        """The changes of the states with those of the nodes in one column, and of the numbers (len(b), 1)."""
+        sweep, of, record = self._sweep, self._of, self._record
+        q, v = np.zeros((2, *record.q.shape, 1))
+        for kind, x in {"q": q, "v": v}.items():
+            for n in range(self._system.nq):
+                x[:, n, 0] = of.gathered(kind, n, dots, column)
+        t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
+        found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
+        lam = found.lam.copy()
+        self._shorten(self._minimum, found, b, t_dot)
+        return Motion(found, stages, b[:, 0], t_dot, lam)
+
+    def _shorten(self, least: Reported, found: Ends, b: Array, t_dot: Array) -> None:
+        """Turn changes of multipliers into those of the least ones."""
+        for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
+            slopes = least.slopes(Place(0, row))
+            if slopes is not None:
+                change = Changes(found.q[row], b, t_dot[row : row + 1])
+                found.lam[row] = slopes.along(change, found.lam[row])
+
+    def rates(self) -> Ends:
+        """The derivatives of the states by the time, along the motion."""
+        record, depends = self._record, timed(self._system)
+        q, v, still = record.v[:, :, None], record.a[:, :, None], np.zeros((len(self._run.b), 1))
+        sweep, ones = ConsistentSweep(self._system, self._solved, depends), np.ones(len(self.t))
+        found, _ = sweep.along({"q0": q, "q": q, "v": v}, still, ones)
+        self._shorten(self._least(depends), found, still, ones)
+        return found
+
+    def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
+        """See `Sampling`."""
+        found = self.along(nodes, b[:, column : column + 1], column).found
+        return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}
+
+    def spread_all(
+        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: Turned | None = None
+    ) -> Array:
+        """See `Sampling`; `turned` is what the change of an adjoint takes."""
+        given = self._given(bars)
+        t_bar, by_b = self._through_minimum(given, turned)
+        motion = turned is not None or given.a.any() or given.lam.any()
+        sources = turned.sources if turned else None
+        found = (self._sweep if motion else self._of_velocities).back(given, sources)
+        for (kind, n), bar in _by_places(found).items():
+            self._of.spread(kind, n, bar, nodes, column)
+        if self._moving:
+            self._of.spread_time(t_bar + found.t, nodes, column)
+        return found.b + by_b
+
+    @cached_property
+    def _of_velocities(self) -> ConsistentSweep:
+        """Without accelerations and multipliers."""
+        return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
+
+    def _given(self, bars: Mapping[Key, Array]) -> Ends:
+        """Gradients by coordinates as arrays."""
+        given = self._sweep.nodes()
+        for (kind, n), bar in bars.items():
+            getattr(given, kind)[:, n, 0] += bar
+        return given
+
+    def _through_minimum(self, given: Ends, turned: Turned | None = None) -> tuple[Array, Array]:
+        """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
+        t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
+        asked = given.lam.any(axis=(1, 2)) | (turned.bars.lam.any(axis=(1, 2)) if turned else False)
+        for row in np.flatnonzero(self._record.left_out.any(axis=1) & asked).tolist():
+            to = Changes(given.q[row], by_b, t_bar[row : row + 1])
+            if turned:
+                motion, bars = turned.motion, (turned.bars.lam[row], given.lam[row])
+                moved = Changes(motion.found.q[row], motion.b[:, None], motion.t[row : row + 1])
+                given.lam[row] = self._minimum.turned(Place(0, row), bars, moved, motion.lam[row], to)
+            elif slopes := self._minimum.slopes(Place(0, row)):
+                given.lam[row] = slopes.transposed(given.lam[row], to)
+        return t_bar, by_b
+
+    def turned(
+        self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
+    ) -> tuple[Turned, Array]:
+        """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
+
+        `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
+        """
+        given, curves = self._given(bars), CurveLagrangian(self._system, True, self._moving)
+        self._through_minimum(given)
+        back = self._sweep.back(given)
+        if self.moves:
+            self._of.spread_along(_by_places(back), dots, nodes)
+        found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
+        if self._moving:
+            self._of.spread_time(-found.t, nodes, 0)
+        return Turned(found.sources, self._given(bars), motion), found.b
+
+
+def _by_places(found: Back) -> dict[Key, Array]:
+    """Gradients by what states are made of as those by coordinates."""
+    pairs = ("q", found.q), ("v", found.v)
+    return {(kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()}

@@ -1,0 +1,255 @@
+"""States of a run with events at given times, and at its nodes; events move the nodes that follow.
+
+The steps of a stretch have their lengths whatever happens: its nodes move in time with the event that it begins with,
+τ_p, and only the last state, at the event that ends it, moves within its step. A state at a fixed time is met sooner
+within a stretch that begins later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....outputs.recording import Angles, Key
+from ....results import Pieces, StepsTaken, Turn
+from ....system import System
+from ..chain.chain import Nodes
+from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange_with_bends
+
+LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
+
+
+class Where(NamedTuple):
+    """Times, the stretches in which they lie, and how much of the change of the event at its end moves each.
+
+    `part` is 0 at a node, 1 at the event itself, between them within the step that it ends; not a number for a time
+    that is fixed.
+    """
+
+    t: Array
+    piece: Array
+    part: Array
+
+
+class PieceSampling(Sampling):
+    """The states at some times of a run with events."""
+
+    moves = True
+
+    def __init__(self, steps: Pieces, where: Where) -> None:
+        self._all, self._steps = steps, steps.pieces[0]
+        self._times, self._piece, self._part = where
+
+    @property
+    def t(self) -> Array:
+        """The times (nt,). [s]"""
+        return np.asarray(self._times)
+
+    @property
+    def piece(self) -> Array:
+        """The stretches in which they lie (nt,)."""
+        return self._piece
+
+    @property
+    def between_nodes(self) -> Array:
+        """Which times lie between nodes, or do so where an event comes sooner or later (nt,)."""
+        return np.asarray(super().between_nodes | self._local.any(axis=1))
+
+    def _raw(self, name: str) -> Array:
+        return self._all.nodes(name)
+
+    def _remembered(self) -> Array:
+        pairs = ((piece.memory, piece.memory[-1:]) for piece in self._all.pieces)
+        return np.concatenate([rows for pair in pairs for rows in pair])
+
+    @cached_property
+    def _places(self) -> Places:
+        found = Places(np.zeros(len(self.t), dtype=np.int64), np.zeros(len(self.t)), np.zeros(len(self.t)))
+        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
+            own = self._piece == p
+            at = _placed(piece.t, np.searchsorted(piece.t, self.t[own], side="right") - 1, self.t[own])
+            for whole, part in zip(found, at._replace(first=at.first + start), strict=True):
+                whole[own] = part
+        return found
+
+    @cached_property
+    def _local(self) -> Array:
+        """How the events (pieces + 1) move each time within its stretch (nt, pieces + 1)."""
+        found = np.zeros((len(self.t), len(self._all.pieces) + 1))
+        rows, fixed = np.arange(len(self.t)), np.isnan(self._part)
+        found[rows, self._piece] -= np.where(fixed, 1.0, self._part)
+        found[rows, self._piece + 1] += np.where(fixed, 0.0, self._part)
+        return found
+
+    @cached_property
+    def _global(self) -> Array:
+        """How they move the time itself."""
+        found, fixed = self._local.copy(), np.isnan(self._part)
+        found[np.arange(len(self.t)), self._piece] += 1.0
+        found[fixed] = 0.0
+        return found
+
+    def _rate(self, kind: str, n: int) -> Array:
+        """The derivative of a coordinate within its step (nt,)."""
+        return self._within(kind, n, 1)
+
+    def _within(self, kind: str, n: int, order: int, nodes: Nodes | None = None) -> Array:
+        """A derivative of a coordinate within its step (nt,), or of its change with that of the nodes."""
+
+        def at(name: str, rows: Array) -> Array:
+            of = self._array(name)[:, n] if nodes is None else getattr(nodes, name)[:, n, 0]
+            return np.asarray(of[rows])
+
+        if kind in self._by_nodes:
+            return np.asarray(np.sum(self._polynomials[order] * at(kind, self._near.nodes), axis=1))
+        first, weights = self._places.first, self._weights[order][:, KINDS.index(kind)]
+        ends = [[at(k, first + e) for k in KINDS] for e in (0, 1)]
+        return np.asarray(np.einsum("tel,elt->t", weights, ends))
+
+    @cached_property
+    def _near(self) -> Near:
+        return Near(self._nodes, self._polynomials[0])
+
+    @cached_property
+    def _nodes(self) -> Array:
+        """Some nodes of the stretch about each time (nt, k)."""
+        return self._stretches[0]
+
+    @property
+    def _polynomials(self) -> list[Array]:
+        """The shares of these nodes in polynomials through them, so that slopes are good, too; slopes and bends."""
+        return self._stretches[1]
+
+    @cached_property
+    def _stretches(self) -> tuple[Array, list[Array]]:
+        count, (first, h, s) = LOW if self._apart else HIGH, self._places
+        nodes = np.zeros((len(self.t), count), dtype=np.int64)
+        found = [np.zeros(nodes.shape) for _ in range(3)]
+        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
+            own = self._piece == p
+            before = first[own] - start
+            near = around(before, count, len(piece.t))
+            ahead = piece.t[near] - (piece.t[before] + s[own] * h[own])[:, None]
+            nodes[own, : near.shape[1]] = start + near
+            for whole, part in zip(found, lagrange_with_bends(ahead), strict=True):
+                whole[own, : near.shape[1]] = part
+        return nodes, found
+
+    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by coordinate n of a kind, to those by the nodes and by the times of the events."""
+        super().spread(kind, n, bar, nodes, column)
+        nodes.shift[:, column] += self._local.T @ (bar * self._rate(kind, n))
+
+    def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
+        """Add the changes of gradients, given at the times, by nodes that change as times move in their steps."""
+        moved = self._local @ dots.shift[:, 0]
+        for (kind, n), bar in bars.items():
+            if kind in self._by_nodes:
+                shares = self._polynomials[1] * (bar * moved)[:, None]
+                np.add.at(getattr(nodes, kind)[:, n, 0], self._near.nodes, shares)
+            else:
+                weights = self._weights.slopes[:, KINDS.index(kind)] * (bar * moved)[:, None, None]
+                for end, place in np.ndindex(2, len(KINDS)):
+                    to = getattr(nodes, KINDS[place])[:, n, 0]
+                    np.add.at(to, self._places.first + end, weights[:, end, place])
+            bend = self._within(kind, n, 1, dots) + self._within(kind, n, 2) * moved
+            nodes.shift[:, 0] += self._local.T @ (bar * bend)
+
+    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
+        """The change of coordinate n of a kind: the transpose of `spread`."""
+        moved = self._rate(kind, n) * (self._local @ nodes.shift[:, column])
+        return np.asarray(super().gathered(kind, n, nodes, column) + moved)
+
+    def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradient by the times themselves."""
+        nodes.shift[:, column] += self._global.T @ bar
+
+    def gathered_time(self, nodes: Nodes, column: int) -> Array:
+        """The change of the times."""
+        return np.asarray(self._global @ nodes.shift[:, column])
+
+
+class Course(NamedTuple):
+    """The nodes of each stretch of a run, the last one at the event that ends it, and these events."""
+
+    t: Sequence[Array]
+    turns: Sequence[Turn]
+
+    @property
+    def ends(self) -> Array:
+        """The time at which each stretch ends [s]."""
+        return np.array([t[-1] for t in self.t])
+
+    @property
+    def times(self) -> Array:
+        """All nodes, stretch after stretch [s]."""
+        return np.concatenate(self.t)
+
+
+def course_of(steps: StepsTaken | Pieces) -> Course:
+    """That of kept steps."""
+    if not isinstance(steps, Pieces):
+        return Course([steps.t], ())
+    ends = zip(steps.pieces, steps.ends, strict=True)
+    return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.turns)
+
+
+def within(course: Course, parts: Sequence[float] = (0.0,)) -> Where:
+    """All steps at these parts, and the ends of stretches.
+
+    Such an end stands there as often as there are parts, as a step of no length; that of the run stands once.
+    """
+    found, last, shares = list[Where](), len(course.t) - 1, np.array(parts)
+    for p, t in enumerate(course.t):
+        inner = t[:-1, None] + np.diff(t)[:, None] * shares
+        part = np.zeros(inner.shape)
+        part[-1] = shares
+        ends = len(parts) if p < last else 1
+        at = np.append(inner, np.full(ends, t[-1]))
+        found.append(Where(at, np.full(len(at), p), np.append(part, np.ones(ends))))
+    return Where._make(np.concatenate(x) for x in zip(*found, strict=True))
+
+
+def fixed(course: Course, times: Array) -> Where:
+    """Fixed times; the end of the run is its last state, wherever an event puts it."""
+    t, ends = np.asarray(times, dtype=float), course.ends
+    last = float(ends[-1])
+    if len(t) and (min(t) < 0 or max(t) > last * (1 + 1e-12)):
+        raise NotThere(f"responses need times between 0 and {last:g} s")
+    piece = np.searchsorted(ends[:-1], t, side="right")
+    return Where(t, piece, np.where(t >= last, 1.0, np.nan))
+
+
+def at_event(course: Course, name: str, number: int, after: bool) -> Where:
+    """Just before or just after an event, the n-th of its name.
+
+    Raises
+    ------
+    NotThere
+    """
+    own = [p for p, turn in enumerate(course.turns) if turn.name == name]
+    if not 1 <= number <= len(own):
+        known = ", ".join(dict.fromkeys(turn.name for turn in course.turns)) or "none"
+        raise NotThere(
+            f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
+        )
+    p = own[number - 1]
+    if after and p == len(course.t) - 1:
+        raise NotThere(f"the run ends with the event {name!r}: nothing is after it")
+    return Where(course.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
+
+
+def sampling_of(steps: StepsTaken | Pieces) -> Sampling:
+    """All nodes of a run with or without events."""
+    return PieceSampling(steps, within(course_of(steps))) if isinstance(steps, Pieces) else Sampling(steps)
+
+
+def angles_of(system: System, steps: StepsTaken | Pieces) -> Angles:
+    """The joints' coordinates along a run, with the revolutions that it started with."""
+    joints, start = system.joint_coordinates, steps.start
+    first = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
+    return Angles(system, sampling_of(steps).states, lambda: first)

@@ -1,0 +1,1 @@
+"""Derivatives of the operators along curves of states, for many times at once."""

@@ -1,0 +1,523 @@
+"""Derivatives of the equations with respect to the parameters of curves: table values and formula constants.
+
+An operator uses curves by their values and slopes, f⁽ᵒ⁾(x). Its derivative with respect to a parameter c of a curve is
+the sum of its exact, recorded derivatives with respect to these calls, times ∂f⁽ᵒ⁾/∂c at x. A parameter of a curve has
+a column behind those of all elements: one for each coefficient of a table, and for the constants of a formula one
+after another, starting at the index of the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, lru_cache
+from math import perm
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..._jit.formulas.curves import PANELS, POINTS
+from ..._jit.formulas.differentiate import jacobian
+from ..._jit.formulas.expression import Expression, Graph
+from ..._jit.formulas.program import program
+from ..._jit.formulas.replay import OPERATIONS, needed
+from ...algebra import Array
+from ...elements.operators import OPERATORS, Axis
+from ...elements.recorder import Variant, record, structure
+from ...model import Curve, Formula
+from ...model.coordinates import WIDTH
+from ...model.laws.curve import Tree
+from ..structure.population import Population
+from ..system import System
+
+ORDERS = {"curve": 0, "curve_slope": 1, "curve_bend": 2, "curve_twist": 3, "curve_jounce": 4}
+ROWS, TIMES = (
+    ("lam", "nu", "lam_dot"),
+    ("t", "t_dot"),
+)  # operands with one entry for each equation; and one alone
+EVERY: dict[str, Callable[..., Any]] = OPERATIONS | {
+    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
+    **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan")},
+    "atan2": np.arctan2,
+    "sech2": lambda x: 1 - np.tanh(x) * np.tanh(x),
+}  # of arrays over time, and of traced numbers
+MANY: dict[str, Callable[..., Any]] = EVERY | {
+    "sech2": lambda x: 1 / np.cosh(np.clip(x, -350, 350)) ** 2,  # nothing beyond, without overflow
+    "nearest": lambda x: np.floor(x + 0.5),
+    "positive": lambda x: np.where(x > 0, 1.0, 0.0),
+    **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},
+}  # of arrays over time
+SIDE_BY_SIDE: dict[str, Callable[..., Any]] = MANY | {
+    name: lambda curves, x, order=n: _values(curves, x, order) for name, n in ORDERS.items()
+}  # of arrays over elements and time
+KNOWN = 256  # functions of one variable whose derivatives are cached
+
+
+class Part(NamedTuple):
+    """Derivatives of some rows (n,) by parameters, columns (k, nt), at nt times: slopes (n, nt) times basis (k, nt)."""
+
+    rows: Array
+    slopes: Array
+    columns: Array
+    basis: Array
+
+
+class Integral(NamedTuple):
+    """An integral of a curve (nt,), the columns of the parameters it depends on, and its derivatives by each (nt,)."""
+
+    value: Array
+    numbers: list[int]
+    by: list[Array]
+
+
+class Entries:
+    """Derivatives of an operator by parameters of curves at many times: a sum of parts."""
+
+    def __init__(self, parts: Sequence[Part], times: int) -> None:
+        self._parts, self._times = parts, times
+
+    def along(self, db: Array, height: int) -> Array:
+        """The change of the operator (nt, height, k) for changes of the parameters (len(b), k)."""
+        found = np.zeros((self._times, height, db.shape[1]))
+        for rows, slopes, columns, basis in self._parts:
+            moved = np.einsum("nt,ntk->tk", basis, db[columns])
+            for row, slope in zip(rows, slopes, strict=True):
+                found[:, row] += slope[:, None] * moved
+        return found
+
+    def gradient(self, weights: Array, size: int) -> Array:
+        """The gradient (size, k) of the operator's sum over rows and times with weights (nt, height, k)."""
+        found = np.zeros((size, weights.shape[2]))
+        for rows, slopes, columns, basis in self._parts:
+            flat = columns.reshape(-1)
+            for k, by_curve in enumerate(np.einsum("nt,tnk->kt", slopes, weights[:, rows])):
+                found[:, k] += np.bincount(flat, (basis * by_curve).reshape(-1), minlength=size)
+        return found
+
+    def along_column(self, column: int, moved: Array, height: int) -> Array:
+        """The change of the operator (nt, height) where one number changes differently at every time (nt,)."""
+        found = np.zeros((self._times, height))
+        for rows, slopes, columns, basis in self._parts:
+            found[:, rows] += (slopes * np.sum(basis * (columns == column), axis=0) * moved).T
+        return found
+
+    def by_column(self, column: int, weights: Array) -> Array:
+        """The gradient at every time (nt,) of the operator with weights (nt, height) by one number."""
+        found = np.zeros(self._times)
+        for rows, slopes, columns, basis in self._parts:
+            found += np.sum(basis * (columns == column), axis=0) * np.sum(slopes * weights[:, rows].T, axis=0)
+        return found
+
+    def matrix(self, height: int, width: int) -> csr_array:
+        """The derivatives at a single time."""
+        found = csr_array((height, width))
+        for rows, slopes, columns, basis in self._parts:
+            values, count = np.outer(slopes, basis).reshape(-1), len(columns)
+            places = np.repeat(rows, count), np.tile(columns[:, 0], len(rows))
+            found = csr_array(found + csr_array((values, places), shape=(height, width)))
+        return found
+
+
+class _Recipe(NamedTuple):
+    """One operator of a variant: its components, its calls of curves, and the derivatives of the components by them.
+
+    places : of the entries: block along the axis, entry of the block
+    calls : order, number that holds the place, and argument
+    order : of what is evaluated
+    """
+
+    graph: Graph
+    places: list[tuple[int, int]]
+    calls: list[tuple[int, int, Expression]]
+    partials: Array
+    order: list[int]
+
+    @property
+    def wanted(self) -> list[Expression]:
+        """The arguments of the calls, and all derivatives."""
+        return [*(x for _, _, x in self.calls), *self.partials.flat]
+
+
+class CurveDerivatives:
+    """The derivatives of a system's operators with respect to the parameters of its curves.
+
+    Parameters
+    ----------
+    system : System
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._own = [p for p in system.populations if p.count and self.concerns(p)]
+
+    def concerns(self, p: Population) -> bool:
+        """Whether elements of a kind have such derivatives."""
+        return "Curve" in p.kind.fields.values()
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(self._system.b)
+
+    def __bool__(self) -> bool:
+        return bool(self._own)
+
+    def __call__(self, name: str, b: Array, memory: Mapping[int, Any], **operands: Any) -> Entries:
+        """The derivatives of an operator.
+
+        Parameters
+        ----------
+        name : of a vector: "Phi", "Phi_t", "Phi_q_xi", "Phi_qT_lam", "gamma", "Q"
+        b : (len(system.b),) numbers
+        memory : what elements remembered at each time (nt,), by place in b
+        operands : the time ``t`` (nt,), and what the operator takes, as (nt, nq) or (nt, m)
+        """
+        own = [p for p in self._own if OPERATORS[name] in p.kind.family]
+        parts = [part for p in own for part in self._parts(p, name, b, memory, operands)]
+        return Entries(parts, len(operands["t"]))
+
+    def matrix(self, name: str, b: Array, t: float, **operands: Array) -> csr_array:
+        """The derivatives of an operator at one time, for all columns; operands are (nq,) or (m,)."""
+        now = {"t": np.array([t])} | {key: x[None] for key, x in operands.items()}
+        height = self._system.m if OPERATORS[name].axes[0] is Axis.ROWS else self._system.nq
+        return self(name, b, {}, **now).matrix(height, self.width)
+
+    def of_curve(
+        self, p: Population, k: int, place: int, order: int, x: Array
+    ) -> tuple[list[Array], list[int], list[list[Array]]]:
+        """A derivative f⁽ᵒ⁾ of the curve that is stored in number `place` of an element, at many x (nt,).
+
+        Returns
+        -------
+        it and its first two derivatives by x; the columns of the curve's numbers that count there; by each of these
+        the derivatives of f⁽ᵒ⁾, and those of f⁽ᵒ⁺¹⁾
+        """
+        curve = stored(p, k, place)
+        bases = [self._basis(p, k, place, order + n, x) for n in range(2)]
+        numbers = np.unique(bases[0][0]).tolist()
+        by = [[np.sum(basis * (at == n), axis=0) for n in numbers] for at, basis in bases]
+        return [_value(curve, x, order + n) for n in range(3)], numbers, by
+
+    def integral_of(self, p: Population, k: int, place: int, a: Array, b: Array, power: int) -> Integral:
+        """The integral of the curve in number `place` of an element times (x - a)ᵖ, from a to b at many times (nt,)."""
+        curve = p.values[k][next(m for m, n in curves_of(p.kind) if n == place)]
+        x, weights = _quadrature(curve, a, b)
+        weights = weights * (x - a) ** power
+        columns, basis = self._basis(p, k, place, 0, x.ravel())
+        numbers = np.unique(columns).tolist()
+        by = [
+            np.sum(np.sum(basis * (columns == n), axis=0).reshape(x.shape) * weights, axis=0) for n in numbers
+        ]
+        value = np.sum(weights * _value(curve, x.ravel(), 0).reshape(x.shape), axis=0)
+        return Integral(value, numbers, by)
+
+    def second_of(self, p: Population, k: int, place: int, order: int, x: Array) -> list[list[Array]]:
+        """The second derivatives of f⁽ᵒ⁾(x) (nt,) by the parameters, in the order of `of_curve`; none for a table."""
+        curve = stored(p, k, place)
+        written = None if isinstance(curve, Curve) else curve.written
+        return (
+            [[_derivative(f, x, order) for f in row] for row in _by_two_numbers(written)] if written else []
+        )
+
+    def second_integral_of(self, p: Population, k: int, place: int, a: Array, b: Array) -> list[list[Array]]:
+        """The second derivatives of the integral of the curve times x - a by the parameters (nt,); none for a table."""
+        x, weights = _quadrature(stored(p, k, place), a, b)
+        weights = weights * (x - a)
+        rows = self.second_of(p, k, place, 0, x.ravel())
+        return [[np.sum(one.reshape(x.shape) * weights, axis=0) for one in row] for row in rows]
+
+    def _parts(
+        self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
+    ) -> list[Part]:
+        """The derivatives of all elements of a population, which are evaluated together."""
+        recipe = _recipe(p.variant, name)
+        found = self.on_elements(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
+        count = len(recipe.calls)
+        slopes = found[count:].reshape(*recipe.partials.shape, *found.shape[1:])
+        return [
+            Part(
+                np.array([self._row(p, k, name, *place) for place in recipe.places], dtype=np.int64),
+                slopes[:, j, k],
+                *self._basis(p, k, place, order, found[j, k]),
+            )
+            for k in range(p.count)
+            for j, (order, place, _) in enumerate(recipe.calls)
+        ]
+
+    def on_elements(
+        self, p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
+        memory: Mapping[int, Any], operands: Mapping[str, Any], more: dict[tuple[Any, ...], Any] | None = None,
+    ) -> Array:  # fmt: skip
+        """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
+        inputs, shape = self._inputs(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
+        found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
+        return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(len(found), *shape)
+
+    def _inputs(
+        self, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
+    ) -> dict[tuple[Any, ...], Any]:
+        """The inputs of all elements (elements, nt), or (elements, 1); a list of their curves."""
+        size, times = p.kind.size(), operands["t"].shape
+        own = b[p.at : p.end].reshape(p.count, size)
+        inputs: dict[tuple[Any, ...], Any] = {("numbers", n): own[:, n, None] for n in range(size)}
+        for place in memory.keys() & range(p.at, p.end):
+            k, n = divmod(place - p.at, size)
+            whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
+            whole[k] = memory[place]
+            inputs["numbers", n] = whole
+        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in curves_of(p.kind)}
+        for name, array in operands.items():
+            if name in TIMES:
+                inputs[name,] = array
+            elif name in ROWS:
+                inputs |= {(name, n): array.T[p.rows + n] for n in range(p.kind.rows)}
+            else:
+                bodies = enumerate(p.bodies.T)
+                inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
+        return inputs
+
+    def _row(self, p: Population, k: int, name: str, block: int, entry: int) -> int:
+        """The row of a component of a block."""
+        if OPERATORS[name].axes[0] is Axis.ROWS:
+            return int(p.rows[k]) + entry
+        return int(p.bodies[k, block // 2]) + (3 if block % 2 else 0) + entry
+
+    def _basis(self, p: Population, k: int, place: int, order: int, x: Array) -> tuple[Array, Array]:
+        """Columns (parameters, nt) of a curve's parameters, and the derivatives of f⁽ᵒ⁾(x) by them (parameters, nt)."""
+        at = self._first(p, k, place)
+        curve = stored(p, k, place)
+        if isinstance(curve, Curve):
+            piece, powers = _powers(curve, x, order)
+            return at + 2 + len(curve.cubics) + 4 * piece + np.arange(4)[:, None], powers
+        slopes = _by_numbers(curve.written) if curve.written else []
+        columns = np.tile(at + np.arange(len(slopes))[:, None], (1, len(x)))
+        return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
+
+    def _first(self, p: Population, k: int, place: int) -> int:
+        """Where the parameters of the curve in number `place` of an element begin."""
+        return int(self._system.b[p.at + k * p.kind.size() + place])
+
+    def change_of(self, p: Population, k: int, place: int, db: Array) -> Curve | CurveChange:
+        """The change of a curve with its parameters (len(b),): a function of the same argument."""
+        at, curve = self._first(p, k, place), stored(p, k, place)
+        if isinstance(curve, Curve):
+            at += 2 + len(curve.cubics)
+            cubics = db[at : at + 4 * len(curve.cubics)].reshape(-1, 4).tolist()
+            return Curve(curve.knots, tuple((a, b, c, d) for a, b, c, d in cubics))
+        slopes = _by_numbers(curve.written) if curve.written else []
+        return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
+
+    def by_parameters(
+        self, p: Population, k: int, place: int, order: int, x: Array, change: Curve | CurveChange | None
+    ) -> tuple[Array, Array]:
+        """Columns (parameters, nt), and the derivatives by them of f⁽ᵒ⁾(x), or of its `change` (parameters, nt)."""
+        if change is None:
+            return self._basis(p, k, place, order, x)
+        if isinstance(change, Curve):  # the coefficients of a table are factors
+            return np.zeros((0, len(x)), dtype=np.int64), np.zeros((0, len(x)))
+        return change.by_parameters(x, order)
+
+
+class CurveChange(NamedTuple):
+    """The change of a formula with its constants: the sum of the derivatives by them, with weights.
+
+    first : the column of the first constant
+    """
+
+    first: int
+    written: Any
+    slopes: tuple[Any, ...]
+    weights: Array
+
+    def value(self, x: Array, order: int) -> Array:
+        """A derivative of it (nt,)."""
+        pairs = zip(self.weights, self.slopes, strict=True)
+        return np.asarray(sum((w * _derivative(f, x, order) for w, f in pairs if w), np.zeros(x.shape)))
+
+    def by_parameters(self, x: Array, order: int) -> tuple[Array, Array]:
+        """Columns of the constants (constants, nt), and the derivatives of f⁽ᵒ⁾(x) by them (constants, nt)."""
+        columns = np.tile(self.first + np.arange(len(self.slopes))[:, None], (1, len(x)))
+        rows = _by_two_numbers(self.written) if self.written else []
+        return columns, np.array([self._replace(slopes=tuple(row)).value(x, order) for row in rows]).reshape(
+            columns.shape
+        )
+
+
+def _quadrature(curve: Any, a: Array, b: Array) -> tuple[Array, Array]:
+    """Points between a and b (nt,) and weights (n, nt), exact for a table times a line; see `_jit.formulas.curves`."""
+    if isinstance(curve, Curve):
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        cuts = np.array([low, *(np.clip(knot, low, high) for knot in curve.knots[1:-1]), high])
+        cuts = np.where(a <= b, cuts, cuts[::-1])
+        points, shares = np.polynomial.legendre.leggauss(3)
+    else:
+        cuts = a + (b - a) * np.linspace(0, 1, PANELS + 1)[:, None]
+        points, shares = np.polynomial.legendre.leggauss(len(POINTS))
+    half, middle = np.diff(cuts, axis=0) / 2, (cuts[1:] + cuts[:-1]) / 2
+    x, weights = middle + points[:, None, None] * half, shares[:, None, None] * half
+    return x.reshape(-1, len(a)), weights.reshape(-1, len(a))
+
+
+def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
+    """The interval of each x (nt,), and the factors of its four coefficients in the derivative (4, nt)."""
+    knots = np.array(curve.knots)
+    piece = np.searchsorted(knots[1:-1], x, side="right")
+    u, powers = x - knots[piece], np.zeros((4, len(x)))
+    for n in range(order, 4):
+        powers[3 - n] = perm(n, order) * u ** (n - order)
+    return piece, powers
+
+
+def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
+    """A derivative of a recorded function of one variable (nt,)."""
+    graph, found, nodes = _recorded(_known(function), order)
+    value = evaluated(graph, [found], {("x",): x}, MANY, nodes)[0]
+    return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
+
+
+class _User:
+    """A user's function. Two are equal if they do the same; objects that one refers to may have changed in between."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        self._function, self._steps = function, program(function)
+
+    def __call__(self, x: Any) -> Any:
+        """Its value."""
+        return self._function(x)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _User) and self._steps == other._steps
+
+    def __hash__(self) -> int:
+        return hash(self._steps)
+
+
+@lru_cache(KNOWN)
+def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, list[int]]:
+    """A derivative of a function of one variable, and the order in which it is evaluated."""
+    graph = Graph()
+    variable = graph.input("x")
+    found = constant(graph, function(variable))
+    for _ in range(order):
+        found = constant(graph, jacobian(graph, [found], [variable])[0, 0])
+    return graph, found, needed(graph, [found])
+
+
+@lru_cache(KNOWN)
+def _by_numbers(written: Any) -> list[Any]:
+    """The derivatives of a formula with respect to its constants, as functions."""
+    return list(written.slopes())
+
+
+@lru_cache(KNOWN)
+def _by_two_numbers(written: Any) -> list[list[Any]]:
+    """The second derivatives of a formula with respect to its constants, as functions."""
+    return list(written.bends())
+
+
+def formula_graph(law: Formula) -> tuple[Graph, Expression]:
+    """A formula as recorded."""
+    graph, found, _ = _recorded(_known(law.function), 0)
+    return graph, found
+
+
+def steps_in(graph: Graph, wanted: list[Expression]) -> list[Expression]:
+    """The arguments of step functions in recorded expressions: where one changes sign there is a corner or a jump."""
+    nodes = (graph.nodes[n] for n in needed(graph, wanted))
+    return [Expression(graph, node.args[0]) for node in nodes if node.op == "positive"]
+
+
+def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
+    """The intermediate values of a formula (wanted, nt)."""
+    values = evaluated(formula_graph(law)[0], wanted, {("x",): x}, MANY)
+    return np.array([np.broadcast_to(value, x.shape) for value in values], dtype=float).reshape(-1, *x.shape)
+
+
+def _known(function: Callable[[Any], Any]) -> Tree | _User:
+    return function if isinstance(function, Tree) else _User(function)
+
+
+def stored(p: Population, k: int, place: int) -> Any:
+    """The curve that is stored in number `place` of an element."""
+    return p.values[k][next(m for m, n in curves_of(p.kind) if n == place)]
+
+
+def _value(curve: Any, x: Array, order: int) -> Array:
+    """A derivative of a curve."""
+    if isinstance(curve, CurveChange):
+        return curve.value(x, order)
+    if not isinstance(curve, Curve):
+        return _derivative(curve.function, x, order)
+    piece, powers = _powers(curve, x, order)
+    return np.asarray(np.sum(np.array(curve.cubics)[piece].T * powers, axis=0))
+
+
+def _values(curves: Sequence[Any], x: Array, order: int) -> Array:
+    """A derivative of several curves, each at its own x (curves, nt)."""
+    rows = np.broadcast_to(x, (len(curves), np.shape(x)[-1] if np.ndim(x) else 1))
+    return np.array([_value(curve, row, order) for curve, row in zip(curves, rows, strict=True)])
+
+
+def constant(graph: Graph, value: Any) -> Expression:
+    """A recorded value as an expression."""
+    return value if isinstance(value, Expression) else graph.constant(value)
+
+
+def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]], list[Expression]]:
+    """A recorded vector: its components with their indices, block along the axis and component of the block."""
+    recording = record(variant, (name,))
+    graph, blocks = recording.graph, recording.outputs[0].blocks
+    places = [
+        (block, entry)
+        for (block, _), array in zip(structure(variant, OPERATORS[name]), blocks, strict=True)
+        for entry in range(array.size)
+    ]
+    return graph, places, [constant(graph, e) for block in blocks for e in np.ravel(block)]
+
+
+@cache
+def _recipe(variant: Variant, name: str) -> _Recipe:
+    graph, places, entries = entries_of(variant, name)
+    calls = [Expression(graph, n) for n in needed(graph, entries) if graph.nodes[n].op in ORDERS]
+    partials = jacobian(graph, entries, calls)
+    nodes = [graph.nodes[call.id] for call in calls]
+    curve_calls = [
+        (ORDERS[node.op], graph.nodes[node.args[0]].value[1], Expression(graph, node.args[1]))
+        for node in nodes
+    ]
+    for place in np.ndindex(*partials.shape):
+        partials[place] = constant(graph, partials[place])
+    wanted = [*(x for _, _, x in curve_calls), *partials.flat]
+    return _Recipe(graph, places, curve_calls, partials, needed(graph, wanted))
+
+
+def evaluated(
+    graph: Graph,
+    wanted: list[Expression],
+    inputs: Mapping[tuple[Any, ...], Any],
+    operations: Mapping[str, Callable[..., Any]] = MANY,
+    order: list[int] | None = None,
+) -> list[Any]:
+    """Recorded expressions at many times; `order`: the operations they need, if known."""
+    values: dict[int, Any] = {}
+    for identity in order or needed(graph, wanted):
+        node = graph.nodes[identity]
+        if node.op == "constant":
+            values[identity] = float(node.value)  # fractions are recorded, too
+        elif node.op == "input":
+            values[identity] = inputs[node.value]
+        else:
+            values[identity] = operations[node.op](*(values[arg] for arg in node.args))
+    return [values[expression.id] for expression in wanted]
+
+
+def curves_of(kind: Any) -> list[tuple[int, int]]:
+    """Of each curve of an element: its index among the values, and that of its parameter."""
+    found, at, value = [], 0, 0
+    for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
+        if field == "Time":
+            continue
+        if field == "Curve":
+            found.append((value, at))
+        at, value = at + width, value + 1
+    return found

@@ -1,0 +1,117 @@
+"""Drivers that evaluate a recording for all elements of each population, several states at once in SIMD lanes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..._jit.kernels import pointer
+from ..._jit.kernels.driver import COMPILING, Signature, driver
+from ..._jit.kernels.emit import HEADER, Recording
+from ..._jit.kernels.vector import LANES
+from ...algebra import Array
+from ...elements.evaluation import partition
+from ...elements.recorder import GROUND, Variant
+from ...model.coordinates import WIDTH
+from ..structure.population import Population
+
+
+def block(values: Sequence[Any]) -> list[Array]:
+    """One block, or None if it is empty."""
+    return [np.array(values, dtype=object)] if len(values) else []
+
+
+def local(variant: Variant, symbols: Array, name: str) -> Any:
+    """Coordinates of an element's bodies, or a direction in them; some bodies may be the ground."""
+    ground = GROUND if name == "q" else (0,) * WIDTH
+    parts = [np.array(ground, dtype=object) if slot < 0 else symbols[slot] for slot in variant.slots]
+    return partition(variant.kind, np.concatenate(parts))
+
+
+def entry(
+    populations: Sequence[Population],
+    recordings: Sequence[Recording],
+    outputs: Sequence[str],
+    title: str,
+    firsts: Sequence[int] | None = None,
+) -> pointer.KernelTable:
+    """Drivers in lanes, one for each population, to be called by their addresses; `outputs` names what each is along.
+
+    Compiled under the hash of what they compute. `firsts`: where the numbers of each population begin in an output
+    along numbers; by default as in b.
+    """
+    places = [p.at for p in populations] if firsts is None else firsts
+    tables = [_table(p, outputs, first) for p, first in zip(populations, places, strict=True)]
+    return entry_with(tables, recordings, outputs, title)
+
+
+def entry_with(
+    tables: Sequence[Array], recordings: Sequence[Recording], outputs: Sequence[str], title: str
+) -> pointer.KernelTable:
+    """The same with tables of one's own."""
+    found = [_driver(recording, outputs, title) for recording in recordings]
+    return (
+        pointer.kernel_table(found, [*tables], _signature(recordings[0], outputs, title))
+        if found
+        else pointer.NONE
+    )
+
+
+def _signature(recording: Recording, outputs: Sequence[str], title: str) -> Signature:
+    name = f"{title}_x{LANES}_{recording.name}_{recording.fingerprint()}"
+    outs = tuple(f"out_{n}" for n in range(len(outputs)))
+    return Signature(name, ("t",), recording.arrays, outs, (False,) * len(outs), lanes=LANES)
+
+
+def _driver(recording: Recording, outputs: Sequence[str], title: str) -> Any:
+    own = _signature(recording, outputs, title)
+    with COMPILING:
+        if own.name not in _drivers:
+            _drivers[own.name] = driver(own, [lambda: recording], clear=False)
+        return _drivers[own.name]
+
+
+_drivers: dict[str, Any] = {}
+
+
+def _table(p: Population, outputs: Sequence[str], first: int) -> Array:
+    """Header, bodies, rows and places of a population, as `emit` reads them."""
+    coordinates = [_place(p.bodies[:, slot]) for slot in range(p.variant.moving)]
+    none = np.zeros((p.count, 0, 2), np.int64)
+    places = {
+        "coordinates": np.stack(coordinates, axis=1) if coordinates else none,
+        "rows": _place(p.rows)[:, None] if p.kind.rows else none,
+        "numbers": _place(first + p.kind.size() * np.arange(p.count))[:, None] if p.kind.size() else none,
+        "one": _place(np.zeros(p.count, np.int64))[:, None],
+    }
+    parts = [part.reshape(-1) for part in (p.bodies, p.rows, *(places[along] for along in outputs))]
+    starts = HEADER + len(outputs) + np.cumsum([0, *(len(part) for part in parts)])
+    header = [p.count, starts[0], starts[1], p.at, *starts[2:-1]]
+    return np.concatenate([header, *parts]).astype(np.int64)
+
+
+def own_tables(p: Population) -> Array:
+    """For every element of a population a table by itself (count, entries).
+
+    What it computes along the coordinates of its bodies, and then along its equations, is put one after another.
+    """
+    bodies, numbers = p.bodies.reshape(p.count, -1), p.at + p.kind.size() * np.arange(p.count)
+    along = [(WIDTH * slot, 1) for slot in range(p.variant.moving + bool(p.kind.rows))]
+    first = HEADER + 2
+    header = [1, first, first + bodies.shape[1], first + bodies.shape[1] + 1, 0]
+    header[4] = header[3] + 2 * p.variant.moving
+    table = [np.tile(header[:3], (p.count, 1)), numbers[:, None], np.tile(header[3:], (p.count, 1))]
+    table += [bodies, p.rows.reshape(-1, 1), np.tile(np.ravel(along), (p.count, 1))]
+    return np.concatenate(table, axis=1).astype(np.int64)
+
+
+def own_rows(p: Population, nq: int) -> Array:
+    """Which equations the results of `own_tables` belong to (count, results), those of constraints after all others."""
+    coordinates = (p.bodies.reshape(p.count, -1, 1) + np.arange(WIDTH)).reshape(p.count, -1)
+    return np.concatenate([coordinates, nq + p.rows.reshape(-1, 1) + np.arange(p.kind.rows)], axis=1)
+
+
+def _place(first: Array) -> Array:
+    return np.stack([np.asarray(first), np.ones(len(first))], axis=1).astype(np.int64)

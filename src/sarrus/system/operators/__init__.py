@@ -1,0 +1,1 @@
+"""The operators of a system by the name of the field: constraints, inertia, forces, joints, reactions."""

@@ -1,0 +1,171 @@
+"""Coordinates of joints as functions of the system's coordinates: values, rates, and exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...model.blueprint import Placed
+from ...model.checks.deprecated import accepts_deprecated_attributes, present_name
+from ...model.coordinates import WIDTH
+from ..structure.population import populate
+from ..structure.structure import structure_of
+from .constraints import ConstraintOperators
+
+TURN = 2 * np.pi
+
+
+class JointCoordinates(ConstraintOperators):
+    """The angles [rad] and displacements [m] of all joints as one vector c(q), with the operators of a constraint.
+
+    ``Phi(q)`` is c(q), ``Phi_q(q)`` its derivative (a row for each coordinate), ``Phi_q_xi(q, v)`` its rate, and so
+    on to third derivatives. They are no part of the equations of motion.
+
+    Attributes
+    ----------
+    names : ``pin.angle``, ``slide.displacement``, in the order of the rows (nc,)
+    angles : which of them are angles (nc,)
+    """
+
+    def __init__(self, placed: Sequence[Placed], body_count: int) -> None:
+        self.bodies = ()
+        self.names = tuple(f"{one.owner}.{one.label}" for one in placed)
+        self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)
+        self.populations, self.b = populate(placed, 0)
+        self.nq, self.m = WIDTH * body_count, len(placed)
+        numbers = max((p.end for p in self.populations), default=0)
+        self.structure = structure_of(self.populations, body_count, self.m, numbers)
+
+    def index(self, name: str) -> int:
+        """The row of a coordinate, such as ``pin.angle``.
+
+        Raises
+        ------
+        KeyError
+            If there is no such coordinate.
+        """
+        name = present_name(name, self.names)
+        if name not in self.names:
+            raise KeyError(f"no joint coordinate {name!r}; there are {', '.join(self.names) or 'none'}")
+        return self.names.index(name)
+
+    def of_joint(self, joint: str) -> list[str]:
+        """Names of a joint's coordinates, without the name of the joint.
+
+        Raises
+        ------
+        KeyError
+            If there is no such joint, or it has no coordinates.
+        """
+        if not isinstance(joint, str):
+            raise TypeError(f"a joint is given by its name, got {type(joint).__name__}.")
+        found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
+        if not found:
+            known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"
+            raise KeyError(f"no joint {joint!r} with an angle or displacement; joints that have one: {known}")
+        return found
+
+    def near(self, values: Array, near: Array) -> Array:
+        """Values with the revolutions that bring the angles nearest to given ones."""
+        return values + np.where(self.angles, TURN * np.round((near - values) / TURN), 0.0)
+
+    def with_revolutions(self, values: Array, revolutions: Array) -> Array:
+        """Values of `Phi` plus revolutions (nc,) or (nt, nc); without revolutions if these are empty."""
+        return values + TURN * revolutions if np.size(revolutions) else values
+
+    def revolutions(self, values: Array, q: ArrayLike) -> Array:
+        """The revolutions (nc,) of coordinates at a state, which `with_revolutions` adds."""
+        return np.where(self.angles, np.round((values - self.Phi(q)) / TURN), 0.0)
+
+    def along(self, t: Array, q: Array, v: Array, revolutions: Array | None = None) -> tuple[Array, Array]:
+        """Values and rates (nt, nc) of a motion.
+
+        Without known revolutions (nt, nc) they are counted from one time to the next, with help of the rates.
+        """
+        values = np.array([self.Phi(state) for state in q]).reshape(len(t), self.m)
+        rates = np.array([self.Phi_q_xi(*state) for state in zip(q, v, strict=True)]).reshape(len(t), self.m)
+        if revolutions is not None and len(revolutions) == len(t):
+            return self.with_revolutions(values, np.asarray(revolutions)), rates
+        for n in range(1, len(t)):
+            moved = 0.5 * (t[n] - t[n - 1]) * (rates[n - 1] + rates[n])
+            values[n] = self.near(values[n], values[n - 1] + moved)
+        return values, rates
+
+
+class JointCoordinate:
+    """One angle or displacement of a joint as a function of the system's coordinates.
+
+    Attributes
+    ----------
+    name : ``pin.angle``
+    """
+
+    def __init__(self, every: JointCoordinates, name: str) -> None:
+        self.name = name
+        self._every, self._row = every, every.index(name)
+
+    def value(self, q: ArrayLike, near: float | None = None) -> float:
+        """The displacement [m], or the angle [rad] nearest to `near` (default: to its initial value)."""
+        values = self._every.Phi(q)
+        if near is not None:
+            values = self._every.near(values, np.full(self._every.m, near))
+        return float(values[self._row])
+
+    def rate(self, q: ArrayLike, v: ArrayLike) -> float:
+        """Its rate of change at velocities v. [rad/s] or [m/s]"""
+        return float(self._every.Phi_q_xi(q, v)[self._row])
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> float:
+        """Its second time derivative. [rad/s²] or [m/s²]"""
+        return float((self._every.Phi_q_xi(q, a) - self._every.gamma(q, v))[self._row])
+
+    def gradient(self, q: ArrayLike) -> csr_array:
+        """Its exact derivative with respect to q, as a row (1, nq)."""
+        return self._every.Phi_q(q)[[self._row]]
+
+    def gradient_xi_q(self, q: ArrayLike, xi: ArrayLike) -> csr_array:
+        """The derivative with respect to q of the gradient along a fixed direction ξ, as a row (1, nq)."""
+        return self._every.Phi_q_xi_q(q, xi)[[self._row]]
+
+    def gradientT_q(self, q: ArrayLike) -> csr_array:
+        """The derivative with respect to q of the gradient as a column, symmetric (nq, nq)."""
+        return self._every.Phi_qT_lam_q(q, np.eye(1, self._every.m, self._row)[0])
+
+
+@accepts_deprecated_attributes
+class SystemJoint:
+    """A joint of a system: its coordinates by name.
+
+    ``joint["angle"]`` is a `JointCoordinate`; `angle` and `displacement` evaluate those that most joints have.
+
+    Attributes
+    ----------
+    name : of the joint
+    names : of its coordinates
+    """
+
+    def __init__(self, every: JointCoordinates, name: str) -> None:
+        self.name, self.names = name, tuple(every.of_joint(name))
+        self._every = every
+
+    def __getitem__(self, name: str) -> JointCoordinate:
+        """The coordinate of a name.
+
+        Raises
+        ------
+        KeyError
+            If the joint has no such coordinate.
+        """
+        return JointCoordinate(self._every, f"{self.name}.{present_name(name, self.names)}")
+
+    def angle(self, q: ArrayLike, near: float | None = None) -> float:
+        """Its angle, see `JointCoordinate.value`. [rad]"""
+        return self["angle"].value(q, near)
+
+    def displacement(self, q: ArrayLike) -> float:
+        """Its displacement. [m]"""
+        return self["displacement"].value(q)

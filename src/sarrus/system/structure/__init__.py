@@ -1,0 +1,1 @@
+"""Elements sorted by class, the sparsity of every operator, and the places of its entries."""

@@ -1,0 +1,148 @@
+"""The elements of a system by kind, as arrays: their bodies, equations and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...elements import BUILT_IN, Element, Normalization
+from ...elements.element import WIDTHS
+from ...elements.recorder import Variant, distinct, variants
+from ...model import Curve, Formula
+from ...model.blueprint import Placed
+from ...model.coordinates import WIDTH
+
+
+@dataclass
+class Population:
+    """All elements of one variant: of one kind, and with the ground (if any) at the same positions among their bodies.
+
+    Attributes
+    ----------
+    variant : the element class and the places of the ground
+    bodies : (count, moving bodies) first coordinate of each moving body
+    rows : (count,) first constraint equation of each element (unused for inertias and forces)
+    constraints : (count,) place of each element among all constraint elements
+    at : place of the first element's numbers in the system's numbers
+    owners, labels : (count,) the part of the model that each belongs to, and what it does there
+    """
+
+    variant: Variant
+    bodies: Array
+    values: list[tuple[Any, ...]]
+    owners: list[str]
+    labels: list[str]
+    rows: Array
+    constraints: Array
+    at: int = 0
+
+    @property
+    def kind(self) -> type[Element]:
+        """The element class."""
+        return self.variant.kind
+
+    @property
+    def is_force(self) -> bool:
+        """Whether these are forces, including weight."""
+        return bool(self.kind.family) and self.kind.family[0].family == "force"
+
+    @property
+    def count(self) -> int:
+        return len(self.bodies)
+
+    @property
+    def end(self) -> int:
+        """Index behind the last element's parameters."""
+        return self.at + self.count * self.kind.size()
+
+
+def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population], Array]:
+    """Sort a blueprint's elements by kind, number their equations, add the normalizations, and lay out the parameters.
+
+    Returns
+    -------
+    populations : the usual variants of the common kinds first, in their fixed order, then all others
+    numbers : all numbers of all elements, then the curves
+    """
+    members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}
+    normalizations = [_normalization(body) for body in range(1, body_count + 1)]
+    row = place = 0
+    for p in (*placed, *normalizations):
+        members.setdefault(Variant.of(p.element, p.bodies), []).append((p, row, place))
+        row += p.element.rows
+        place += p.element.rows > 0
+    populations = [_population(variant, found) for variant, found in members.items()]
+    return populations, _lay_out(populations)
+
+
+def _normalization(body: int) -> Placed:
+    return Placed(Normalization, (body,), (), "", "normalization")
+
+
+def _population(variant: Variant, found: list[tuple[Placed, int, int]]) -> Population:
+    placed = [p for p, _, _ in found]
+    bodies = np.array([distinct(p.bodies) for p in placed], dtype=np.int64).reshape(-1, variant.moving)
+    values, owners, labels = ([getattr(p, n) for p in placed] for n in ("values", "owner", "label"))
+    rows, constraints = (np.array([entry[n] for entry in found], dtype=np.int64) for n in (1, 2))
+    return Population(variant, WIDTH * (bodies - 1), values, owners, labels, rows, constraints)
+
+
+def _lay_out(populations: list[Population]) -> Array:
+    at = 0
+    for population in populations:
+        population.at = at
+        at = population.end
+    store: list[float] = []
+    flat = [number for p in populations for number in _numbers(p, at, store)]
+    assert len(flat) == at, f"{len(flat)} numbers are laid out where {at} have their places"
+    return np.array([*flat, *store], dtype=float)
+
+
+def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
+    """The parameters of a population; curves are stored behind all parameters, and the parameter is their index.
+
+    A field that holds the time has no number.
+    """
+    kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
+    for values in population.values:
+        for kind, value in zip(kinds, values, strict=True):
+            if kind == "Curve":
+                yield float(end + len(store))
+                store.extend(value.numbers())
+            elif WIDTHS[kind] > 1:
+                yield from (float(v) for v in value)
+            else:
+                yield float(value)
+
+
+def places_of(
+    populations: Sequence[Population], placed: Sequence[Placed], numbers: Array
+) -> Iterator[tuple[int, Any]]:
+    """For every parameter of the elements of the same model: its index in the parameter vector, and its value.
+
+    Parameters of curves have the indices of `CurveDerivatives`. State variables are left out.
+    """
+    waiting: dict[Variant, list[Placed]] = {}
+    for p in placed:
+        waiting.setdefault(Variant.of(p.element, p.bodies), []).append(p)
+    for population in populations:
+        fields = [kind for kind in population.kind.fields.values() if kind != "Time"]
+        for k, p in enumerate(waiting.get(population.variant, ())):
+            at = population.at + k * population.kind.size()
+            for kind, value in zip(fields, p.values, strict=True):
+                if kind == "Curve":
+                    yield from ((int(numbers[at]) + n, v) for n, v in enumerate(inside(value)))
+                elif kind != "Memory":
+                    yield from ((at + n, v) for n, v in enumerate(value if WIDTHS[kind] > 1 else (value,)))
+                at += WIDTHS[kind]
+
+
+def inside(curve: Curve | Formula) -> Sequence[Any]:
+    """The data of a curve: all stored values of a table, the constants of a formula."""
+    if isinstance(curve, Curve):
+        return curve.numbers()
+    return [number.number for number in curve.written.numbers()] if curve.written else ()

@@ -73,7 +73,7 @@ def share_of_python() -> float:
 
     from sarrus._jit.linking.link import link
     from sarrus.analyses.dynamics.dense_output import sampler
-    from sarrus.analyses.dynamics.integrators import alpha
+    from sarrus.analyses.dynamics.integrators import alpha_stepper
 
     system = sr.System(vehicle({"left": bump}))
     start = moved(system, speed=SPEED)
@@ -98,7 +98,7 @@ def share_of_python() -> float:
         return 1 - sum(spent) / (time.process_time() - began)
 
     with (
-        patch.object(alpha, "link", watched_link),
+        patch.object(alpha_stepper, "link", watched_link),
         patch.object(sampler, "link", watched_link),
     ):
         return min(share() for _ in range(4))

@@ -45,7 +45,7 @@ RETIRED = {
 # what must have no retired word, and what is left out of it
 CLEAN = ("README.md", "CONTRIBUTING.md", "docs", "src")
 EXCEPT = {
-    "src/sarrus/model/checks/deprecated.py": "the deprecated spellings",
+    "src/sarrus/model/deprecated.py": "the deprecated spellings",
     "src/sarrus/analyses/dynamics": "names of the integration loop, until they are renamed",
     "src/sarrus/analyses/sensitivity": "names of sweeps, until they are renamed",
 }

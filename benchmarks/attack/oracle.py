@@ -24,7 +24,7 @@ LOOSE = 1e-6  # [-] of unit vectors and of the triangle inequality, for rounded 
 
 def nonsense(model: Any) -> Iterator[str]:
     """Yield what is impossible about an accepted model."""
-    from sarrus.model.expand import expand
+    from sarrus.model.expansion.expand import expand
 
     expanded = expand(model)
     for body in expanded.bodies:

@@ -9,7 +9,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.integrators import alpha, radau_run
+from sarrus.analyses.dynamics.integrators import alpha_stepper, radau_run
 
 SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7}
 
@@ -42,7 +42,7 @@ def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
     assert abs(narrow.steps.v - kept.v).max() < 2e-9
 
 
-@pytest.mark.parametrize(("method", "module"), [(sr.HHT(), alpha), (sr.Radau(), radau_run)])
+@pytest.mark.parametrize(("method", "module"), [(sr.HHT(), alpha_stepper), (sr.Radau(), radau_run)])
 def test_steps_stay_as_they_are_while_room_for_more_is_made(
     method: object, module: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:

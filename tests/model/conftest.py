@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from sarrus.model.blueprint import Blueprint, Placed
+from sarrus.model.expansion.blueprint import Blueprint, Placed
 
 
 class Places:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sarrus.model import AxisAngle, Body, EulerAngles, Model, ModelError, ground
-from sarrus.model.blueprint import blueprint
+from sarrus.model.expansion.blueprint import blueprint
 
 TURN = Rotation.from_rotvec([0.3, -1.1, 2.0])
 

@@ -33,7 +33,7 @@ from sarrus.model import (
     Universal,
     ground,
 )
-from sarrus.model.blueprint import Blueprint, blueprint
+from sarrus.model.expansion.blueprint import Blueprint, blueprint
 
 A, B, C = (Body(name, 1.0, (1, 1, 1), position=(x, 0, 0)) for x, name in enumerate("abc"))
 PINS = [

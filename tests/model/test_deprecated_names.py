@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.model.checks import deprecated
+from sarrus.model import deprecated
 
 SLIDE = """
 name: drop

@@ -38,7 +38,7 @@ from sarrus.model import (
     ground,
     load,
 )
-from sarrus.model.blueprint import Blueprint, blueprint
+from sarrus.model.expansion.blueprint import Blueprint, blueprint
 from sarrus.model.file import print_schema, schema_text
 
 EVERYTHING = """\

@@ -21,7 +21,7 @@ from sarrus.model import (
     Tyre,
     ground,
 )
-from sarrus.model.blueprint import Placed, blueprint
+from sarrus.model.expansion.blueprint import Placed, blueprint
 
 BODY = Body("body", 1.0, (1, 1, 1), position=(0, 0, 2))
 OTHER = Body(

@@ -36,7 +36,7 @@ from sarrus.model import (
     Universal,
     ground,
 )
-from sarrus.model.blueprint import Blueprint, blueprint
+from sarrus.model.expansion.blueprint import Blueprint, blueprint
 
 LargestPhi = Callable[[Blueprint], float]
 AllPhi = Callable[[Blueprint], np.ndarray]

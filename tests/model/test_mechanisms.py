@@ -11,7 +11,7 @@ import pytest
 
 from sarrus import mechanisms
 from sarrus.model import ModelError, load
-from sarrus.model.blueprint import Blueprint, blueprint
+from sarrus.model.expansion.blueprint import Blueprint, blueprint
 
 ROWS = {"Spherical": 3, "Dot1": 1, "Dot2": 1, "Distance": 1}
 

@@ -12,7 +12,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.model import ModelError
-from sarrus.model.blueprint import blueprint
+from sarrus.model.expansion.blueprint import blueprint
 
 A = sr.Body("a", mass=1.0, inertia=(1, 1, 1))
 B = sr.Body("b", mass=1.0, inertia=(1, 1, 1), position=(0.0, 0.0, 1.0))

@@ -13,9 +13,9 @@ from typing import Annotated
 import pytest
 
 from sarrus.model import Curve, Force, Joint, Model, ModelError, load
-from sarrus.model.blueprint import blueprint
 from sarrus.model.bodies.body import Body
 from sarrus.model.bodies.inertia import Inertia
+from sarrus.model.expansion.blueprint import blueprint
 from sarrus.model.expression import Expression
 from sarrus.model.file.numbers import Numbers
 from sarrus.model.file.stated import function_in

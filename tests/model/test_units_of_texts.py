@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 import sarrus as sr
-from sarrus.model.checks.text_units import _laws
 from sarrus.model.drivers import Driver
+from sarrus.model.expansion.text_units import _laws
 from sarrus.model.forces import Force
 
 BALL = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))

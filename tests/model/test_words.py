@@ -9,7 +9,7 @@ import pytest
 
 from sarrus import mechanisms
 from sarrus.model import AngleDriver, Body, Model, Revolute, describe, ground, load
-from sarrus.model.blueprint import blueprint
+from sarrus.model.expansion.blueprint import blueprint
 from sarrus.model.words import mass_and_center
 
 

@@ -10,7 +10,7 @@ from tests.paper.paper import A, equal, rational, unit
 
 from sarrus import elements, model
 from sarrus.elements import Distance, Dot1, Dot2, Normalization, Spherical
-from sarrus.model.blueprint import blueprint
+from sarrus.model.expansion.blueprint import blueprint
 
 q, u, w, y, C = rational(1, 14), rational(2, 3), rational(3, 3), rational(4, 3), rational(5, 1)[0]
 r_i, p_i, r_j, p_j = split(q)

@@ -60,14 +60,14 @@ def again(system: sr.System, run: sr.Trajectory, method: object, event: sr.Event
     for p, piece in enumerate(old.pieces):
         stepper = taken_again(system, piece, method, t, q, v)
         pieces.append(stepper.steps())
-        if p < len(old.turns):
+        if p < len(old.event_steps):
             t, q_e, v_e, (after, state) = struck(system, stepper, event)
             e = getattr(event.reset, "restitution", None)
-            turns.append(replace(old.turns[p], t=t, q=q_e, v=v_e, after=after, restitution=e))
+            turns.append(replace(old.event_steps[p], t=t, q=q_e, v=v_e, after=after, restitution=e))
             q, v = state.q[0], state.v[0]
-    ended = len(old.turns) == len(old.pieces)
+    ended = len(old.event_steps) == len(old.pieces)
     pieces[0] = replace(pieces[0], start=start)
-    return Pieces(pieces=tuple(pieces), turns=tuple(turns), until=t if ended else old.until)
+    return Pieces(pieces=tuple(pieces), event_steps=tuple(turns), until=t if ended else old.until)
 
 
 def differenced(

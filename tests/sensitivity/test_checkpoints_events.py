@@ -166,14 +166,14 @@ def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
     settings = {"until": 40.0, "events": many, "method": sr.HHT()}
     compared(ball(), [sr.Final("ball.z")], ["gravity.z", "bounce.restitution"], 1e-10, memory=4e5, **settings)
     run = marked[0]
-    assert len(run.course.turns) > 50
+    assert len(run.course.event_steps) > 50
     assert 1 < len(run) < 30
 
 
 def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
     settings = {"until": 1.3, "events": BOUNCE, "method": sr.HHT(step=5e-4)}
     compared(ball(), OVER_ALL, [*BALL.values()], 1e-12, memory=2e6, **settings)
-    assert len(marked[0].course.turns) == 2
+    assert len(marked[0].course.event_steps) == 2
     assert len(marked[0]) > 4
 
 

@@ -75,7 +75,7 @@ def test_responses_change_as_the_states_that_are_kept_tell(columns: int, respons
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_they_do_over_events(method: sr.HHT | sr.Radau) -> None:
     run = struck(method)
-    assert len(run.steps.turns) > 1
+    assert len(run.steps.event_steps) > 1
     (chain, every), bars = moved(run, MANY), random_nodes(run, 2)
     wanted = bars.inner(chain.along(*every))
     assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-12 * abs(wanted).max()

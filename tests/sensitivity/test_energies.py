@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.sensitivity.zoo import zoo
 
-from sarrus.model.laws.tape import Tape, whole
+from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
 from sarrus.outputs.energies import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States

@@ -8,7 +8,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.parameters.linearized import Linearized
-from sarrus.model.laws.tape import Tape
+from sarrus.model.tape import Tape
 
 
 def recorded() -> tuple[Tape, list[int], list[tuple[int, int]]]:

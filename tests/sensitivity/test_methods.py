@@ -97,7 +97,7 @@ def test_checkpoints_give_the_same_gradient(name: str) -> None:
     """Over events, too; forward and backward agree there, of stabilized methods not to the last digits."""
     system, settings = stopped(), {"rtol": 1e-6, "atol": 1e-8, "until": 1.0, "method": METHODS[name]}
     run = sr.simulate(system, t_eval=[1.0], events=STOP, store_steps=True, **settings)
-    assert run.steps.turns
+    assert run.steps.event_steps
     responses = [sr.Final("bob.x"), sr.Integral("energy.kinetic")]
     wanted = sr.sensitivity(run, responses)
     direct = sr.sensitivity(run, responses, method="direct")

@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..model.bodies.solid import GROUND, Solid, ground
 from ..model.checks.findings import Findings
 from ..model.errors import ModelError
-from ..model.expand import expand
+from ..model.expansion.expand import expand
 from ..model.file.load import read, validate
 from ..model.file.numbers import Numbers
 from ..model.file.text.document import Document
 from ..model.forces import Force
+from ..model.geometry.solid import GROUND, Solid, ground
 from ..model.joints import Joint
 from ..model.show import quote, suggest
 from .robot.carried import part_on_bodies

@@ -2,7 +2,6 @@
 
 from .bodies.body import Body as Body
 from .bodies.shape import Shape as Shape
-from .bodies.solid import ground as ground
 from .drivers.coordinate import CoordinateDriver as CoordinateDriver
 from .drivers.distance import DistanceDriver as DistanceDriver
 from .drivers.driver import Driver as Driver
@@ -39,6 +38,7 @@ from .geometry.function import Rotation as Rotation
 from .geometry.orientation import AxisAngle as AxisAngle
 from .geometry.orientation import EulerAngles as EulerAngles
 from .geometry.point import Point as Point
+from .geometry.solid import ground as ground
 from .joints.constant_angle import ConstantAngle as ConstantAngle
 from .joints.couplings import Coupler as Coupler
 from .joints.couplings import Gear as Gear

@@ -10,8 +10,8 @@ import numpy as np
 from .. import elements
 from .._jit.formulas.functions import atan2
 from ..elements import Element
-from .checks.deprecated import present_name
 from .checks.names import find
+from .deprecated import present_name
 from .errors import ModelError
 from .geometry.frame import LocalFrame
 from .geometry.point import LocalPoint

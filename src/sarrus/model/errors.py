@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .checks.deprecated import warn_deprecated
+from .deprecated import warn_deprecated
 
 
 class SarrusError(Exception):

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError
-from .laws.tape import Traced, values_of
 from .show import show
+from .tape import Traced, values_of
 
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from .blueprint import Blueprint, blueprint
 from .coordinates import WIDTH
 from .drivers import Driver
+from .expansion.blueprint import Blueprint, blueprint
 from .forces import Force
 from .geometry.rotation import matrix
 from .joints import Joint

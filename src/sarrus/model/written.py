@@ -15,15 +15,15 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .bodies.shape import Shape
-from .bodies.solid import Solid
 from .checks.origin import Path
 from .expression import Expression, Number
 from .geometry.point import Point
+from .geometry.solid import Solid
 from .laws.curve import Curve, Formula
 from .laws.prescribed import parsed
-from .laws.tape import Traced
 from .model import Model
 from .quantity import is_list
+from .tape import Traced
 
 Steps: TypeAlias = tuple[str | int, ...]
 Change: TypeAlias = Callable[[Steps, Any], Any]

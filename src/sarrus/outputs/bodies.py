@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..model.blueprint import Placed
-from ..model.bodies.solid import GROUND, Solid
+from ..model.expansion.blueprint import Placed
 from ..model.geometry.function import AxisName, Function, PointCoordinate, Rotation
 from ..model.geometry.point import Point
 from ..model.geometry.pose import GROUND_POSE
+from ..model.geometry.solid import GROUND, Solid
 from ..model.show import quote, suggest
 from ..system import System
 from .output import POINT, Level, Output, UnknownOutput, among, calls, provides

@@ -12,8 +12,8 @@ import numpy as np
 from ..algebra import Array
 from ..elements import Element, ElementError, Primitive
 from ..elements.output import Declared
-from ..model.blueprint import Placed
 from ..model.coordinates import WIDTH
+from ..model.expansion.blueprint import Placed
 from ..system import System
 from ..system.structure.population import Population
 from .output import Level, Output, provides

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..model.laws.tape import Traced, whole
+from ..model.tape import Traced, whole
 from .energies import Along, Energy, members, plain, recorded
 from .recording import Recording
 

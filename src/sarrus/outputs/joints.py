@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..model.blueprint import Placed, blueprint
+from ..model.expansion.blueprint import Placed, blueprint
 from ..system import System
 from .bodies import AXES
 from .output import Level, Output, among, calls, provides

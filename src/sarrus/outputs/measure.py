@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model.blueprint import Placed
+from ..model.expansion.blueprint import Placed
 from ..system import System
 from ..system.cached import once
 from ..system.operators.joints import JointCoordinate, JointCoordinates

@@ -11,8 +11,8 @@ from enum import IntEnum
 from typing import Any
 
 from ..model import SarrusError
-from ..model.blueprint import Placed
-from ..model.checks.deprecated import present_name
+from ..model.deprecated import present_name
+from ..model.expansion.blueprint import Placed
 from ..model.show import suggest
 from ..system import System
 from ..system.cached import once

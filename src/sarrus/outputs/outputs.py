@@ -11,12 +11,12 @@ from ..algebra import Array
 from ..elements import Dot1, Dot2, Heading, Normalization
 from ..euler import A, B, E, G
 from ..model import SarrusError
-from ..model.bodies.solid import GROUND
-from ..model.checks.deprecated import warn_deprecated
 from ..model.coordinates import WIDTH
+from ..model.deprecated import warn_deprecated
+from ..model.expansion.marker import Marker
 from ..model.geometry.function import NEXT
-from ..model.geometry.marker import Marker
-from ..model.laws.tape import Traced, own
+from ..model.geometry.solid import GROUND
+from ..model.tape import Traced, own
 from ..system.structure.population import Population
 from .energy_recording import EnergyRecording
 from .output import UnknownOutput, find_output

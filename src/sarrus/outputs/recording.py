@@ -14,9 +14,9 @@ from .._jit.formulas.replay import needed
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
-from ..model.bodies.solid import GROUND
 from ..model.coordinates import WIDTH
-from ..model.laws.tape import Operation, Tape, Traced, value_of
+from ..model.geometry.solid import GROUND
+from ..model.tape import Operation, Tape, Traced, value_of
 from ..system import System
 from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
 from ..system.structure.local import GROUND as STILL

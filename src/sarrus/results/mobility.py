@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
-from ..model.checks.deprecated import accepts_deprecated_attributes
+from ..model.deprecated import accepts_deprecated_attributes
 from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]

@@ -13,10 +13,10 @@ from ..algebra import Array
 from ..elements import Normalization
 from ..elements.operators import Axis
 from ..model import Model
-from ..model.blueprint import blueprint
-from ..model.checks.deprecated import accepts_deprecated_attributes
 from ..model.coordinates import WIDTH, coordinates_of
-from ..model.geometry.marker import Marker, marker
+from ..model.deprecated import accepts_deprecated_attributes
+from ..model.expansion.blueprint import blueprint
+from ..model.expansion.marker import Marker, marker
 from .check import Report, check_derivatives
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places

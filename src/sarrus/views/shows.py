@@ -10,8 +10,8 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import Model, Point
-from ..model.blueprint import blueprint
 from ..model.coordinates import number_of
+from ..model.expansion.blueprint import blueprint
 from ..outputs.bodies import point_of
 from ..results import Modes, Trajectory
 from ..system import System

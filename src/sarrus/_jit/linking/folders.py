@@ -7,7 +7,7 @@ import stat
 import tempfile
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).resolve().parents[2]
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 

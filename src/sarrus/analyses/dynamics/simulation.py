@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...defaults import ATOL, RTOL
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
-from ...model.checks.deprecated import accepts_deprecated_keywords
+from ...model.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System
 from ..position.initial_state import Start, start_of

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...model.laws.tape import Tape, Traced
+from ...model.tape import Tape, Traced
 from ..sensitivity.derivatives import as_responses
 from ..sensitivity.responses.responses import Output, Response, told_apart
 

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...euler import E
 from ...model import ModelError
+from ...model.expansion.tree import Step, TreeModel, walk
 from ...model.geometry.motion import Motion, Twist
 from ...model.geometry.pose import Pose
-from ...model.geometry.tree import Step, TreeModel, walk
 from ...model.show import quote, suggest
 from ...system import System
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...model.bodies.solid import GROUND, Solid, ground
 from ...model.checks.origin import Origin
 from ...model.errors import ModelError
+from ...model.expansion.tree import Branch, walk
 from ...model.geometry.motion import Free
 from ...model.geometry.pose import GROUND_POSE
-from ...model.geometry.tree import Branch, walk
+from ...model.geometry.solid import GROUND, Solid, ground
 from ...model.joints import Joint
 from ...model.quantity import Array
 from ...model.show import quote

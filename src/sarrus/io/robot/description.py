@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.bodies.solid import GROUND
 from ...model.geometry.motion import Motion
 from ...model.geometry.pose import Pose
+from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
 
 WORLD = ""  # the name of no link: the ground

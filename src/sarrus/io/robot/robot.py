@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
+from ...model.expansion.tree import TreeModel
 from ...model.forces import Force
 from ...model.geometry.frame import Frame
 from ...model.geometry.point import Point
-from ...model.geometry.tree import TreeModel
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest

@@ -10,11 +10,11 @@ import numpy as np
 from ..geometry import rotation
 from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
+from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from ..quantity import Array, Vec3, positive, vector
 from .inertia import Inertia, Inertia6, inertia_entries
 from .shape import Shape
-from .solid import Solid
 
 
 class MassProperties(NamedTuple):

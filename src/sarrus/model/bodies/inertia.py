@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ModelError
-from ..laws.tape import values_of
 from ..quantity import Array, has_rows, number, numbers, plain
 from ..show import quote, suggest
+from ..tape import values_of
 
 Inertia: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Mapping[str, float] | NDArray[np.float64]
 Inertia6: TypeAlias = tuple[float, float, float, float, float, float]

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from ... import elements
-from ..bodies.solid import Solid
 from ..checks.names import find
 from ..coordinate import Known
 from ..errors import ModelError
 from ..forces.force import refuse_ground
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..laws.prescribed import Motion, motion_of
 from ..measure import In
 from ..primitive import Primitive

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
-from ..bodies.solid import GROUND
 from ..coordinate import Known
 from ..errors import ModelError
 from ..forces.force import refuse_ground
 from ..geometry.point import Point
 from ..geometry.pose import Poses
+from ..geometry.solid import GROUND
 from ..laws.prescribed import Motion, motion_of
 from ..measure import In
 from ..primitive import Primitive

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from ..errors import ModelError
-from ..laws.tape import value_of
 from ..show import quote
+from ..tape import value_of
 
 Values: TypeAlias = dict["Expression", Any]
 Partials: TypeAlias = "Callable[..., tuple[Expression, ...]]"

@@ -21,7 +21,6 @@ from pydantic import (
 
 from ..bodies.inertia import Inertia
 from ..bodies.shape import REMEDY, VARIABLE, Shape, inside, listed
-from ..bodies.solid import Solid
 from ..checks.names import find
 from ..expression import Expression
 from ..forces.loads import Load
@@ -29,6 +28,7 @@ from ..forces.matrix6 import Matrix6, Vector6
 from ..geometry.frame import Frame
 from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
 from ..geometry.point import Point
+from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law
 from ..laws.prescribed import Motion

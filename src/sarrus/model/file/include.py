@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_m
 from ..checks.findings import KINDS, part_name
 from ..checks.names import NAME, matches
 from ..checks.origin import Origin, Path
-from ..checks.rates import SECTION as RATES
+from ..expansion.rates import SECTION as RATES
 from ..show import quote, suggest
 from .entry import Entry, invalid, list_of, one_of
 from .scope import Scope, scoped

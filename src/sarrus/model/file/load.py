@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..bodies.body import Body
-from ..bodies.solid import GROUND, ground
 from ..checks.arguments import checked
-from ..checks.deprecated import with_present_types
 from ..checks.findings import Findings
-from ..checks.rates import SECTION, check_units
+from ..deprecated import with_present_types
 from ..drivers import Driver
 from ..errors import ModelError
-from ..expand import expand
+from ..expansion.expand import expand
+from ..expansion.rates import SECTION, check_units
 from ..expression import Expression
 from ..forces import Force
+from ..geometry.solid import GROUND, ground
 from ..joints import Joint
 from ..laws.formulas import Formulas
 from ..model import Model

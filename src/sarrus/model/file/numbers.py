@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from ..bodies.body import Body
 from ..checks.findings import KINDS
-from ..checks.text_units import check_function_unit, check_unit, variable_of
 from ..drivers import Driver
 from ..errors import ModelError
+from ..expansion.text_units import check_function_unit, check_unit, variable_of
 from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, unit_of
 from ..expression.units import powers_of

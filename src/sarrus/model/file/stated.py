@@ -16,8 +16,8 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..checks.text_units import variable_of
 from ..errors import ModelError
+from ..expansion.text_units import variable_of
 from ..expression import Expression
 from ..expression import Number as Constant
 from ..laws.curve import Formula, Tree

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from ... import elements
-from ..bodies.solid import Solid
 from ..geometry.frame import Frame
 from ..geometry.placement import placed_frames
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import In, Place
 from ..primitive import Primitive
 from .force import Force

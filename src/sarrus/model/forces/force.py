@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...elements import Element
-from ..bodies.solid import GROUND
 from ..errors import ModelError
 from ..geometry.pose import Poses
+from ..geometry.solid import GROUND
 from ..primitive import Primitive
 from ..registry import register
 

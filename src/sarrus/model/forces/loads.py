@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
 from ... import elements
-from ..bodies.solid import Solid
 from ..checks.names import find
 from ..errors import ModelError
 from ..geometry.point import Axes, Point
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In

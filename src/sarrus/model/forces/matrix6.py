@@ -8,8 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..errors import ModelError
-from ..laws.tape import values_of
 from ..quantity import is_list, numbers, plain
+from ..tape import values_of
 
 Vector6: TypeAlias = Sequence[float] | tuple[float, ...]
 Matrix6: TypeAlias = Sequence[float] | Sequence[Sequence[float]]

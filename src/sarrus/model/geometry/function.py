@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from ... import elements
-from ..bodies.solid import GROUND, Solid
 from ..errors import ModelError
 from ..primitive import Primitive
 from .point import Point
 from .pose import Poses
+from .solid import GROUND, Solid
 
 AxisName = Literal["x", "y", "z"]
 UNIT = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

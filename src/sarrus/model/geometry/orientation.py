@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ModelError
-from ..laws.tape import values_of
 from ..quantity import Array, Vector, direction, has_rows, number, numbers, vector
 from ..show import show
+from ..tape import values_of
 from . import rotation
 
 TOLERANCE = 1e-6  # [-] how far rounded input may be from a rotation

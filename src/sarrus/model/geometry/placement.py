@@ -8,7 +8,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..bodies.solid import Solid
 from ..errors import ModelError
 from ..measure import Direction, Place
 from ..quantity import SMALLEST_LENGTH, Vector
@@ -16,6 +15,7 @@ from ..show import quote
 from .frame import Frame, LocalFrame
 from .point import LocalPoint, Point
 from .pose import Poses
+from .solid import Solid
 
 
 class Frames(NamedTuple):

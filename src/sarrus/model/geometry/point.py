@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..bodies.solid import Solid, refuse_no_solid
 from ..checks.names import find
 from ..quantity import Array, Vec3, Vector, triple, vector
 from .pose import Poses
+from .solid import Solid, refuse_no_solid
 
 if TYPE_CHECKING:
     from .function import PointCoordinate

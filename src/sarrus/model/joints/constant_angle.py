@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from ... import elements
 from ..._jit.formulas.functions import cos
-from ..bodies.solid import Solid
 from ..coordinate import turned
 from ..errors import ModelError
 from ..geometry.frame import Frame, LocalFrame
 from ..geometry.placement import Axis, placed_frames
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import Angle, Direction
 from ..primitive import Primitive
 from ..quantity import Vector, number, plain

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..bodies.solid import Solid
 from ..geometry.frame import Frame
 from ..geometry.placement import Frames, placed_frames
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import Place
 from ..primitive import Primitive
 from .joint import Joint, dot1, spherical

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..bodies.solid import Solid
 from ..coordinate import Coordinate, angle
 from ..geometry.frame import Frame
 from ..geometry.placement import Axis, Frames, placed_frames
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import Direction
 from ..primitive import Primitive
 from ..quantity import Vector

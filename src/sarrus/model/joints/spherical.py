@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..bodies.solid import Solid
 from ..errors import ModelError
 from ..geometry.placement import Points, refuse_both, refuse_other_body, refuse_same_body, two_bodies
 from ..geometry.point import Point
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import Place
 from ..primitive import Primitive
 from .joint import Joint, spherical

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..bodies.solid import Solid
 from ..coordinate import Coordinate, angle, turned
 from ..errors import ModelError
 from ..geometry.frame import PERPENDICULAR, Frame, LocalFrame, frame_axes
 from ..geometry.placement import Axis, Frames, placed_frames
 from ..geometry.pose import Poses
+from ..geometry.solid import Solid
 from ..measure import Direction, Place
 from ..primitive import Primitive
 from ..quantity import Array, direction, plain, triple

@@ -15,7 +15,7 @@ from ..errors import ModelError
 from ..expression import Expression, Name, Number
 from ..quantity import is_list, numbers
 from ..show import show
-from .tape import Traced
+from ..tape import Traced
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...model.checks.deprecated import accepts_deprecated_attributes, warn_deprecated
+from ...model.deprecated import accepts_deprecated_attributes, warn_deprecated
 from ...rendering import renderer
 
 

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...model.blueprint import Placed
-from ...model.checks.deprecated import accepts_deprecated_attributes, present_name
 from ...model.coordinates import WIDTH
+from ...model.deprecated import accepts_deprecated_attributes, present_name
+from ...model.expansion.blueprint import Placed
 from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators

@@ -10,7 +10,7 @@ from ...algebra import Array
 from ...elements.evaluation import element_from, partition
 from ...euler import A, E
 from ...model.coordinates import WIDTH
-from ...model.geometry.marker import Marker
+from ...model.expansion.marker import Marker
 from ..structure.local import GROUND, firsts, local
 
 

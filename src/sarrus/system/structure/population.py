@@ -13,8 +13,8 @@ from ...elements import BUILT_IN, Element, Normalization
 from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
 from ...model import Curve, Formula
-from ...model.blueprint import Placed
 from ...model.coordinates import WIDTH
+from ...model.expansion.blueprint import Placed
 
 
 @dataclass

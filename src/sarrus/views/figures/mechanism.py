@@ -10,7 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model
-from ...model.blueprint import Blueprint, Placed, blueprint
+from ...model.expansion.blueprint import Blueprint, Placed, blueprint
 from ...model.words import global_point
 from ..looks.anchors import fields, masses
 from .style import ORANGE, figure_of

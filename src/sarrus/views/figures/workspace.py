@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError
-from ...model.blueprint import blueprint
+from ...model.expansion.blueprint import blueprint
 from ...model.show import quote, suggest
 from ...results.maps.polygons import inside
 from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places

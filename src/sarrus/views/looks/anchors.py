@@ -9,10 +9,10 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model
-from ...model.blueprint import Blueprint, Placed
-from ...model.bodies.solid import GROUND
-from ...model.geometry.marker import Framed
+from ...model.expansion.blueprint import Blueprint, Placed
+from ...model.expansion.marker import Framed
 from ...model.geometry.pose import GROUND_POSE, Poses
+from ...model.geometry.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.registry import kind_name
 from ..meshes.mesh import Mesh, along

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model, ModelError
-from ...model.blueprint import Blueprint, blueprint
-from ...model.bodies.solid import GROUND
+from ...model.expansion.blueprint import Blueprint, blueprint
+from ...model.geometry.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.show import quote
 from ..meshes import Colored, MeshError

@@ -29,7 +29,7 @@ from ..stepping.newton_matrix import motion_matrix
 from ..stepping.stepper import Settings
 from ..time_loop.prescribed import Prescribed
 from . import described_loop as loop
-from .alpha import AlphaStepper
+from .alpha_stepper import AlphaStepper
 from .implicit import GROUPS, Implicit
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {

@@ -284,7 +284,7 @@ class March:
             return steps
         ended = len(self._turns) == len(self._pieces) and self.stepper.t == self._turns[-1].t
         pieces = self._pieces if ended else [*self._pieces, steps]
-        return Pieces(pieces=tuple(pieces), turns=tuple(self._turns), until=float(self.stepper.t))
+        return Pieces(pieces=tuple(pieces), event_steps=tuple(self._turns), until=float(self.stepper.t))
 
     def _crowd(self) -> tuple[str, str] | None:
         """Whether events follow each other ever faster."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.expression import parse
-from ....model.laws.tape import Tape, Traced
+from ....model.tape import Tape, Traced
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key, States, Variable
 from ....results import Turn

@@ -16,7 +16,7 @@ from scipy.sparse import csc_array, eye_array
 from scipy.sparse.linalg import splu
 
 from ....algebra import Array
-from ....model.laws.tape import LINEAR, Operation, Tape, operation
+from ....model.tape import LINEAR, Operation, Tape, operation
 
 
 class Kind(NamedTuple):

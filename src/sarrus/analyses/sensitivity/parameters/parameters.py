@@ -16,10 +16,10 @@ import numpy as np
 
 from ....algebra import Array
 from ....model import Model, SarrusError
-from ....model.blueprint import blueprint
+from ....model.expansion.blueprint import blueprint
 from ....model.laws.formulas import Formulas
-from ....model.laws.tape import Tape, Traced, value_of
 from ....model.show import suggest
+from ....model.tape import Tape, Traced, value_of
 from ....model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
 from ....system import System
 from ....system.cached import once

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.announcement import announce
-from ....model.laws.tape import Traced
+from ....model.tape import Traced
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
 from ....results import Pieces, StepsTaken

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....model.laws.tape import Tape, Traced
+from ....model.tape import Tape, Traced
 from ..sampling.sampling import lagrange
 from .panels import Panels
 

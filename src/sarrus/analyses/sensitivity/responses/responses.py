@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ....algebra import Array
-from ....model.laws.tape import Traced
+from ....model.tape import Traced
 from ....outputs import Outputs
 from .panels import Panels
 from .peaks import Peaks, Vertex, vertex_of

@@ -1,8 +1,8 @@
 """States at the nodes of a run or between them, and the way of gradients back to the nodes.
 
 Between two nodes states are those of `dynamics.stepping.nodes`: of Radau q is the polynomial of degree five that has
-q, v and a there, and λ of degree five, too, through the six nodes about a time. Of methods of order two q is the cubic that has q
-and v, v that which has v and a; a and λ are linear. All are linear in the nodes.
+q, v and a there, and λ of degree five, too, through the six nodes about a time. Of methods of order two q is the cubic
+that has q and v, v that which has v and a; a and λ are linear. All are linear in the nodes.
 """
 
 from __future__ import annotations

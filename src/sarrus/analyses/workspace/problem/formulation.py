@@ -11,7 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.rank import unit_rows
 from ....model import SarrusError
-from ....model.blueprint import blueprint
+from ....model.expansion.blueprint import blueprint
 from ....system import System
 from ...equations.normalizations import normalizations
 from .idle_freedoms import locks

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....model.bodies.solid import GROUND
 from ....model.coordinates import WIDTH
 from ....model.geometry.pose import GROUND_POSE
 from ....model.geometry.rotation import matrix
+from ....model.geometry.solid import GROUND
 from ....system import System
 
 PARALLEL = 1e-6  # how far the product of unit vectors may be from 1 or -1

@@ -14,8 +14,8 @@ from .... import elements
 from ....algebra import Array
 from ....euler import G
 from ....linalg.svd import singular
-from ....model.blueprint import Placed
 from ....model.coordinates import WIDTH
+from ....model.expansion.blueprint import Placed
 from ....model.geometry.rotation import matrix
 from .measures import Measure
 from .rows import Problem

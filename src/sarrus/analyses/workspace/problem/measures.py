@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from .... import elements
 from ....model import SarrusError
-from ....model.blueprint import Placed
+from ....model.expansion.blueprint import Placed
 from ....model.geometry.function import Function
 from ....outputs import Level, find_output
 from ....outputs.bodies import placed

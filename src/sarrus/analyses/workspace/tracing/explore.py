@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ....algebra import Array
-from ....model.checks.deprecated import accepts_deprecated_attributes
+from ....model.deprecated import accepts_deprecated_attributes
 from ...progress import TimeLimit
 from ..problem.rows import Problem
 from ..problem.watch import POINTS, reached

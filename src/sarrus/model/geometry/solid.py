@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..errors import ModelError
-from ..geometry.pose import GROUND_POSE, Pose
 from ..quantity import Vector
 from ..show import show
+from .pose import GROUND_POSE, Pose
 
 if TYPE_CHECKING:
-    from ..geometry.frame import Frame
-    from ..geometry.point import Point
+    from .frame import Frame
+    from .point import Point
 
 GROUND = "ground"  # reserved name, body number 0
 
@@ -29,13 +29,13 @@ class Solid:
 
     def point(self, x: float, y: float, z: float) -> Point:
         """Return the point fixed at (x, y, z) [m] in body axes."""
-        from ..geometry.point import Point
+        from .point import Point
 
         return Point(self, (x, y, z))
 
     def global_point(self, x: float, y: float, z: float) -> Point:
         """Return the point of this body that is at the global (x, y, z) [m] in the initial pose."""
-        from ..geometry.point import Point
+        from .point import Point
 
         return Point(self, (x, y, z), "global")
 
@@ -51,8 +51,8 @@ class Solid:
             Directions of the frame's axes f and h, any length, perpendicular. With ``z`` alone the
             first axis is any perpendicular, with neither the axes are the body's.
         """
-        from ..geometry.frame import Frame
-        from ..geometry.point import Point
+        from .frame import Frame
+        from .point import Point
 
         return Frame(point if isinstance(point, Point) else Point(self, point), x=x, z=z)
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..checks.findings import Findings
 from ..coordinate import Known, is_angle
+from ..deprecated import present_name
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression.dimensions import fits, unit_of
 from ..expression.units import unit_text
 from ..quantity import number
 from ..show import quote, show, suggest
-from .deprecated import present_name
-from .findings import Findings
 
 if TYPE_CHECKING:
-    from ..expand import Expanded
+    from ..checks.origin import Origin
     from ..model import Model
-    from .origin import Origin
+    from .expand import Expanded
 
 SECTION = "rates"
 

@@ -7,10 +7,10 @@ from functools import cache
 from types import NoneType
 from typing import Any, get_args, get_type_hints
 
-from ..bodies.solid import Solid
 from ..errors import ModelError
 from ..geometry.frame import Frame
 from ..geometry.point import Point
+from ..geometry.solid import Solid
 from ..show import show
 
 WANTED: dict[type, tuple[str, str]] = {

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from ...elements import Displacement, DisplacementAngle
-from ..blueprint import blueprint
-from ..bodies.solid import GROUND
+from ..geometry.placement import Frames
+from ..geometry.pose import GROUND_POSE, Poses
+from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array
-from .placement import Frames
-from .pose import GROUND_POSE, Poses
+from .blueprint import blueprint
 
 
 class Marker(NamedTuple):

@@ -7,16 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..elements import Element
-from ..elements.element import WIDTHS
-from .bodies.solid import GROUND
-from .checks.findings import part_name
-from .checks.names import find
-from .errors import ModelError
+from ...elements import Element
+from ...elements.element import WIDTHS
+from ..checks.findings import part_name
+from ..checks.names import find
+from ..errors import ModelError
+from ..geometry.solid import GROUND
+from ..model import Model
+from ..quantity import Array, number, numbers
+from ..show import show
 from .expand import BodyState, Piece, expand
-from .model import Model
-from .quantity import Array, number, numbers
-from .show import show
 
 
 class Placed(NamedTuple):

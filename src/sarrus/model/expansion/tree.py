@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bodies.solid import GROUND
+from ..geometry.motion import Motion, Twist, compose
+from ..geometry.pose import GROUND_POSE, Pose
+from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array
-from .motion import Motion, Twist, compose
-from .pose import GROUND_POSE, Pose
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from .. import elements
-from .bodies.body import Body, MassProperties
-from .bodies.solid import GROUND
-from .checks.connections import check_connections, kind_of
-from .checks.findings import Findings
-from .checks.names import check_name
-from .checks.rates import check_rates
-from .checks.text_units import check_texts
-from .coordinate import Coordinate, Known
-from .drivers import Driver
-from .errors import ModelError
-from .forces import Force
-from .geometry.pose import GROUND_POSE, Pose, Poses
-from .joints import Joint
-from .model import Model
-from .primitive import Primitive
-from .quantity import Array, Vec3, vector
-from .show import quote, show
+from ... import elements
+from ..bodies.body import Body, MassProperties
+from ..checks.findings import Findings
+from ..checks.names import check_name
+from ..coordinate import Coordinate, Known
+from ..drivers import Driver
+from ..errors import ModelError
+from ..forces import Force
+from ..geometry.pose import GROUND_POSE, Pose, Poses
+from ..geometry.solid import GROUND
+from ..joints import Joint
+from ..model import Model
+from ..primitive import Primitive
+from ..quantity import Array, Vec3, vector
+from ..show import quote, show
+from .connections import check_connections, kind_of
+from .rates import check_rates
+from .text_units import check_texts
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}

@@ -3,7 +3,7 @@
     python -m tests.language [FOLDER ...]      # without a folder: all of CLEAN; exit code 1 if a retired word is found
 
 A word is retired where the field has a standard term for what it meant; see docs/glossary.md. Words are searched for in
-prose and in the parts of identifiers (`kept_events` contains `kept`).
+prose and in the parts of identifiers (`stored_events` contains `kept`).
 """
 
 from __future__ import annotations
@@ -46,8 +46,6 @@ RETIRED = {
 CLEAN = ("README.md", "CONTRIBUTING.md", "docs", "src")
 EXCEPT = {
     "src/sarrus/model/deprecated.py": "the deprecated spellings",
-    "src/sarrus/analyses/dynamics": "names of the integration loop, until they are renamed",
-    "src/sarrus/analyses/sensitivity": "names of sweeps, until they are renamed",
 }
 
 # expressions that may contain a retired word: the only exceptions
@@ -56,18 +54,10 @@ ALLOWED = {
     'warn_deprecated("sentence"': "a deprecated spelling",
     "-march=native": "an option of gcc",
     "exudyn_told.py": "a file of the benchmarks",
-    "`March`": "a class, until it is renamed",
+    "`TimeLoop`": "a class, until it is renamed",
     'state["told"]': "a key of the format of saved runs",
     ')["told"]': "a key of the format of saved runs",
     '"told": np.array': "a key of the format of saved runs",
-    "turns : the events": "a field of records of steps, until it is renamed",
-    "turns: tuple[Turn": "a field of records of steps, until it is renamed",
-    "in self.turns": "a field of records of steps, until it is renamed",
-    "import Trouble": "a class of analyses/dynamics, until it is renamed",
-    "except (Trouble": "a class of analyses/dynamics, until it is renamed",
-    "room: Buffers": "an argument of compiled loops, whose names are part of their kernels",
-    "room[": "an argument of compiled loops, whose names are part of their kernels",
-    "told_apart": "a function of analyses/sensitivity, until it is renamed",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",
 }
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import sarrus as sr
 from sarrus.analyses.dynamics.stepping.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
-from sarrus.analyses.dynamics.stepping.stepper import Trouble
+from sarrus.analyses.dynamics.stepping.stepper import RunFailure
 from sarrus.analyses.progress import TimeLimit, monitor
 
 
@@ -64,7 +64,7 @@ def test_the_first_window_begins_at_the_start_of_the_run() -> None:
     watch.begin(1e6)
     for n in range(1, WINDOWS):
         watch.look(1e6 + n * WINDOW * 1e-8, n * WINDOW)
-    with pytest.raises(Trouble, match=r"1\.0e-08 s on average"):
+    with pytest.raises(RunFailure, match=r"1\.0e-08 s on average"):
         watch.look(1e6 + WINDOWS * WINDOW * 1e-8, WINDOWS * WINDOW)
 
 

@@ -19,7 +19,7 @@ PACKAGE = Path(sarrus.__file__).parent
 PROGRAM = """
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus._jit import cache
+from sarrus._jit.linking import cache
 system = sr.System(sr.load(mechanisms.path("slider_crank")))
 print(repr(float(abs(system.Phi_q(system.q0).data).sum())), system.group("Phi_q").compiled.stats.cache_hits.total())
 print(cache.folder())

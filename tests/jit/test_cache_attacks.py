@@ -19,8 +19,8 @@ NOBODY = 65534
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 PROGRAM = """
 import numpy as np
-from sarrus._jit import cache
-from sarrus._jit.driver import compile_source
+from sarrus._jit.linking import cache
+from sarrus._jit.kernels.driver import compile_source
 kernel = compile_source("kernel", ["def f(x):", "    return 2.0 * x"], {})
 print(kernel(21.0), cache.stored_value("value", lambda: 7), kernel.stats.cache_hits.total(), cache.folder(), sep="|")
 """
@@ -37,7 +37,7 @@ def difference(work):
 """
 VERSIONS = """
 import numpy as np, loops
-from sarrus._jit.link import compiled, link
+from sarrus._jit.linking.link import compiled, link
 kernel = link(compiled(loops.difference))
 work = loops.Work(**{"first": np.array([5.0]), "second": np.array([3.0])})
 print(kernel(work), kernel.stats.cache_hits.total())
@@ -178,7 +178,7 @@ def test_folders_that_are_made_for_a_chosen_one_are_private(tmp_path: Path) -> N
 
 WINDING = """
 import numpy as np
-from sarrus._jit.link import link
+from sarrus._jit.linking.link import link
 from sarrus._jit.pointer import NONE
 from sarrus.analyses.dynamics import winding_loop as loop
 

@@ -177,9 +177,9 @@ def solve_flat(
 
 
 @compiled
-def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room: Buffers) -> None:
+def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, buffers: Buffers) -> None:
     """Solution = matrix⁻ᵀ right (n, k), not refined."""
-    n, width, x = np.uint64(right.shape[0]), right.shape[1], room[0]
+    n, width, x = np.uint64(right.shape[0]), right.shape[1], buffers[0]
     for k in range(n):
         for c in range(width):
             x[k, c] = right[matrix.column_order[k], c]
@@ -191,11 +191,11 @@ def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, room:
 
 @compiled
 def solve_columns_transposed(
-    matrix: Factors, right: Array, solution: Array, room: Buffers
+    matrix: Factors, right: Array, solution: Array, buffers: Buffers
 ) -> tuple[float, float]:
     """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
-    x, rest, whole = room[0], room[1], room[2]
+    x, rest, whole = buffers[0], buffers[1], buffers[2]
     for k in range(n):
         for c in range(width):
             whole[k, c] = right[matrix.column_order[k], c]

@@ -18,7 +18,7 @@ from .modes import Modes
 from .motion.events import EventRecord
 from .motion.parts import BodyMotion, JointMotion, Reaction
 from .motion.solution import NoSolution, Solution, State
-from .motion.steps import DescribedSteps, Pieces, RadauSteps, Steps, StepsTaken, Turn
+from .motion.steps import DescribedSteps, EventStep, Pieces, RadauSteps, Steps, StepsTaken
 from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
 from .reading import load_run
@@ -36,6 +36,7 @@ __all__ = [
     "Effort",
     "Equilibrium",
     "EventRecord",
+    "EventStep",
     "Gradient",
     "Hessian",
     "InputSingularities",
@@ -62,7 +63,6 @@ __all__ = [
     "Steps",
     "StepsTaken",
     "Trajectory",
-    "Turn",
     "Verification",
     "Workspace",
     "WorkspaceField",

@@ -28,6 +28,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Function = Callable[..., Any]
 CONSTANTS = (bool, int, float, complex, str, type(None), np.generic)
 COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+COMPILER = __package__.rpartition(".")[0]
 LIBRARIES = ("math", "cmath", "numpy")  # modules whose functions compiled code may call
 LINKING = threading.RLock()
 _entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
@@ -201,7 +202,7 @@ def _token(value: Any) -> object:
     if isinstance(value, type):
         return *name, getattr(value, "_fields", ())
     return (
-        name if name[0].startswith(f"{__package__}.") else None
+        name if name[0].startswith(f"{COMPILER}.") else None
     )  # their sources name the folder of the cache
 
 

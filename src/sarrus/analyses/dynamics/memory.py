@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from ...system import System
-from .stepping.stepper import Trouble
+from .stepping.stepper import RunFailure
 
 NUMBER = 8  # bytes
 ALWAYS = 1_000_000  # bytes that are not worth asking for
@@ -41,7 +41,7 @@ def refuse_too_large(system: System, rows: int, all_steps: bool) -> None:
     """
     wanted = bytes_of(system, rows + (STEPS if all_steps else 0))
     if wanted > ALWAYS and wanted > 0.9 * (free := available()):
-        raise Trouble(
+        raise RunFailure(
             "memory",
             f"{rows} states of {system.name} take {wanted / 1e9:.3g} GB ({wanted} bytes), but {free / 1e9:.3g} GB are "
             "free; give fewer times in t_eval, or save=... to write them to disk as they are computed",

@@ -27,9 +27,9 @@ from .integrators.radau import Radau
 from .memory import refuse_too_large
 from .methods.description import Description
 from .stepping.step_budget import StepBudget
-from .stepping.stepper import Settings, Trouble
+from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Given, Tolerances
-from .time_loop import stored_events as kept_events
+from .time_loop import stored_events as stored_events
 from .time_loop.outcome import nothing
 from .time_loop.prescribed import Prescribed
 from .time_loop.recipe import Recipe
@@ -125,7 +125,7 @@ def simulate(
     """
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
-        kept_events.refuse(chosen, save is not None)
+        stored_events.refuse(chosen, save is not None)
     try:
         with monitor(progress, until, time_limit=time_limit) as message:
             begin = start_of(system, start)
@@ -148,7 +148,7 @@ def simulate(
             if save is not None:
                 return recipe.saved(save, system, message, overwrite=overwrite)
             return recipe.done(system, None, message)
-    except Trouble as error:
+    except RunFailure as error:
         return nothing(system, error.status, error.sentence)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...algebra import Array
 from ...model.tape import Tape, Traced
 from ..sensitivity.derivatives import as_responses
-from ..sensitivity.responses.responses import Output, Response, told_apart
+from ..sensitivity.responses.responses import Output, Response, distinct_titles
 
 Part: TypeAlias = "Response | Output | Combined"
 
@@ -73,7 +73,7 @@ class Outer:
             as_responses(list(one.of)) if isinstance(one, Combined) else as_responses(one) for one in some
         ]
         self.parts = [part for group in groups for part in group]
-        self.titles = told_apart(
+        self.titles = distinct_titles(
             one.title if isinstance(one, Combined) else group[0].title
             for one, group in zip(some, groups, strict=True)
         )

@@ -19,7 +19,7 @@ from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events.events import restitutions_of, with_restitutions
-from ..dynamics.stepping.stepper import Trouble
+from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
@@ -442,7 +442,7 @@ class Point:
             found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
                 self.system, parts, own
             )
-        except (Trouble, NotThere, UndefinedResponse) as error:
+        except (RunFailure, NotThere, UndefinedResponse) as error:
             raise Infeasible(str(error)) from None
         problem.took(time.perf_counter() - began)
         return found

@@ -21,7 +21,7 @@ from ...system import System
 from ..dynamics import Event
 from ..dynamics.events.events import restitutions_of
 from ..dynamics.simulation import Differentiable, differentiable, refuse_end
-from ..dynamics.stepping.stepper import Settings, Trouble
+from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Given, Tolerances
 from ..position.assembly_derivatives import AssemblyDerivatives
 from ..position.initial_state import Start, start_of
@@ -30,13 +30,13 @@ from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
 from .chain.stretches import Stretches
 from .corners import corners
 from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
-from .events.first_order import TurnDerivatives
+from .events.first_order import EventDerivatives
 from .events.piece_chain import Backward
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Design, Parameters
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
-from .responses.responses import At, AtEvent, Final, Integral, Response, told_apart
+from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles
 from .responses.within_steps import fine
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
@@ -102,8 +102,8 @@ def sensitivity_by_checkpoints(
             back = partial(_backwards, report, 2 * until)
             task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back)
             return task.gradient(system, as_responses(responses), parameters)
-    except (Trouble, TimeLimit) as error:
-        message = error.sentence if isinstance(error, Trouble) else error
+    except (RunFailure, TimeLimit) as error:
+        message = error.sentence if isinstance(error, RunFailure) else error
         raise ValueError(
             f"derivatives need a run that reached its end, but {system.name}: {message}"
         ) from None
@@ -225,7 +225,7 @@ class LongGradient:
     def __init__(self, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> None:
         self._run, self._responses, self._parameters = run, responses, parameters
         self._samples = [Samples(run, response) for response in responses]
-        self._begun: dict[int, Array] = {}
+        self._initial: dict[int, Array] = {}
 
     def _evaluation(
         self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
@@ -250,14 +250,14 @@ class LongGradient:
 
     def _first_angles(self, n: int) -> Array:
         """The joints' coordinates where a stretch begins, with all turns; perhaps from one more pass over the run."""
-        if n not in self._begun:
+        if n not in self._initial:
             for before in range(len(self._run) - 1):
                 self._count_on(before, self._angles(before, self._run.stretch(before)))
-        return self._begun[n]
+        return self._initial[n]
 
     def _count_on(self, n: int, angles: Angles) -> None:
         """Note the joints' coordinates where the next stretch begins."""
-        self._begun[n + 1] = angles.values[-1 - self._leading(n + 1)].copy()
+        self._initial[n + 1] = angles.values[-1 - self._leading(n + 1)].copy()
 
     def _leading(self, n: int) -> int:
         """How many nodes lead a stretch."""
@@ -268,7 +268,7 @@ class LongGradient:
     def _signals(self) -> list[Array]:
         """The outputs of responses at their samples, from one more pass over the run; zero where nobody asks."""
         found = [np.zeros(len(samples.where.t)) for samples in self._samples]
-        known = LINEAR if self._run.course.turns else (*LINEAR, Integral)
+        known = LINEAR if self._run.course.event_steps else (*LINEAR, Integral)
         if all(isinstance(response, known) for response in self._responses):
             return found
         for n in range(len(self._run)):
@@ -298,7 +298,7 @@ class LongGradient:
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):
                 values[r] = response.value(g, samples.where.t)
-        titles = told_apart(response.title for response in self._responses)
+        titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
         b, q, v, c = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
         by = Gradients(back.b + b, q, v, by_joints(back.c, c))
@@ -319,14 +319,16 @@ class LongGradient:
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)
         del evaluation  # before room is made for the sweep
-        turn = partial(self._turn, stretch, angles)
-        back.over(stretch.steps, nodes, turn, lead=stretch.lead, first=stretch.first)
+        event_step = partial(self._event_step, stretch, angles)
+        back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
 
-    def _turn(self, stretch: Stretch, angles: Angles, p: int) -> Array:
+    def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""
         assert isinstance(stretch.steps, Pieces)
         pieces, names = stretch.steps, list(self._parameters.restitutions)
-        return TurnDerivatives(self._run.system, pieces.pieces[p], pieces.turns[p], names, angles).matrix
+        return EventDerivatives(
+            self._run.system, pieces.pieces[p], pieces.event_steps[p], names, angles
+        ).matrix
 
     def _given(
         self, steps: StepsTaken | Pieces, present: list[int], evaluation: Evaluation, total: Totals

@@ -81,7 +81,7 @@ def sensitivity(
     SarrusError
         For names that the model does not have.
     """
-    steps = kept(run)
+    steps = stored(run)
     if method not in METHODS:
         raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
@@ -165,7 +165,7 @@ def state_derivatives(
     ValueError
         Also for a run with events, whose states jump.
     """
-    steps = kept(run)
+    steps = stored(run)
     if isinstance(steps, Pieces):
         raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
     if not wrt:
@@ -285,7 +285,7 @@ def hessian(
 def _curvature(
     run: Trajectory, response: Response | Output, wrt: Sequence[str], design: Any, formula: Any
 ) -> tuple[Curvature, Parameters]:
-    steps = kept(run)
+    steps = stored(run)
     parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
     announce(corners(run.system, steps))
@@ -332,7 +332,7 @@ def refuse_undefined(titles: Iterable[str], values: Array) -> None:
             )
 
 
-def kept(run: Trajectory) -> StepsTaken | Pieces:
+def stored(run: Trajectory) -> StepsTaken | Pieces:
     """The steps of a run.
 
     Raises

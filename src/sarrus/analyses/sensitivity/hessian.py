@@ -14,10 +14,10 @@ import numpy as np
 from ...algebra import Array
 from ...system.curves.time_derivatives import timed
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
-from .chain.curved_steps import CurvedSteps, Turned, remembered
+from .chain.curved_steps import AdjointChange, CurvedSteps, remembered
 from .events.chains import AnyChain
 from .events.piece_chain import KINDS
-from .events.second_order import TurnChange, TurnCurvature, TurnMoved
+from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
@@ -32,7 +32,7 @@ class Moved(NamedTuple):
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
     steps: list[Any]
-    turns: list[TurnMoved]
+    event_steps: list[EventTangent]
 
 
 class Adjoined(NamedTuple):
@@ -42,7 +42,7 @@ class Adjoined(NamedTuple):
     """
 
     steps: list[Any]
-    turns: list[Array]
+    event_steps: list[Array]
     assembly: Any
     whole: Array
 
@@ -50,8 +50,8 @@ class Adjoined(NamedTuple):
 class Changes(NamedTuple):
     """The changes of the equations of all steps, of the events and of the assembly."""
 
-    steps: list[Turned]
-    turns: list[TurnChange]
+    steps: list[AdjointChange]
+    event_steps: list[EventAdjointChange]
     rate: Change
     place: Change
     axes: Change
@@ -74,14 +74,14 @@ class Curvature:
         moving = not isinstance(chain, Chain) and timed(chain.system)
         self._chains = [chain] if isinstance(chain, Chain) else chain.chains
         self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
-        derivatives = () if isinstance(chain, Chain) else chain.turns
+        derivatives = () if isinstance(chain, Chain) else chain.event_steps
         self._curves = [
             CurveLagrangian(chain.system, parameters.in_curves, moving and n > 0)
             for n in range(len(self._chains))
         ]
         self._stretches = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
         curves = CurveLagrangian(chain.system, parameters.in_curves, moving)
-        self._turns = [TurnCurvature(one, curves) for one in derivatives]
+        self._event_steps = [EventCurvature(one, curves) for one in derivatives]
 
     @property
     def _assembly(self) -> Any:
@@ -103,17 +103,19 @@ class Curvature:
         nodes = Nodes(*(np.array(getattr(nodes, name), order="C") for name in FIELDS))
         nq, size, b, c = self._system.nq, len(self._system.b), b.copy(), c.copy()
         q, v, shift = np.zeros(nq), np.zeros(nq), 0.0
-        steps, turns = list[Any](), list[Array]()
-        if len(self._turns) == len(self._chains):
+        steps, event_steps = list[Any](), list[Array]()
+        if len(self._event_steps) == len(self._chains):
             shift = float(nodes.shift[-1, 0])
         for p in range(len(self._chains) - 1, -1, -1):
             own = nodes.part(self._parts[p])
-            if p < len(self._turns):
-                turned = self._turns[p].back(q, v, shift, changes.turns[p] if changes else None)
+            if p < len(self._event_steps):
+                event_adjoint = self._event_steps[p].back(
+                    q, v, shift, changes.event_steps[p] if changes else None
+                )
                 for place, kind in np.ndindex(2, len(KINDS)):
-                    getattr(own, KINDS[kind])[place - 2, :, 0] += turned.nodes[place, kind]
-                b, c, shift = b + turned.b, c + turned.c, shift + turned.shift
-                turns.insert(0, turned.solved)
+                    getattr(own, KINDS[kind])[place - 2, :, 0] += event_adjoint.nodes[place, kind]
+                b, c, shift = b + event_adjoint.b, c + event_adjoint.c, shift + event_adjoint.shift
+                event_steps.insert(0, event_adjoint.solved)
             back = self._stretches[p].back(own, changes.steps[p] if changes else None)
             q, v = back.q[:, 0], back.v[:, 0]
             b, shift = b + back.b[:size, 0], shift + nodes.shift[p, 0] + back.b[size:].sum()
@@ -123,7 +125,7 @@ class Curvature:
         if changes:
             b = b - changes.rate.b - changes.place.b
         whole = np.concatenate([b + assembly.b, assembly.q, assembly.v, by_joints(c, by_c)])
-        return Adjoined(steps, turns, assembly, whole)
+        return Adjoined(steps, event_steps, assembly, whole)
 
     def _of_assembly(self, changes: Changes) -> tuple[Array, Array, Array, Array]:
         """What the changes take from the right sides of the assembly, of q, λ, v and μ."""
@@ -135,7 +137,7 @@ class Curvature:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
-        q, v, steps, turns = assembly[0], assembly[2], list[Any](), list[TurnMoved]()
+        q, v, steps, event_steps = assembly[0], assembly[2], list[Any](), list[EventTangent]()
         for p, chain in enumerate(self._chains):
             moving = chain.curves.width > len(b)
             own = Nodes.zeros(chain.steps, 1)
@@ -143,12 +145,12 @@ class Curvature:
             steps.append(self._stretches[p].along(moved, q, v, own))
             for name in (*KINDS, "lam"):
                 getattr(nodes, name)[self._parts[p]] = getattr(own, name)
-            if p < len(self._turns):
+            if p < len(self._event_steps):
                 ends = np.array([[getattr(own, kind)[e, :, 0] for kind in KINDS] for e in (-2, -1)])
-                found = self._turns[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
+                found = self._event_steps[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
                 q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
-                turns.append(found)
-        return Moved(b, c, nodes, assembly, steps, turns)
+                event_steps.append(found)
+        return Moved(b, c, nodes, assembly, steps, event_steps)
 
     def times(self, direction: Array) -> Array:
         """The Hessian times a direction of the parameters (p,)."""
@@ -174,9 +176,11 @@ class Curvature:
             shift = moved.nodes.shift[p] if self._chains[p].curves.width > len(moved.b) else np.zeros(0)
             b_dot = np.append(moved.b[:, 0], shift)
             stretches.append(stretch.turned(b_dot, own, moved.steps[p], first.steps[p]))
-        turns = [
+        event_steps = [
             one.change(solved, adjoined)
-            for one, solved, adjoined in zip(self._turns, moved.turns, first.turns, strict=True)
+            for one, solved, adjoined in zip(
+                self._event_steps, moved.event_steps, first.event_steps, strict=True
+            )
         ]
         b, b_dot, t = remembered(steps, 0), moved.b[:, 0], float(steps.t[0])
         q_dot, lam_dot, v_dot, mu_dot = (x[:, 0] for x in moved.assembly)
@@ -188,7 +192,7 @@ class Curvature:
             system, "place", t, b, b_dot, found.lam, adjoint.y1, lam_dot, self._curves[0], q=found.q, q_dot=q_dot,
             xi=adjoint.x1,
         )  # fmt: skip
-        return Changes(stretches, turns, rate, place, self._axes_change(moved, first))
+        return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first))
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:
         """The changes of the rows of given rates of joints."""

@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, Pieces, StepsTaken, Trajectory, Turn
+from ...results import Assembly, EventStep, Pieces, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.events.events import Event
 from ..dynamics.inputs.breakpoints import stops_of
 from ..dynamics.stepping.nodes import Nodes
-from ..dynamics.stepping.stepper import KeepingStepper, Settings, Trouble
-from ..dynamics.time_loop.time_loop import CROWD, March, Plan
+from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, Settings
+from ..dynamics.time_loop.time_loop import CROWD, Plan, TimeLoop
 from .sampling.pieces import LOW, Course
 from .sampling.sampling import HIGH, LINEAR, late
 
@@ -87,7 +87,7 @@ class Stretch:
     first: int
 
 
-class LongRun(March):
+class LongRun(TimeLoop):
     """A run of which only checkpoints are kept, and the events.
 
     Half of the memory is for checkpoints and events: where they need more, every second checkpoint is dropped, and
@@ -96,7 +96,7 @@ class LongRun(March):
     Parameters
     ----------
     system, start, method, settings, until, events, progress : of the simulation; steps are kept
-    room : [bytes]
+    buffers : [bytes]
     per_step : what each step of a stretch takes [bytes]
 
     Attributes
@@ -123,7 +123,7 @@ class LongRun(March):
         method: Any,
         settings: Settings,
         until: float,
-        room: float,
+        buffers: float,
         per_step: float,
         events: Sequence[Event] = (),
         progress: Callable[[float], None] | None = None,
@@ -133,7 +133,7 @@ class LongRun(March):
         settings = replace(settings, max_step=min(settings.max_step, stops.longest))
         plan = Plan(none, until, stops.all, none, events, progress=progress)
         super().__init__(system, method.stepper(system, start, settings), plan)
-        self._half, self._per_step = room / 2, per_step
+        self._half, self._per_step = buffers / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
         self.start, self.precise = start, not self.stepper.apart
         self._lead: StepsTaken | None = None
@@ -142,17 +142,17 @@ class LongRun(March):
         self._times: list[list[Array]] = []
         self._place, self._count = Place(-1, 0), 0
         self.go(start)
-        self._make_room()
+        self._free_memory()
         times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
-        self.course = Course([np.concatenate(t) for t in times], self._turns)
-        self.late = late(HIGH if self.precise else LOW if self._turns else LINEAR)
+        self.course = Course([np.concatenate(t) for t in times], self._event_steps)
+        self.late = late(HIGH if self.precise else LOW if self._event_steps else LINEAR)
 
     def __len__(self) -> int:
         """Number of stretches."""
         return len(self._points)
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
-        """See `March`; what does not reach the end is no run.
+        """See `TimeLoop`; what does not reach the end is no run.
 
         Raises
         ------
@@ -162,12 +162,12 @@ class LongRun(March):
         if run.status == "stopped":
             raise KeyboardInterrupt
         if not run.success:
-            raise Trouble(run.status, run.message)
+            raise RunFailure(run.status, run.message)
         return run
 
     @property
     def portion(self) -> int:
-        """See `March`; checkpoints lie between two portions."""
+        """See `TimeLoop`; checkpoints lie between two portions."""
         return min(super().portion, self._first)
 
     def begin(self, n: int) -> Place:
@@ -175,7 +175,7 @@ class LongRun(March):
         if n == len(self):
             return Place(len(self.course.t), 0)
         place, course = self._points[n].place, self.course
-        over = place.piece < len(course.turns) and place.step == len(course.t[place.piece]) - 1
+        over = place.piece < len(course.event_steps) and place.step == len(course.t[place.piece]) - 1
         return Place(place.piece + 1, 0) if over else place
 
     def stretch(self, n: int) -> Stretch:
@@ -188,11 +188,11 @@ class LongRun(March):
                 self._begin_again(self._begins[p])
             to = end if p == last else len(self.course.t[p]) - 1
             pieces.append(self._again(to - (step if p == first else 0)))
-        lead, turns = self.lead(n), tuple(self.course.turns[first:last])
+        lead, event_steps = self.lead(n), tuple(self.course.event_steps[first:last])
         known = lead if self.late else None
-        if not self.course.turns:
+        if not self.course.event_steps:
             return Stretch(pieces[0], lead, led(known, pieces[0]), first)
-        steps = Pieces(pieces=tuple(pieces), turns=turns, until=float(pieces[-1].t[-1]))
+        steps = Pieces(pieces=tuple(pieces), event_steps=event_steps, until=float(pieces[-1].t[-1]))
         sampled = replace(steps, pieces=(led(known, pieces[0]), *pieces[1:]))
         return Stretch(steps, lead, sampled, first)
 
@@ -234,10 +234,10 @@ class LongRun(March):
         self._place = self._place._replace(step=self._place.step + len(t))
         self._count += len(t)
 
-    def _cut(self, steps: StepsTaken, turn: Turn) -> None:
+    def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         if not self._place.step:  # an event at once: there is one step at least
-            self._note(np.array([turn.t]))
-        self._turns.append(turn)
+            self._note(np.array([event_step.t]))
+        self._event_steps.append(event_step)
 
     def _mark(self) -> None:
         """A checkpoint; what is kept of the steps before it is forgotten."""
@@ -246,26 +246,26 @@ class LongRun(March):
             self._lead = last_of(led(self._lead, steps), (HIGH if self.precise else LOW) - 2)
         stepper.forget()
         stepper.tally.history.clear()
-        del self.watches.happened[:-CROWD]
+        del self.watches.records[:-CROWD]
         state = {name: np.array(x) for name, x in stepper.state().items()}
         self._points.append(Checkpoint(state, self._place, self._count, self._lead))
-        self._make_room()
+        self._free_memory()
 
-    def _make_room(self) -> None:
+    def _free_memory(self) -> None:
         counts = [*(point.count for point in self._points), self._count]
         steps = self._per_step * max(np.diff(counts))
         if steps > self._half:
             raise self._too_little(2 * steps)
-        while self._kept > self._half:
+        while self._stored > self._half:
             if 2 * steps > self._half or len(self) == 1:
-                raise self._too_little(2 * self._kept + 2 * steps)
+                raise self._too_little(2 * self._stored + 2 * steps)
             self._points, self._every, steps = self._points[::2], 2 * self._every, 2 * steps
 
     @property
-    def _kept(self) -> int:
+    def _stored(self) -> int:
         """Memory of checkpoints and events [bytes]."""
         numbers = 5 * self.system.nq + len(self.system.memory_places)
-        return sum(point.nbytes for point in self._points) + len(self._turns) * (8 * numbers + OBJECTS)
+        return sum(point.nbytes for point in self._points) + len(self._event_steps) * (8 * numbers + OBJECTS)
 
     def _too_little(self, wanted: float) -> ValueError:
         return ValueError(

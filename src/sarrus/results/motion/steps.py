@@ -138,7 +138,7 @@ class RadauSteps(StepsTaken):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Turn:
+class EventStep:
     """An event at which a run went on from other velocities, or ended.
 
     Attributes
@@ -170,12 +170,12 @@ class Pieces:
     Attributes
     ----------
     pieces : the steps of each stretch; the last step of a stretch goes on beyond the event that ends it
-    turns : the events; one more than there are starts anew where an event ended the run
+    event_steps : the events; one more than there are starts anew where an event ended the run
     until : end of the run [s]
     """
 
     pieces: tuple[StepsTaken, ...]
-    turns: tuple[Turn, ...]
+    event_steps: tuple[EventStep, ...]
     until: float
 
     def __len__(self) -> int:
@@ -211,7 +211,7 @@ class Pieces:
     @property
     def ends(self) -> Array:
         """The time at which each stretch ends [s]."""
-        times = [turn.t for turn in self.turns]
+        times = [event_step.t for event_step in self.event_steps]
         return np.array([*times, self.until][: len(self.pieces)])
 
     def nodes(self, name: str) -> Array:

@@ -134,8 +134,8 @@ def correct(x: Array, before: float, work: Work, matrix: Matrix) -> tuple[float,
     """
     n, every, worst, length = len(x), 0.0, 0.0, 1.0
     for k in range(len(work.rate)):
-        kept = work.rate[k] * (1.0 - matrix.left_out[k])
-        every, worst = max(every, abs(work.rate[k])), max(worst, abs(kept))
+        stored = work.rate[k] * (1.0 - matrix.left_out[k])
+        every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
     for k in range(n):
         length = max(length, abs(x[k]))
     if worst < PROJECTED or (not worst < 0.5 * before and worst < ROUND * length):

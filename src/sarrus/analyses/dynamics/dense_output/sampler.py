@@ -19,7 +19,7 @@ from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
 from ..stepping.newton_matrix import motion_matrix
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import Trouble
+from ..stepping.stepper import RunFailure
 from . import sample_loop as loop
 
 GROUPS = {
@@ -85,7 +85,7 @@ class Sampler:
         self._sample = link(loop.sample)
         self._arrays: Any = None
 
-    def room(self, times: Array) -> loop.Samples:
+    def capacity(self, times: Array) -> loop.Samples:
         """Room for states at these times."""
         nq, m, n = self.system.nq, self.system.m, len(times)
         states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
@@ -96,7 +96,7 @@ class Sampler:
     def states(self, nodes: Nodes, times: Array) -> loop.Samples:
         """Consistent states at rising times between the first node and the last."""
         self._choose(float(nodes.t[0]), nodes.q[0])
-        out = self.room(times)
+        out = self.capacity(times)
         out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
         done, row, tried = 0, 0, -1
         while done < len(times):
@@ -212,7 +212,7 @@ class Sampler:
             In a singular position.
         """
         if not self._factored(t, q):
-            raise Trouble(
+            raise RunFailure(
                 "singular configuration",
                 f"the position at t = {t:.6g} s is singular: an impulse has no one answer",
             )

@@ -52,12 +52,12 @@ class Winding:
         times = np.concatenate([nodes.t, t])
         order = np.argsort(times, kind="stable")
         both_q, both_v = (np.concatenate(x)[order] for x in ((nodes.q, q), (nodes.v, v)))
-        turns, found = np.zeros((2, len(times), self._of.m))
+        full_revolutions, found = np.zeros((2, len(times), self._of.m))
         link(loop.count)(
             self._residual, self._velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
-            turns, self._work,
+            full_revolutions, self._work,
         )  # fmt: skip
-        found[order] = turns
+        found[order] = full_revolutions
         return np.asarray(found[len(nodes.t) :])
 
     def state(self) -> dict[str, Array]:

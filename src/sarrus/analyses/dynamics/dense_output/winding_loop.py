@@ -25,9 +25,9 @@ class Work(NamedTuple):
 @compiled(entry=True)
 def count(
     residual: Entry, velocity: Entry, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
-    turns: Array, work: Work,
+    full_revolutions: Array, work: Work,
 ) -> None:  # fmt: skip
-    """Fill `turns` (nt, nc), the revolutions beyond Φ; `last` (nc,) holds the coordinates before and is replaced.
+    """Fill `full_revolutions` (nt, nc), those beyond Φ; `last` (nc,), the coordinates before, is replaced.
 
     An angle is taken nearest to the one before and the mean of both rates times the time between.
     """
@@ -40,6 +40,6 @@ def count(
             if n > 0:
                 near += 0.5 * (t[n] - t[k]) * (work.rate[c] + work.before[c])
             if angles[c]:
-                turns[n, c] = round((near - work.Phi[c]) / REVOLUTION)
-            last[c] = work.Phi[c] + REVOLUTION * turns[n, c]
+                full_revolutions[n, c] = round((near - work.Phi[c]) / REVOLUTION)
+            last[c] = work.Phi[c] + REVOLUTION * full_revolutions[n, c]
             work.before[c] = work.rate[c]

@@ -27,9 +27,9 @@ from ...equations.motion import Motion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import Settings, Stepper, Tally, Trouble
+from ..stepping.stepper import RunFailure, Settings, Stepper, Tally
 
-ROOM = 120  # states that are kept in mind, each THIN times as far from the last one as the next
+RECORD_SIZE = 120  # states that are kept in mind, each THIN times as far from the last one as the next
 THIN = 1.1
 NUMBERS = 1_000_000  # of those states together, as far as more than a few do not fit
 CLOSE, AWAY = (
@@ -130,7 +130,7 @@ class Crossing:
         if landing is None:
             try:
                 return self._inner.advance(stop, limit)
-            except Trouble:
+            except RunFailure:
                 landing = self._landing(stop)
                 if landing is None:
                     raise
@@ -172,8 +172,8 @@ class Crossing:
             if t[-1] - t[row] >= THIN * distance:
                 rows.append(row)
                 distance = t[-1] - t[row]
-        room = min(ROOM, max(2 * POINTS, NUMBERS // (2 * self._system.nq)))
-        chosen = rows[room::-1]
+        capacity = min(RECORD_SIZE, max(2 * POINTS, NUMBERS // (2 * self._system.nq)))
+        chosen = rows[capacity::-1]
         q, v = (
             np.concatenate(x)[chosen]
             for x in ((self._past.q, nodes.q[fresh]), (self._past.v, nodes.v[fresh]))
@@ -218,10 +218,10 @@ class Crossing:
 
     def _step(self, rows: list[int], end: float) -> Landing:
         """The same, from the last of some states."""
-        kept, (times, qs, vs) = self.independence.rows, (x[rows] for x in self._past)
-        motion = Motion(self._system, kept)
+        stored, (times, qs, vs) = self.independence.rows, (x[rows] for x in self._past)
+        motion = Motion(self._system, stored)
         motion.b[:] = self.b
-        project = Projection(self._system, motion.b, kept)
+        project = Projection(self._system, motion.b, stored)
         states = [(t, *project(t, q, v)) for t, q, v in zip(times.tolist(), qs, vs, strict=True)]
         known, begin = [motion.acceleration(*state)[0] for state in states], Begin(*states[-1])
         way, moved, iterations = Way(begin, times, np.array(known)), np.inf, 0

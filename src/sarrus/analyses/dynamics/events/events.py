@@ -16,7 +16,7 @@ from ....results.motion.events import event_records
 from ....system import System
 from ..dense_output.sampler import Sampler
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import Trouble
+from ..stepping.stepper import RunFailure
 from .event_output import EventOutput
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
@@ -144,7 +144,7 @@ class Watch:
         value = real(f"the value of the event {self.name}", self.function(t, q, v))
         if np.isnan(value):
             message = f"the event {self.name} has no value at t = {t:.6g} s: its function returned nan. Make it finite."
-            raise Trouble("event undefined", message)
+            raise RunFailure("event undefined", message)
         return value
 
     @property
@@ -243,7 +243,7 @@ class Watches:
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         self._all = [Watch(system, event) for event in events]
-        self.happened: list[EventRecord] = []
+        self.records: list[EventRecord] = []
 
     def __bool__(self) -> bool:
         return bool(self._all)
@@ -260,16 +260,16 @@ class Watches:
 
     def state(self) -> dict[str, Array]:
         """What is known of them so far."""
-        happened, every = self.happened, self._all
+        records, every = self.records, self._all
         names = [watch.name for watch in every]
         found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
         found["watch_last"] = np.array([watch.last for watch in every])
         found["watch_at"] = np.array([watch.at for watch in every])
         found |= {f"watch_near_{n}": watch.near for n, watch in enumerate(every)}
-        found["event_of"] = np.array([names.index(event.name) for event in happened], dtype=np.int64)
+        found["event_of"] = np.array([names.index(event.name) for event in records], dtype=np.int64)
         found["event_names"] = np.array(names, dtype="U")
         return found | {
-            f"event_{n}": np.array([getattr(e, n) for e in happened]) for n in ("t", "q", "v", "after")
+            f"event_{n}": np.array([getattr(e, n) for e in records]) for n in ("t", "q", "v", "after")
         }
 
     def resume(self, state: Mapping[str, Array]) -> None:
@@ -278,7 +278,7 @@ class Watches:
         for n, watch in enumerate(self._all):
             watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
             watch.at, watch.near = float(at[n]), state.get(f"watch_near_{n}", watch.near)
-        self.happened = event_records(state)
+        self.records = event_records(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
         """All crossings within the nodes, in the order of time."""

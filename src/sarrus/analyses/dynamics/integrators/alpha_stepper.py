@@ -22,12 +22,12 @@ from ..stepping.failures import has_laws
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.newton_matrix import newton_matrix, weigh
 from ..stepping.nodes import Nodes
-from ..stepping.step_store import Keeping
+from ..stepping.step_store import StepStore
 from ..stepping.stepper import Settings, Tally
 from ..time_loop.time_loop import CHUNK
 from .implicit import GROUPS, Accelerations, Implicit, entries
 
-ROOM = 300_000  # numbers of the record of one chunk of steps, at most
+RECORD_SIZE = 300_000  # numbers of the record of one chunk of steps, at most
 FAR = 1e4  # of the system's size: distances from the origin at which positions have four digits fewer
 FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half of the one before
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
@@ -64,8 +64,8 @@ class AlphaStepper(Implicit):
         self.independence = independence_at(system, start)
         self._make()
         nq, m = system.nq, system.m
-        self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        self.keeping = Keeping(system, self._record(self._chunk), self.kind, settings)
+        self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * nq + m))))
+        self.store = StepStore(system, self._record(self._chunk), self.kind, settings)
         self._tolerance = settings.tolerances.for_loop()
         self._arrays: Any = None
         self._vain = 0
@@ -84,12 +84,12 @@ class AlphaStepper(Implicit):
         self._control: loop.Control = loop.Control.zeros()
         self.first_error = Leading(3, self.scheme.error)
 
-    def _record(self, room: int) -> Any:
+    def _record(self, capacity: int) -> Any:
         """Room for the steps of one call of the loop, with what only sweeps need if they are stored."""
         nq, m, places = self.system.nq, self.system.m, len(self.system.memory_places)
-        corrected = room if self.settings.store_steps else 0
-        shapes = [*[(room,)] * 3, *[(room, nq)] * 4, (room, m), (corrected, nq), (corrected, m)]
-        shapes += [(room, places), *[(room,)] * 3, (0,)]
+        corrected = capacity if self.settings.store_steps else 0
+        shapes = [*[(capacity,)] * 3, *[(capacity, nq)] * 4, (capacity, m), (corrected, nq), (corrected, m)]
+        shapes += [(capacity, places), *[(capacity,)] * 3, (0,)]
         return loop.Record._make(np.zeros(shape) for shape in shapes)
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
@@ -102,12 +102,12 @@ class AlphaStepper(Implicit):
             raise self._explained(q, v) from None
         self._begin_at(q, v, a, lam)
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
-        control, given = self._control, self.keeping.given()
+        control, given = self._control, self.store.given()
         control.clear()
         control.t, control.defect = t, 1.0
         control.h = control.x_h = given[0] if len(given) else self._first_step(motion)
         self._renew_pivots()
-        self.keeping.begin(self.matrix.numbers.left_out, **self._node())
+        self.store.begin(self.matrix.numbers.left_out, **self._node())
 
     def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
         """The first state."""
@@ -136,14 +136,14 @@ class AlphaStepper(Implicit):
         limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
             self._passed, self._entries, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
-            self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self._tolerance,
+            self._memory, self._arrays, control, self.store.record(), self.settings.store_steps, self._tolerance,
         )  # fmt: skip
         self.t = float(control.t)
         self._count(before)
-        self.tally.history.append(self.keeping.history(taken))
+        self.tally.history.append(self.store.history(taken))
         self._look(status, taken)
         return Nodes._make(
-            np.concatenate(x) for x in zip(first, self.keeping.collect(taken, memory), strict=True)
+            np.concatenate(x) for x in zip(first, self.store.collect(taken, memory), strict=True)
         )
 
     def _forget_pivots(self) -> None:
@@ -202,13 +202,13 @@ class AlphaStepper(Implicit):
         SingularSystem
             If they do not exist.
         """
-        system, kept = self.system, self.matrix.numbers.left_out == 0.0
+        system, stored = self.system, self.matrix.numbers.left_out == 0.0
         try:
             self._factor(t, (q, v, np.zeros(system.nq), np.zeros(system.m)), (0.0, 0.0))
         except SingularMatrix as error:
             raise SingularSystem(str(error)) from None
         force = system.Q(q, v, t, b=self.b) + system.S(q, v, b=self.b)
-        found = self.matrix.solve(np.concatenate([force, kept * system.gamma(q, v, t, b=self.b)]))
+        found = self.matrix.solve(np.concatenate([force, stored * system.gamma(q, v, t, b=self.b)]))
         if not np.all(np.isfinite(found)):
             raise SingularSystem("the matrix is singular to working precision")
         return found[: system.nq], found[system.nq :]
@@ -269,7 +269,7 @@ class AlphaStepper(Implicit):
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
         ready = self._arrays is not None
-        found = self._saved() | self.keeping.state() | {"noise": self._memory.noise}
+        found = self._saved() | self.store.state() | {"noise": self._memory.noise}
         found["correction"] = self._memory.correction
         return found | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
@@ -278,7 +278,7 @@ class AlphaStepper(Implicit):
         self._take_over(state)
         self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
         self.matrix.numbers.keep(self.independence.rows)
-        self.keeping.resume(state, self.matrix.numbers.left_out)
+        self.store.resume(state, self.matrix.numbers.left_out)
         found = {name[7:]: array for name, array in state.items() if name.startswith("matrix_")}
         if found:
             self.matrix.resume(**found)
@@ -286,9 +286,9 @@ class AlphaStepper(Implicit):
 
     def forget(self) -> None:
         """Of what was kept for derivatives nothing but the present state stays."""
-        self.keeping.forget(**self._node())
+        self.store.forget(**self._node())
 
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
         message = self.settings.tolerances.greatest()
-        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
+        return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)

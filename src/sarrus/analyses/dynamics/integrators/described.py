@@ -143,12 +143,12 @@ class DescribedStepper(AlphaStepper):
         self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)
         self._control = alpha_loop.Control.zeros()
 
-    def _keep(self, kept: Array | None) -> None:
+    def _keep(self, saved: Array | None) -> None:
         """Solve only the equations in these places."""
         for matrix in (self.matrix, self._of_motion):
-            matrix.numbers.keep(kept)
+            matrix.numbers.keep(saved)
 
-    def _record(self, room: int) -> loop.Record:
+    def _record(self, capacity: int) -> loop.Record:
         system, nq, m = self.system, self.system.nq, self.system.m
         stored, projects = self.settings.store_steps, self.scheme.projects
         corrected = (nq, m) if stored and projects else (0, 0)
@@ -161,7 +161,7 @@ class DescribedStepper(AlphaStepper):
             self._layout.tables.stage_size if stored else 0,
             len(system.memory_places),
         )
-        shapes = [*[(room,)] * 3, *((room, width) for width in widths), *[(room,)] * 3, (0,)]
+        shapes = [*[(capacity,)] * 3, *((capacity, width) for width in widths), *[(capacity,)] * 3, (0,)]
         return loop.Record._make(np.zeros(shape) for shape in shapes)
 
     def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
@@ -191,9 +191,9 @@ class DescribedStepper(AlphaStepper):
         return self._of_motion
 
     def _renew_equations(self) -> None:
-        state, kept = self._state, self.independence
-        if kept.renew(self.t, state.q0):
-            self._keep(kept.rows)
+        state, saved = self._state, self.independence
+        if saved.renew(self.t, state.q0):
+            self._keep(saved.rows)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             at = self._passed.lam_slope
             state.x[at : at + self.system.m] = 0.0

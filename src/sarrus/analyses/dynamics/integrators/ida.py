@@ -22,11 +22,11 @@ from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from ...equations.motion import Motion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
-from ..stepping.failures import dependent_rows, singular
+from ..stepping.failures import redundant_rows, singular
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
 from ..stepping.stabilized_matrix import MATRICES, newton_parts
-from ..stepping.stepper import Settings, Tally, Trouble
+from ..stepping.stepper import RunFailure, Settings, Tally
 from .ode import PARTS
 
 UNMEASURED = 1e100  # tolerance of Λ and Μ, of which only the derivatives mean anything
@@ -71,7 +71,7 @@ class IDAStepper:
         try:
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
-            raise singular(t, dependent_rows(self.system, q, t, self.independence)) from None
+            raise singular(t, redundant_rows(self.system, q, t, self.independence)) from None
         self._solver = _solver(self._equations, self.settings)
         rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
         self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)
@@ -81,7 +81,7 @@ class IDAStepper:
         rows = [self._node(self.t, self._q, self._v)]
         step, before, nq = self._solver.step(stop, method="onestep", tstop=stop), self.t, self.system.nq
         if not step.success:
-            raise Trouble("step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}")
+            raise RunFailure("step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}")
         self.t = float(step.t)
         y = step.y.copy()
         times = self.settings.times[(self.settings.times > before) & (self.settings.times < self.t)]
@@ -162,15 +162,15 @@ class Equations:
     def residual(self, t: float, y: Array, rate: Array, out: Array) -> None:
         """[q' - v + Φ_qᵀ Μ'; M v' + Φ_qᵀ Λ' - Q - S; Φ; Φ_q v + Φ_t]; Λ' and Μ' of equations left out are 0."""
         self.evaluations += 1
-        system, b, kept = self.system, self.motion.b, 1.0 - self._left_out
+        system, b, stored = self.system, self.motion.b, 1.0 - self._left_out
         q, v, _, _ = np.split(y, self._cut)
         qd, a, lam, mu = (part.copy() for part in np.split(rate, self._cut))
         q, v = q.copy(), v.copy()
         first = qd - v + system.Phi_qT_lam(q, mu, t, b=b)
         second = system.M_a(q, a, b=b) + system.Phi_qT_lam(q, lam, t, b=b)
         second -= system.Q(q, v, t, b=b) + system.S(q, v, b=b)
-        third = np.where(kept > 0, system.Phi(q, t, b=b), lam)
-        fourth = np.where(kept > 0, system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b), mu)
+        third = np.where(stored > 0, system.Phi(q, t, b=b), lam)
+        fourth = np.where(stored > 0, system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b), mu)
         out[:] = np.concatenate([first, second, third, fourth])
 
     def jacobian(self, t: float, y: Array, rate: Array, _: Array, c: float, out: Array) -> None:

@@ -13,9 +13,9 @@ from ...equations.motion import Motion
 from ...redundancy.redundant_constraints import Independence
 from ..stepping import alpha_loop as loop
 from ..stepping.entries import entry_of
-from ..stepping.failures import singular, trouble_of
+from ..stepping.failures import failure_of, singular
 from ..stepping.step_control import StepControl
-from ..stepping.stepper import Tally, Trouble
+from ..stepping.stepper import RunFailure, Tally
 
 PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
 GROUPS = {  # operators that are computed together, by the name under which loops call them
@@ -92,7 +92,7 @@ class Implicit:
                 raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
             message = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
-            raise self._explained(state.q0, state.v0, Trouble("step too small", message))
+            raise self._explained(state.q0, state.v0, RunFailure("step too small", message))
 
     def _motion(self) -> Accelerations:
         """What solves the equations of motion at a start."""
@@ -100,10 +100,10 @@ class Implicit:
         motion.b[:] = self.b
         return motion
 
-    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+    def _explained(self, q: Array, v: Array, otherwise: RunFailure | None = None) -> RunFailure:
         """Why there are no further steps."""
         message = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
+        return failure_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     def _saved(self) -> dict[str, Array]:
         """What is needed to go on, but for the matrices."""

@@ -17,10 +17,10 @@ from ....results import Assembly
 from ....system import System
 from ...equations.motion import Motion
 from ...equations.state_projection import Projection
-from ..stepping.failures import singular, trouble_of
+from ..stepping.failures import failure_of, singular
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import Settings, Tally, Trouble
+from ..stepping.stepper import RunFailure, Settings, Tally
 
 TINY = 1e-10  # of the whole time: steps so short are given up on; a light part may turn within 1e-6 of it
 PATIENCE = 20  # after so many of them in a row
@@ -92,7 +92,7 @@ class ODEStepper:
         except SingularSystem:
             if len(rows) == 1:
                 raise self._stuck_at() from None
-        except Trouble as error:
+        except RunFailure as error:
             if len(rows) == 1:
                 raise self._stuck_at(error) from None
         finally:
@@ -108,10 +108,10 @@ class ODEStepper:
         solver, before = self._solver, self.t
         message = solver.step()
         if message:
-            raise Trouble("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
+            raise RunFailure("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")
         self._tiny = self._tiny + 1 if solver.step_size < TINY * self._span else 0
         if self._tiny >= PATIENCE:
-            raise Trouble("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
+            raise RunFailure("step too small", f"steps become ever shorter near t = {solver.t:.6g} s: {WHY}")
         interpolant, h = solver.dense_output(), solver.t - before
         nodes = [
             self._node(t, *self._projection(t, *np.split(interpolant(t), 2))) for t in self._inner(before, h)
@@ -141,10 +141,10 @@ class ODEStepper:
             self.motion.keep(self.independence.rows)
             self._projection.keep(self.independence.rows)
 
-    def _explained(self, q: Array, v: Array, otherwise: Trouble | None = None) -> Trouble:
+    def _explained(self, q: Array, v: Array, otherwise: RunFailure | None = None) -> RunFailure:
         """Why there are no further steps."""
         message = otherwise or singular(self.t, [])
-        return trouble_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
+        return failure_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     def _rate(self, t: float, y: Array) -> Array:
         """The rate of [q; v]; not a number where there is none, so that the solver tries a shorter step."""
@@ -153,7 +153,7 @@ class ODEStepper:
         except SingularSystem:
             return np.full(len(y), np.nan)
 
-    def _stuck_at(self, otherwise: Trouble | None = None) -> Trouble:
+    def _stuck_at(self, otherwise: RunFailure | None = None) -> RunFailure:
         q, v = np.split(self._solver.y, 2)
         return self._explained(q, v, otherwise)
 

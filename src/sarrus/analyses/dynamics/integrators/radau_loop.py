@@ -202,9 +202,9 @@ def residual(
             memory.residual[i, k] = slope / h - v[k] + memory.Phi_qT_mu[k]
             memory.residual[i, n + k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
         for k in range(m):
-            kept = 1.0 - left_out[k]
-            memory.residual[i, 2 * n + k] = kept * memory.Phi[k]
-            memory.residual[i, 2 * n + m + k] = kept * (memory.rate[k] + memory.Phi_t[k])
+            stored = 1.0 - left_out[k]
+            memory.residual[i, 2 * n + k] = stored * memory.Phi[k]
+            memory.residual[i, 2 * n + m + k] = stored * (memory.rate[k] + memory.Phi_t[k])
 
 
 @compiled
@@ -460,7 +460,7 @@ def smooth(h: float, state: State, end: Array, tol: Tolerance) -> None:
 @compiled(entry=True)
 def advance(
     scheme: Scheme, index: Indices, b: Array, places: Array, until: float, limit: int, h_max: float,
-    state: State, memory: Memory, matrices: Matrices, control: Control, record: Record, kept: bool,
+    state: State, memory: Memory, matrices: Matrices, control: Control, record: Record, stored: bool,
     tol: Tolerance, enough: float,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them. Returns a status and how many were taken."""
@@ -524,7 +524,7 @@ def advance(
             if free:
                 control.h = 0.5 * h
                 continue
-        if not kept:
+        if not stored:
             smooth(h, state, end, tol)
         if control.last_h > 0.0:  # Gustafsson's prediction
             trend = SAFETY * (h / control.last_h) * (control.last_error / (error * error)) ** 0.25

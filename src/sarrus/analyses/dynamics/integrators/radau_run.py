@@ -18,7 +18,7 @@ from ..stepping.initialization import independence_at, remember_start
 from ..stepping.newton_matrix import motion_parts
 from ..stepping.nodes import Nodes
 from ..stepping.stabilized_matrix import MATRICES, newton_parts, weigh
-from ..stepping.step_store import Keeping
+from ..stepping.step_store import StepStore
 from ..stepping.stepper import Settings, Tally
 from ..stepping.tolerance import Tolerances
 from . import radau_loop as loop
@@ -29,7 +29,7 @@ DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations i
 # Of what Newton's method may leave, where steps are kept for derivatives; and what it may leave of the states at most,
 # however large tolerances are
 EXACT, LEFT = 1e-4, 1e-11
-ROOM = 4_000_000  # numbers of the record of one chunk of steps, at most
+RECORD_SIZE = 4_000_000  # numbers of the record of one chunk of steps, at most
 
 
 class RadauStepper(Implicit):
@@ -55,8 +55,8 @@ class RadauStepper(Implicit):
         widths = [nq] * 3 + [m] * 2 + [nq] * 4 + [m]
         shapes = [(nq,)] * 3 + [(3, width) for width in widths]
         self._state = loop.State._make(np.zeros(shape) for shape in shapes)
-        self._chunk = int(max(1, min(CHUNK, ROOM // (4 * nq + m))))
-        self.keeping = Keeping(
+        self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * nq + m))))
+        self.store = StepStore(
             system, _record(system, self._chunk, settings.store_steps), RadauSteps, settings
         )
         self._control: loop.Control = loop.Control.zeros()
@@ -77,9 +77,9 @@ class RadauStepper(Implicit):
         state.q0[:], state.v0[:], state.a0[:], state.lam_before[:] = q, v, a, lam
         self._last = a.copy(), lam.copy()
         control.clear()
-        given = self.keeping.given()
+        given = self.store.given()
         control.t, control.h = t, given[0] if len(given) else self._first_step(motion)
-        self.keeping.begin(self.numbers.left_out, t=t, q=q, v=v, a=a, lam=lam)
+        self.store.begin(self.numbers.left_out, t=t, q=q, v=v, a=a, lam=lam)
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -93,14 +93,14 @@ class RadauStepper(Implicit):
         limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._loop(
             self.scheme, self._index, self.b, self.system.memory_places, stop, limit, self.settings.max_step, state,
-            self._memory, self._arrays, control, self.keeping.record(), self.settings.store_steps, self.tolerance,
+            self._memory, self._arrays, control, self.store.record(), self.settings.store_steps, self.tolerance,
             self.enough,
         )  # fmt: skip
         self.t = float(control.t)
         self._count(before)
-        self.tally.history.append(self.keeping.history(taken))
+        self.tally.history.append(self.store.history(taken))
         self._look(status, taken)
-        taken_nodes = self.keeping.collect(taken, memory)
+        taken_nodes = self.store.collect(taken, memory)
         nodes = Nodes._make(np.concatenate(x) for x in zip(first, taken_nodes, strict=True))
         self._last = nodes.a[-1], nodes.lam[-1]
         return nodes
@@ -113,7 +113,7 @@ class RadauStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]} | self.keeping.state()
+        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]} | self.store.state()
         for kind, matrix in self._matrices().items() if self._arrays is not None else ():
             found |= {f"{kind}_{name}": array for name, array in matrix.state().items()}
         return found
@@ -122,7 +122,7 @@ class RadauStepper(Implicit):
         """Go on from such a state."""
         self._take_over(state)
         self.numbers.keep(self.independence.rows)
-        self.keeping.resume(state, self.numbers.left_out)
+        self.store.resume(state, self.numbers.left_out)
         self._last = state["last_a"], state["last_lam"]
         if "real_factors" in state:
             for kind, matrix in self._matrices().items():
@@ -132,7 +132,7 @@ class RadauStepper(Implicit):
     def forget(self) -> None:
         """Of what was kept for derivatives nothing but the present state stays."""
         state, (a, lam) = self._state, self._last
-        self.keeping.forget(t=self.t, q=state.q0, v=state.v0, a=a, lam=lam)
+        self.store.forget(t=self.t, q=state.q0, v=state.v0, a=a, lam=lam)
 
     def _matrices(self) -> dict[str, PlacedMatrix]:
         return {"real": self.real, "pair": self.pair, "motion": self.motion}
@@ -151,7 +151,7 @@ class RadauStepper(Implicit):
     def steps(self) -> StepsTaken | None:
         """What was kept for derivatives, or None."""
         message = self.settings.tolerances.greatest()
-        return self.keeping.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
+        return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
 
     def _make_matrices(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
@@ -215,12 +215,14 @@ def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
     return Tolerance(inner_q, atol[0], inner_v, atol[1], 1.0), enough
 
 
-def _record(system: System, room: int, stages: bool) -> loop.Record:
+def _record(system: System, capacity: int, stages: bool) -> loop.Record:
     """Room for the steps of one call of the loop, with their stages where they are wanted."""
-    nq, m, places, kept = system.nq, system.m, len(system.memory_places), room if stages else 0
-    shapes: list[tuple[int, ...]] = [(room,)] * 2 + [(room, width) for width in (nq, nq, nq, m, places)]
-    shapes += [(room,)] * 3
-    shapes += [(kept, 3, width) for width in (nq, nq, m, m)] + [(0,)]
+    nq, m, places, stored = system.nq, system.m, len(system.memory_places), capacity if stages else 0
+    shapes: list[tuple[int, ...]] = [(capacity,)] * 2 + [
+        (capacity, width) for width in (nq, nq, nq, m, places)
+    ]
+    shapes += [(capacity,)] * 3
+    shapes += [(stored, 3, width) for width in (nq, nq, m, m)] + [(0,)]
     return loop.Record._make(np.zeros(shape) for shape in shapes)
 
 

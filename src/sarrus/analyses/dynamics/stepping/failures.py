@@ -15,7 +15,7 @@ from ....system import System
 from ....system.structure.local import GROUND, local
 from ...equations.missing_inertia import missing_inertia
 from ...redundancy.redundant_constraints import Independence
-from .stepper import Trouble
+from .stepper import RunFailure
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 CLOSE = 0.3  # the same where a step failed for another reason, that is told first
@@ -57,7 +57,7 @@ def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
         return False
 
 
-def dependent_rows(
+def redundant_rows(
     system: System, q: Array, t: float, first: Independence, nearly: float = NEARLY
 ) -> list[str]:
     """Equations that (nearly) depend on each other at a position, besides those that do at the start.
@@ -76,7 +76,7 @@ def dependent_rows(
     return [name for name in found if not name.endswith("normalization")][:6] or found[:6]
 
 
-def trouble_of(
+def failure_of(
     system: System,
     b: Array,
     t: float,
@@ -84,8 +84,8 @@ def trouble_of(
     v: Array,
     first: Independence,
     span: float,
-    otherwise: Trouble,
-) -> Trouble:
+    otherwise: RunFailure,
+) -> RunFailure:
     """Why there are no further steps from a state: a force that is not finite, a singular position, or else.
 
     `first` is the choice of independent equations at the start, `span` the time that was still to go.
@@ -93,20 +93,20 @@ def trouble_of(
     for share in AHEAD:
         names = not_finite(system, b, t + share * span, q + share * span * v, v)
         if names:
-            return Trouble(
+            return RunFailure(
                 "not finite",
                 f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
                 "root or logarithm of what may become negative there, or a division by zero",
             )
-    rows, lacking = dependent_rows(system, q, t, first), missing_inertia(system, q, t, b)
-    if lacking and len(dependent_rows(system, q, t, first, LOST)) == 0:
-        return Trouble("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
+    rows, lacking = redundant_rows(system, q, t, first), missing_inertia(system, q, t, b)
+    if lacking and len(redundant_rows(system, q, t, first, LOST)) == 0:
+        return RunFailure("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
     return (
-        singular(t, rows) if rows else _with_weak_rows(otherwise, dependent_rows(system, q, t, first, CLOSE))
+        singular(t, rows) if rows else _with_weak_rows(otherwise, redundant_rows(system, q, t, first, CLOSE))
     )
 
 
-def _with_weak_rows(error: Trouble, rows: list[str]) -> Trouble:
+def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:
     """The same error, and the constraints that come close to being dependent."""
     if not rows:
         return error
@@ -114,13 +114,13 @@ def _with_weak_rows(error: Trouble, rows: list[str]) -> Trouble:
         f"{error.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
         f"among {', '.join(rows)}"
     )
-    return Trouble(error.status, message)
+    return RunFailure(error.status, message)
 
 
-def singular(t: float, rows: list[str]) -> Trouble:
+def singular(t: float, rows: list[str]) -> RunFailure:
     """The sentence of a singular configuration."""
     among = f" among {', '.join(rows)}" if rows else ""
-    return Trouble(
+    return RunFailure(
         "singular configuration",
         f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there; "
         "change the start or the dimensions, add a force that decides, or let `singularities` show where it happens",

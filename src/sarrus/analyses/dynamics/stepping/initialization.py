@@ -6,7 +6,7 @@ from ....algebra import Array
 from ....results import Assembly
 from ....system import System
 from ...redundancy.redundant_constraints import Inconsistent, Independence
-from .stepper import Trouble
+from .stepper import RunFailure
 
 
 def independence_at(system: System, start: Assembly) -> Independence:
@@ -21,7 +21,7 @@ def independence_at(system: System, start: Assembly) -> Independence:
     try:
         found.check(start)
     except Inconsistent as contradiction:
-        raise Trouble("inconsistent", str(contradiction)) from None
+        raise RunFailure("inconsistent", str(contradiction)) from None
     return found
 
 

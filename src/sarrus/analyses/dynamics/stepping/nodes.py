@@ -68,10 +68,10 @@ def between(
             a[k] = (2.0 * bend0 + s * (2.0 * c + s * 3.0 * d)) / (h * h)
         else:
             rest = way - slope0 - bend0
-            turn, bent = slope1 - slope0 - 2.0 * bend0, bend1 - bend0
-            c = 10.0 * rest - 4.0 * turn + bent
-            d = -15.0 * rest + 7.0 * turn - 2.0 * bent
-            e = 6.0 * rest - 3.0 * turn + bent
+            event_step, bent = slope1 - slope0 - 2.0 * bend0, bend1 - bend0
+            c = 10.0 * rest - 4.0 * event_step + bent
+            d = -15.0 * rest + 7.0 * event_step - 2.0 * bent
+            e = 6.0 * rest - 3.0 * event_step + bent
             q[k] = q0[k] + s * (slope0 + s * (bend0 + s * (c + s * (d + s * e))))
             v[k] = (slope0 + s * (2.0 * bend0 + s * (3.0 * c + s * (4.0 * d + s * 5.0 * e)))) / h
             a[k] = (2.0 * bend0 + s * (6.0 * c + s * (12.0 * d + s * 20.0 * e))) / (h * h)
@@ -79,8 +79,8 @@ def between(
 
 def joined(parts: list[Nodes]) -> Nodes:
     """Several chunks as one; where one begins as another ended, that node is kept once."""
-    kept = [parts[0], *(_rest(before, part) for before, part in pairwise(parts))]
-    return Nodes._make(np.concatenate(columns) for columns in zip(*kept, strict=True))
+    stored = [parts[0], *(_rest(before, part) for before, part in pairwise(parts))]
+    return Nodes._make(np.concatenate(columns) for columns in zip(*stored, strict=True))
 
 
 def _rest(before: Nodes, part: Nodes) -> Nodes:

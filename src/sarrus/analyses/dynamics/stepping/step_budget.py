@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from .stepper import Trouble
+from .stepper import RunFailure
 
 WINDOW = 20_000  # steps over which the mean step length is measured
 WINDOWS = 3  # in a row that crawl, before a run is ended: a transient may need short steps for a while
@@ -81,7 +81,7 @@ class StepWatch:
         most = self.budget.max_steps
         if most is not None:
             if count >= most and t < self._until:
-                raise Trouble(
+                raise RunFailure(
                     "too many steps",
                     f"max_steps={most} were taken by t = {t:.6g} s. {self.budget.advice()}",
                 )
@@ -95,7 +95,7 @@ class StepWatch:
         recovers = before > 0 and mean > GROWTH * before
         self._crawled = self._crawled + 1 if crawls and not recovers else 0
         if self._crawled >= WINDOWS:
-            raise Trouble(
+            raise RunFailure(
                 "too many steps",
                 f"steps have become too short near t = {t:.6g} s, {mean:.1e} s on average: {ahead:.1e} more would "
                 f"follow. {self.budget.advice()} max_steps= lets the run go on.",

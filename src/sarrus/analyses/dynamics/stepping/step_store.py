@@ -17,7 +17,7 @@ MEMORY, LEFT_OUT = "memory", "left_out"
 NODE = ("t", "q", "v", "a", "lam", "memory")
 
 
-class Keeping:
+class StepStore:
     """Room for the steps of one call of the loop; where they are kept, the loop writes them behind those before.
 
     Parameters
@@ -66,7 +66,7 @@ class Keeping:
             rows[: len(before)] = before
             self._rows[name] = rows
 
-    def _kept(self, name: str) -> Array:
+    def _stored(self, name: str) -> Array:
         """The rows of all steps, with that of the first state where there is one."""
         return self._rows[name][: self._taken + (name in self._first or name == LEFT_OUT)]
 
@@ -110,7 +110,7 @@ class Keeping:
             return {}
         found = {f"first_{name}": self._rows[name][0] for name in self._first}
         found |= {name: self._rows[name][name in self._first :][: self._taken] for name in self._names}
-        found |= {LEFT_OUT: self._kept(LEFT_OUT), MEMORY: self._kept(MEMORY)}
+        found |= {LEFT_OUT: self._stored(LEFT_OUT), MEMORY: self._stored(MEMORY)}
         return {f"kept_{name}": np.array(array) for name, array in found.items()}
 
     def resume(self, state: Mapping[str, Array], left_out: Array) -> None:
@@ -123,15 +123,15 @@ class Keeping:
         self._taken = self.count = len(state[f"kept_{MEMORY}"])
         self._reserve(self._taken)
         for name in self._names:
-            self._kept(name)[name in self._first :] = state[f"kept_{name}"]
+            self._stored(name)[name in self._first :] = state[f"kept_{name}"]
         for name in (LEFT_OUT, MEMORY):
-            self._kept(name)[:] = state[f"kept_{name}"]
+            self._stored(name)[:] = state[f"kept_{name}"]
 
     def steps(self, **message: Any) -> StepsTaken | None:
         """All steps, with the state of the start before them."""
         if not self.wanted:
             return None
-        message |= {name: self._kept(name) for name in (*self._names, MEMORY)}
-        left_out = self._kept(LEFT_OUT)
+        message |= {name: self._stored(name) for name in (*self._names, MEMORY)}
+        left_out = self._stored(LEFT_OUT)
         message |= {LEFT_OUT: left_out if np.any(left_out) else left_out[:0], "places": self._places}
         return self._kind(**message)

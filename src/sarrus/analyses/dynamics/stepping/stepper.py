@@ -17,7 +17,7 @@ from .tolerance import Tolerances
 HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected before it
 
 
-class Trouble(ArithmeticError):
+class RunFailure(ArithmeticError):
     """A method cannot go on; `status` and `sentence` say why."""
 
     def __init__(self, status: str, message: str) -> None:

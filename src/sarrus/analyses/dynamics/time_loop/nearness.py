@@ -10,7 +10,7 @@ from ....algebra import Array
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..dense_output.sample_loop import Samples
-from ..stepping.failures import NEARLY, dependent_rows
+from ..stepping.failures import NEARLY, redundant_rows
 
 SHOWN = 4  # times and rows that the sentence names, at most
 
@@ -48,7 +48,7 @@ class Nearness:
 
     def _leave(self) -> None:
         """An approach is over."""
-        rows = dependent_rows(self._system, self._q, self._t, self._first) if self._most else []
+        rows = redundant_rows(self._system, self._q, self._t, self._first) if self._most else []
         if rows:
             self.times.append(self._t)
             self._rows = self._rows or rows

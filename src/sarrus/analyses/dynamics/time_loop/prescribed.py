@@ -9,10 +9,10 @@ import numpy as np
 from ....algebra import Array
 from ....results import Assembly, Trajectory
 from ....system import System
-from ..stepping.stepper import Settings, Trouble
+from ..stepping.stepper import RunFailure, Settings
 from ..stepping.tolerance import Tolerances
 from .outcome import nothing
-from .time_loop import March, Plan
+from .time_loop import Plan, TimeLoop
 
 
 class Prescribed:
@@ -42,6 +42,6 @@ class Prescribed:
         none = np.zeros(0)
         try:
             stepper = self.stepper(system, start, settings)
-        except Trouble as error:
+        except RunFailure as error:
             return nothing(system, error.status, error.sentence)
-        return March(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
+        return TimeLoop(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)

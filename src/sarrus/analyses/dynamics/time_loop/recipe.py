@@ -26,10 +26,10 @@ from ....results.saving.saved import (
 from ....system import System
 from ...progress import monitor
 from ..events.crossing import Crossing
-from ..stepping.stepper import Settings, Trouble
+from ..stepping.stepper import RunFailure, Settings
 from .energy_check import energy_growth
 from .outcome import nothing
-from .time_loop import March, Plan
+from .time_loop import Plan, TimeLoop
 from .vibration_check import fast_vibration
 
 
@@ -47,12 +47,12 @@ class Recipe:
         """What is stored."""
         return {"recipe": self, "system": _SystemOf(self.model)}
 
-    def march(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> March:
+    def loop(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> TimeLoop:
         """The run, at its start."""
         stepper = self.method.stepper(system, self.start, self.settings)
         if not self.settings.store_steps:
             stepper = Crossing(stepper, system, self.settings)
-        return March(system, stepper, replace(self.plan, store=store, progress=progress))
+        return TimeLoop(system, stepper, replace(self.plan, store=store, progress=progress))
 
     def done(
         self,
@@ -62,7 +62,7 @@ class Recipe:
         state: Mapping[str, Array] | None = None,
     ) -> Trajectory:
         """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
-        run = self.march(system, store, progress).go(self.start, state)
+        run = self.loop(system, store, progress).go(self.start, state)
         growth = energy_growth(system, run, self.settings.tolerances)
         found = announce([*growth, *fast_vibration(run, self.plan.budget.advice())])
         if store is not None and found:
@@ -92,7 +92,7 @@ class Recipe:
                 return self.done(system, store, progress)
         except NotSavedError as wrong:
             return nothing(system, NOT_SAVED, str(wrong))
-        except Trouble as error:
+        except RunFailure as error:
             return nothing(system, error.status, error.sentence)
 
 
@@ -142,7 +142,7 @@ def resume(
             return recipe.saved(folder, system, message)
     about, _, state = arrays_of(folder)
     if _is_over(state):
-        return recipe.march(system, None, None).over(state, folder)
+        return recipe.loop(system, None, None).over(state, folder)
     announce(other_versions(about))
     try:
         store, state = Store.reopen(folder)

@@ -14,7 +14,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.announcement import announce, collected
 from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
-from ....results.motion.steps import Pieces, StepsTaken, Turn
+from ....results.motion.steps import EventStep, Pieces, StepsTaken
 from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import UNFINISHED, Store
@@ -26,7 +26,7 @@ from ..dense_output.winding import Winding, WindingAlong
 from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import StepBudget, StepWatch
-from ..stepping.stepper import Stepper, Trouble
+from ..stepping.stepper import RunFailure, Stepper
 from .initial_warnings import initial_warnings
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
@@ -66,7 +66,7 @@ class Plan:
     budget: StepBudget = field(default_factory=StepBudget)
 
 
-class March:
+class TimeLoop:
     """One run of a method.
 
     Parameters
@@ -88,7 +88,7 @@ class March:
         self._written, self._started = 0, 0.0
         self._dense: list[Nodes] = []
         self._pieces: list[Any] = []
-        self._turns: list[Turn] = []
+        self._event_steps: list[EventStep] = []
         self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
 
     @property
@@ -120,7 +120,7 @@ class March:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
         except TimeLimit as over:
             status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
-        except Trouble as error:
+        except RunFailure as error:
             status, message = error.status, error.sentence
         except NotSavedError as wrong:
             return self._not_saved(str(wrong))
@@ -174,19 +174,19 @@ class March:
             return None
         last = self._last
         found = self.sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
-        turns = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
+        revolutions_of_joints = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
         b = self.stepper.b.copy()
         b[self.system.memory_places] = last.memory[0]
         self.system.remember(found.q[0], b, float(last.t[0]))
         states = (found.q[0], found.v[0], found.a[0], found.lam[0], b[self.system.memory_places])
-        return State(float(last.t[0]), *states, turns)
+        return State(float(last.t[0]), *states, revolutions_of_joints)
 
     def _save(self, message: Mapping[str, Any] | None = None, force: bool = False) -> None:
         """Hand over what was computed; mark it as safe now and then, at the start, and at the end with the record."""
         store = self.plan.store
         if store is None:
             return
-        for samples in self._samples or [self.sampler.room(np.zeros(0))]:
+        for samples in self._samples or [self.sampler.capacity(np.zeros(0))]:
             store.write(samples, self.stepper.tally.steps())
             self.stepper.tally.history.clear()
         self._samples.clear()
@@ -198,7 +198,7 @@ class March:
             )
             state |= {
                 "written": np.array(self._written),
-                "told": np.array(json.dumps(message or self._told())),
+                "told": np.array(json.dumps(message or self._record_of_state())),
             }
             if message is not None and (final := self._final()) is not None:
                 state |= final.to_store()
@@ -212,7 +212,7 @@ class March:
         self._dense = [joined(self._dense)]
         return {f"dense_{name}": array for name, array in self._dense[0]._asdict().items()}
 
-    def _told(self) -> dict[str, Any]:
+    def _record_of_state(self) -> dict[str, Any]:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
         text = {"status": "cut short", "message": message, "t": self.stepper.t}
@@ -244,7 +244,7 @@ class March:
         states = self.sampler.states(nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
         after = watch.after(t, q, v, self.sampler)
-        self.watches.happened.append(EventRecord(watch.name, t, q, v, after))
+        self.watches.records.append(EventRecord(watch.name, t, q, v, after))
         if not watch.ends and watch.event.reset is None:
             return None
         self._take(_until(nodes, states))
@@ -270,25 +270,25 @@ class March:
         elif not watch.ends:
             message |= {"reset": event.reset}
         message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
-        self._cut(steps, Turn(name=watch.name, t=t, function=event.function, **message))
+        self._cut(steps, EventStep(name=watch.name, t=t, function=event.function, **message))
 
-    def _cut(self, steps: StepsTaken, turn: Turn) -> None:
+    def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         """Keep the steps up to an event, and the event."""
-        self._pieces.append(steps_until(steps, turn.t))
-        self._turns.append(turn)
+        self._pieces.append(steps_until(steps, event_step.t))
+        self._event_steps.append(event_step)
 
     def _steps(self) -> Any:
         """All steps that were kept."""
         steps = self.stepper.steps()
-        if steps is None or not self._turns:
+        if steps is None or not self._event_steps:
             return steps
-        ended = len(self._turns) == len(self._pieces) and self.stepper.t == self._turns[-1].t
+        ended = len(self._event_steps) == len(self._pieces) and self.stepper.t == self._event_steps[-1].t
         pieces = self._pieces if ended else [*self._pieces, steps]
-        return Pieces(pieces=tuple(pieces), event_steps=tuple(self._turns), until=float(self.stepper.t))
+        return Pieces(pieces=tuple(pieces), event_steps=tuple(self._event_steps), until=float(self.stepper.t))
 
     def _crowd(self) -> tuple[str, str] | None:
         """Whether events follow each other ever faster."""
-        last = self.watches.happened[-CROWD:]
+        last = self.watches.records[-CROWD:]
         if len(last) < CROWD or last[-1].t - last[0].t > CROWDED * self.plan.until:
             return None
         return "events accumulate", (
@@ -301,7 +301,7 @@ class March:
         """Give out the states wanted within the nodes."""
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
         wanted = self.plan.times[self._written : last]
-        samples = self.sampler.states(nodes, wanted) if len(wanted) else self.sampler.room(wanted)
+        samples = self.sampler.states(nodes, wanted) if len(wanted) else self.sampler.capacity(wanted)
         samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
         if len(wanted):
             self._samples.append(samples)
@@ -317,7 +317,7 @@ class March:
         message += self.nearness.sentence() if status in ("finished", "event") else ""
         if self.plan.store:
             return self._saved(self.plan.store, status, message)
-        samples = self.sampler.room(np.zeros(0))
+        samples = self.sampler.capacity(np.zeros(0))
         if self._samples:
             samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
         tally = self.stepper.tally
@@ -332,7 +332,7 @@ class March:
             nsteps=tally.nsteps,
             nrejected=tally.nrejected,
             history=tally.steps(),
-            events=tuple(self.watches.happened),
+            events=tuple(self.watches.records),
             restitutions=restitutions_of(self.plan.events),
             singular=tuple(self.nearness.times),
             sol=self._solution(),
@@ -342,7 +342,7 @@ class March:
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
         """The result of a run that is on disk."""
-        text = {**self._told(), "status": status, "message": message}
+        text = {**self._record_of_state(), "status": status, "message": message}
         try:
             if status == "time limit":
                 self._save(force=True)

@@ -132,7 +132,7 @@ class Chain:
 
     def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> None:
         """Write the derivatives of all states, and perhaps the changes of all stages."""
-        sweep, state, sources = self._begun(self.record, q, v, db)
+        sweep, state, sources = self._initial(self.record, q, v, db)
         for name in ("q", "v", "a", "lam"):
             getattr(found, name)[0] = sweep.block(state, name)
         sweep.forward(state, found.after_start(), stored, sources)
@@ -153,7 +153,7 @@ class Chain:
     ) -> tuple[Array, list[Array]]:
         """By a sweep with some stops, at which q', v', a' are stored."""
         record = self._with_motion_at(given) if len(stops) == 1 else self.record
-        sweep, state, sources = self._begun(record, q, v, db)
+        sweep, state, sources = self._initial(record, q, v, db)
         pairs = ((name, sweep.block(state, name)) for name in ("q", "v", "a", "lam"))
         total, at, ends = (
             np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs)),
@@ -174,7 +174,7 @@ class Chain:
             return self.record
         return Record(self.system, self.steps, given.asks_for_motion())
 
-    def _begun(
+    def _initial(
         self, record: Record, q: Array, v: Array, db: Array
     ) -> tuple[Sweep, Array, PerOperation | None]:
         """A sweep, the derivatives of the first state, and what curves do besides."""

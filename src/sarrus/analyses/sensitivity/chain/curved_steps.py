@@ -35,7 +35,7 @@ class Back(NamedTuple):
     solved: Solved
 
 
-class Turned(NamedTuple):
+class AdjointChange(NamedTuple):
     """The changes of the Lagrangians of all operations, and of the start; those of the gradient by the numbers."""
 
     sources: PerOperation
@@ -65,7 +65,7 @@ class CurvedSteps:
         self._chain.swept(q, v, b, nodes, stages)
         return stages
 
-    def back(self, nodes: Nodes, turned: Turned | None) -> Back:
+    def back(self, nodes: Nodes, turned: AdjointChange | None) -> Back:
         """Back through all steps, with the changes of their equations where an adjoint changes."""
         chain, sweep = self._chain, self._sweep
         back = BackwardState(chain.curves.width, 1)
@@ -84,7 +84,7 @@ class CurvedSteps:
         found = Back(first["q"] + by_q, first["v"] + by_v, back.b + by_b, Solved(solved, of_start))
         return found._replace(b=found.b - turned.b[:, None]) if turned else found
 
-    def turned(self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: Solved) -> Turned:
+    def turned(self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: Solved) -> AdjointChange:
         """The changes of the equations of all steps.
 
         With the changes of the numbers, of the nodes and of the stages, and the adjoint variables.
@@ -95,7 +95,7 @@ class CurvedSteps:
         start, by_b = self._start(b_dot, moved, adjoint.start), np.zeros(len(b_dot))
         by_b[:size] = found.b + start.b
         by_b[size:] += start.t + found.t.sum()
-        return Turned(found.sources, start, by_b)
+        return AdjointChange(found.sources, start, by_b)
 
     def _start(self, b_dot: Array, moved: Nodes, adjoint: tuple[Array, Array]) -> Change:
         """The changes of the equations of motion at the start."""

@@ -47,7 +47,7 @@ class Start:
             *((n,) for n in ALONE),
         ):
             numbers.evaluate(group, b, at)
-        self._kept = 1.0 - numbers.left_out[:, None]
+        self._stored = 1.0 - numbers.left_out[:, None]
         self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
         bent = _curved(curves, b, at, nq, m) if curves else []
         self._equations = Joined(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
@@ -71,7 +71,7 @@ class Start:
         return self._solve(a_bar, lam_bar)
 
     def _solve(self, f: Array, g: Array) -> tuple[Array, Array]:
-        found = self._motion.solve(np.concatenate([f, self._kept * g]))
+        found = self._motion.solve(np.concatenate([f, self._stored * g]))
         if not np.all(np.isfinite(found)):
             raise SingularSystem("the matrix of the equations of motion is singular at the start")
         return found[: self._nq], found[self._nq :]

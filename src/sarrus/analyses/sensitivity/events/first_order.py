@@ -28,7 +28,7 @@ from ....algebra import Array
 from ....elements.operators import OPERATORS
 from ....linalg.factors import Factored, SingularSystem
 from ....outputs.recording import Angles
-from ....results import StepsTaken, Turn
+from ....results import EventStep, StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.saddle_point import Saddle
@@ -43,14 +43,14 @@ FORCES = ("position", "velocity", "impact")  # equations with masses
 Grid = Mapping[tuple[str, str], Any]
 
 
-class TurnDerivatives:
+class EventDerivatives:
     """The derivatives of the state after an event, and of its time within the step.
 
     Parameters
     ----------
     system : System
     steps : those before it; it lies in the last one
-    turn : the event
+    event : the event
     restitutions : names of those of all events
     angles : the joints' coordinates along the run, with all their turns
 
@@ -71,55 +71,60 @@ class TurnDerivatives:
     """
 
     def __init__(
-        self, system: System, steps: StepsTaken, turn: Turn, restitutions: Sequence[str], angles: Angles
+        self,
+        system: System,
+        steps: StepsTaken,
+        event: EventStep,
+        restitutions: Sequence[str],
+        angles: Angles,
     ) -> None:
-        self.system, self.turn, self._steps, self._angles = system, turn, steps, angles
+        self.system, self.event, self._steps, self._angles = system, event, steps, angles
         self.b = steps.b.copy()
         self.b[steps.places] = steps.memory[-1]
         left_out = steps.left_out[len(steps) - 1] if len(steps.left_out) else np.zeros(system.m, dtype=bool)
-        self.kept = 1.0 - left_out
+        self.stored = 1.0 - left_out
         self._curves = CurveDerivatives(system)
-        name = f"{turn.name}.restitution"
+        name = f"{event.name}.restitution"
         self.by_e = np.array([float(own == name) for own in restitutions])
         self._interpolate()
         self._refuse_grazing()
-        self._solve_multipliers(np.flatnonzero(self.kept) if left_out.any() else None)
+        self._solve_multipliers(np.flatnonzero(self.stored) if left_out.any() else None)
 
     @property
     def is_impact(self) -> bool:
         """Whether velocities change by an impulse along an output."""
-        return self.turn.along is not None
+        return self.event.along is not None
 
     @property
     def is_reset(self) -> bool:
         """Whether a function gives other velocities."""
-        return not self.is_impact and self.turn.reset is not None
+        return not self.is_impact and self.event.reset is not None
 
     @cached_property
     def function(self) -> Recorded:
         """ψ."""
-        return self.recorded(self.turn.function)
+        return self.recorded(self.event.function)
 
     @cached_property
     def output(self) -> Recorded:
         """The output along which an impulse acts, a copy for each coordinate."""
-        return self.recorded(self.turn.along, self.system.nq)
+        return self.recorded(self.event.along, self.system.nq)
 
     @cached_property
     def reset(self) -> Recorded:
         """The function that gives velocities."""
-        return self.recorded(self.turn.reset)
+        return self.recorded(self.event.reset)
 
     def recorded(self, function: Any, copies: int = 1) -> Recorded:
         """A function of the event, recorded at its state."""
         if isinstance(function, str) and solves(self.system, function):
-            return recorded_solved(self.system, self._steps, self.turn, function, self.b, self._angles)
-        return recorded(self.system, self.turn, function, self.b, self._angles, copies)
+            return recorded_solved(self.system, self._steps, self.event, function, self.b, self._angles)
+        return recorded(self.system, self.event, function, self.b, self._angles, copies)
 
     def _interpolate(self) -> None:
         steps, n = self._steps, len(self._steps) - 1
         h = np.array([float(steps.h[n])])
-        found = interpolation((self.turn.t - steps.t[n : n + 1]) / h, h, apart(steps))
+        found = interpolation((self.event.t - steps.t[n : n + 1]) / h, h, apart(steps))
         self.values, self.slopes, self.bends = (x[0, :2] for x in found)
         self.nodes = np.array([[getattr(steps, kind)[n + e] for kind in ("q", "v", "a")] for e in (0, 1)])
         self.q0, self.v0 = np.einsum("kel,eln->kn", self.values, self.nodes)
@@ -127,15 +132,15 @@ class TurnDerivatives:
 
     def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
-        steps, turn, psi = self._steps, self.turn, self.function.slopes
+        steps, event, psi = self._steps, self.event, self.function.slopes
         bend = self._bend()
         known = sum(
-            abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, turn.q), (psi.v, turn.v))
+            abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, event.q), (psi.v, event.v))
         )
         rate = float((psi.q @ self.rates[0] + psi.v @ self.rates[1] + psi.t[:, 0])[0])
         if not rate * rate > 2 * bend * SHALLOW * known:
             raise ValueError(
-                f"the event {turn.name} at t = {turn.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
+                f"the event {event.name} at t = {event.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
                 "second there, so that a slightly other motion would not meet it, and its time has no derivative; "
                 "move what it looks for away from where the function turns, or leave the event out"
             )
@@ -152,34 +157,34 @@ class TurnDerivatives:
 
     def _rate_at(self, k: int) -> Array:
         """ψ̇ at a node (1,)."""
-        steps, turn = self._steps, self.turn
+        steps, event = self._steps, self.event
         t, q, v, a = (getattr(steps, name)[k] for name in ("t", "q", "v", "a"))
-        there = replace(turn, t=float(t), q=q, v=v)
-        psi = recorded_solved(self.system, steps, there, str(turn.function), self.b, self._angles).slopes
+        there = replace(event, t=float(t), q=q, v=v)
+        psi = recorded_solved(self.system, steps, there, str(event.function), self.b, self._angles).slopes
         return np.asarray(psi.q @ v + psi.v @ a + psi.t[0])
 
-    def _solve_multipliers(self, kept: Array | None) -> None:
-        system, turn, b = self.system, self.turn, self.b
-        saddle, none = Saddle(system, "M", kept), np.zeros(system.m)
+    def _solve_multipliers(self, stored: Array | None) -> None:
+        system, event, b = self.system, self.event, self.b
+        saddle, none = Saddle(system, "M", stored), np.zeros(system.m)
         M0 = system.M(self.q0, b=b)
         self._unit = float(abs(M0.data).max(initial=0.0)) or 1.0
-        saddle.factor(M0.data, system.Phi_q(self.q0, turn.t, b=b).data)
+        saddle.factor(M0.data, system.Phi_q(self.q0, event.t, b=b).data)
         self.sigma, self.rho = (
-            saddle.solve(-(M0 @ moved), none)[1] for moved in (turn.q - self.q0, turn.v - self.v0)
+            saddle.solve(-(M0 @ moved), none)[1] for moved in (event.q - self.q0, event.v - self.v0)
         )
-        self.base, self.after, self.Lam, self.p = turn.v, turn.v, none, 0.0
+        self.base, self.after, self.Lam, self.p = event.v, event.v, none, 0.0
         if self.is_impact or self.is_reset:
-            J = system.Phi_q(turn.q, turn.t, b=b)
-            saddle.factor(system.M(turn.q, b=b).data, J.data)
+            J = system.Phi_q(event.q, event.t, b=b)
+            saddle.factor(system.M(event.q, b=b).data, J.data)
         if self.is_impact:
-            f_q, e = self.output.slopes.q[0], float(turn.restitution or 0.0)
+            f_q, e = self.output.slopes.q[0], float(event.restitution or 0.0)
             w, sigma = saddle.solve(f_q, none)
-            self.p = -(1 + e) * float(f_q @ turn.v) / float(f_q @ w)
-            self.after, self.Lam = turn.v + self.p * w, self.p * sigma
+            self.p = -(1 + e) * float(f_q @ event.v) / float(f_q @ w)
+            self.after, self.Lam = event.v + self.p * w, self.p * sigma
         elif self.is_reset:
-            gap = J @ turn.after + system.Phi_t(turn.q, turn.t, b=b)
+            gap = J @ event.after + system.Phi_t(event.q, event.t, b=b)
             s, sigma = saddle.solve(np.zeros(system.nq), gap)
-            self.base, self.after, self.Lam = turn.after, turn.after - s, -sigma
+            self.base, self.after, self.Lam = event.after, event.after - s, -sigma
 
     @cached_property
     def sizes(self) -> list[dict[str, int]]:
@@ -239,7 +244,7 @@ class TurnDerivatives:
         factors, down, across = self._factors
         found = -across[:, None] * factors.solve(down[:, None] * self.by_given.toarray())
         if not np.all(np.isfinite(found)):
-            raise SingularSystem(f"the equations of the event {self.turn.name} are singular")
+            raise SingularSystem(f"the equations of the event {self.event.name} are singular")
         parts = zip(self.values, (found[:, given["q0"]], found[:, given["v0"]]), strict=True)
         by_nodes = sum(np.einsum("el,xn->xeln", shares, by) for shares, by in parts)
         return np.concatenate([np.reshape(by_nodes, (len(found), -1)), found[:, given["b"].start :]], axis=1)
@@ -265,15 +270,15 @@ class TurnDerivatives:
     @cached_property
     def _turning(self) -> Array:
         """Φ_qt (m, nq)."""
-        system, turn = self.system, self.turn
+        system, event = self.system, self.event
         if not any(p.kind.rows and p.kind.timed for p in system.populations):
             return np.zeros((system.m, system.nq))
-        columns = [system.Phi_q_xi_t(turn.q, xi, turn.t, b=self.b) for xi in np.eye(system.nq)]
+        columns = [system.Phi_q_xi_t(event.q, xi, event.t, b=self.b) for xi in np.eye(system.nq)]
         return np.array(columns).reshape(system.nq, system.m).T
 
     def _by_b(self, name: str, q: Array, *operands: Array) -> csr_array:
         """The derivatives of an operator by the numbers, also those of curves."""
-        t, b = self.turn.t, self.b
+        t, b = self.event.t, self.b
         found = getattr(self.system, f"{name}_b")(q, *operands, *([] if name == "M_a" else [t]), b=b)
         found = csr_array((found.data, found.indices, found.indptr), shape=(found.shape[0], len(b)))
         if not self._curves or name == "M_a":
@@ -284,16 +289,16 @@ class TurnDerivatives:
     @cached_property
     def _grid(self) -> dict[tuple[str, str], Any]:
         """The derivatives of all equations by everything in them."""
-        system, turn, b, q0, q = self.system, self.turn, self.b, self.q0, self.turn.q
-        M0, J0, J = system.M(q0, b=b), system.Phi_q(q0, turn.t, b=b), system.Phi_q(q, turn.t, b=b)
-        psi, kept = self.function.slopes, diags_array(self.kept)
+        system, event, b, q0, q = self.system, self.event, self.b, self.q0, self.event.q
+        M0, J0, J = system.M(q0, b=b), system.Phi_q(q0, event.t, b=b), system.Phi_q(q, event.t, b=b)
+        psi, stored = self.function.slopes, diags_array(self.stored)
         grid = {
             ("place", "q"): J, ("place", "b"): self._by_b("Phi", q),
-            ("place", "t"): system.Phi_t(q, turn.t, b=b)[:, None],
+            ("place", "t"): system.Phi_t(q, event.t, b=b)[:, None],
             **{("event", name): getattr(psi, name) for name in ("q", "v", "b", "c", "t")},
-            **self._force("position", q0, turn.q - q0, self.sigma, "q0"),
-            **self._force("velocity", q0, turn.v - self.v0, self.rho, "q0"),
-            **self._rate("rate", turn.v, "v"),
+            **self._force("position", q0, event.q - q0, self.sigma, "q0"),
+            **self._force("velocity", q0, event.v - self.v0, self.rho, "q0"),
+            **self._rate("rate", event.v, "v"),
         }  # fmt: skip
         for row, x, x0, multiplier in (("position", "q", "q0", "sigma"), ("velocity", "v", "v0", "rho")):
             grid |= {(row, x): M0, (row, x0): grid.get((row, x0), 0 * M0) - M0, (row, multiplier): J0.T}
@@ -303,22 +308,22 @@ class TurnDerivatives:
             grid |= self._struck(system.M(q, b=b), force)
             grid |= {("impact", "Lam"): J.T}
         for row, multiplier in CONSTRAINTS.items():
-            grid |= {at: kept @ csr_array(block) for at, block in grid.items() if at[0] == row}
-            grid[row, multiplier] = diags_array(1 - self.kept)
+            grid |= {at: stored @ csr_array(block) for at, block in grid.items() if at[0] == row}
+            grid[row, multiplier] = diags_array(1 - self.stored)
         return grid
 
     def _force(
         self, row: str, q: Array, moved: Array, multipliers: Array, by: str
     ) -> dict[tuple[str, str], Any]:
         """The derivatives of M x + Φ_qᵀλ with x and λ held."""
-        system, t, b = self.system, self.turn.t, self.b
+        system, t, b = self.system, self.event.t, self.b
         by_q = system.M_a_q(q, moved, b=b) + system.Phi_qT_lam_q(q, multipliers, t, b=b)
         by_b = self._by_b("M_a", q, moved) + self._by_b("Phi_qT_lam", q, multipliers)
         return {(row, by): by_q, (row, "b"): by_b, (row, "t"): (self._turning.T @ multipliers)[:, None]}
 
     def _rate(self, row: str, v: Array, by: str) -> dict[tuple[str, str], Any]:
         """Those of Φ_q v + Φ_t."""
-        system, q, t, b = self.system, self.turn.q, self.turn.t, self.b
+        system, q, t, b = self.system, self.event.q, self.event.t, self.b
         by_q = system.Phi_q_xi_q(q, v, t, b=b) + csr_array(self._turning)
         by_t = self._turning @ v + system.Phi_tt(q, t, b=b)
         by_b = self._by_b("Phi_q_xi", q, v) + self._by_b("Phi_t", q)
@@ -331,19 +336,19 @@ class TurnDerivatives:
 
     def _struck(self, M: csr_array, force: Grid) -> dict[tuple[str, str], Any]:
         """Those of what an impulse or a function does to the velocities, beyond `_force`."""
-        turn = self.turn
+        event = self.event
         found: dict[tuple[str, str], Any] = {("impact", "after"): M}
         if self.is_reset:
             slopes = self.reset.slopes
             for name in ("q", "v", "b", "c", "t"):
                 found["impact", name] = force.get(("impact", name), 0) - M @ getattr(slopes, name)
             return found
-        f_q, bends, e = self.output.slopes.q[0], self.output.bends, float(turn.restitution or 0.0)
-        sides = self.after + e * turn.v
+        f_q, bends, e = self.output.slopes.q[0], self.output.bends, float(event.restitution or 0.0)
+        sides = self.after + e * event.v
         for name in ("q", "b", "c", "t"):
             bend = getattr(bends, name)
             found["impact", name] = force.get(("impact", name), 0) - self.p * bend
             found["restitution", name] = (sides @ bend)[None]
         found |= {("impact", "v"): -M, ("impact", "p"): -f_q[:, None]}
         found |= {("restitution", "after"): f_q[None], ("restitution", "v"): e * f_q[None]}
-        return found | {("restitution", "e"): (f_q @ turn.v) * self.by_e[None]}
+        return found | {("restitution", "e"): (f_q @ event.v) * self.by_e[None]}

@@ -17,7 +17,7 @@ from ....model.expression import parse
 from ....model.tape import Tape, Traced
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key, States, Variable
-from ....results import Turn
+from ....results import EventStep
 from ....system import System
 
 
@@ -118,7 +118,7 @@ class Copies(Outputs):
 
 
 def recorded(
-    system: System, turn: Turn, function: Any, b: Array, angles: Angles, copies: int = 1
+    system: System, event_step: EventStep, function: Any, b: Array, angles: Angles, copies: int = 1
 ) -> Recorded:
     """The value of a formula, with all turns of joints' angles, or of what a Python function returns, at an event.
 
@@ -128,17 +128,17 @@ def recorded(
         For Python functions that cannot be recorded.
     """
     if isinstance(function, str):
-        state = _state(system, turn, copies)
+        state = _state(system, event_step, copies)
         return of_formula(Copies(system, state, b, unknown, angles), function)
-    return _of_python(turn, function, _sizes(system))
+    return _of_python(event_step, function, _sizes(system))
 
 
 def _sizes(system: System) -> Sequence[int]:
     return system.nq, system.nq, len(system.joint_coordinates.b), 1, len(system.b)
 
 
-def _state(system: System, turn: Turn, copies: int) -> States:
-    one = (np.array(turn.t), turn.q, turn.v, 0 * turn.q)
+def _state(system: System, event_step: EventStep, copies: int) -> States:
+    one = (np.array(event_step.t), event_step.q, event_step.v, 0 * event_step.q)
     t, q, v, a = (np.tile(x, (copies, *[1] * x.ndim)) for x in one)
     return States(t, q, v, a, lambda: np.zeros((copies, system.m)))
 
@@ -151,16 +151,19 @@ def of_formula(outputs: Outputs, text: str) -> Recorded:
     return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
 
 
-def _of_python(turn: Turn, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]) -> Recorded:
+def _of_python(
+    event_step: EventStep, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]
+) -> Recorded:
     tape = Tape()
-    t, q, v = tape.variable(turn.t), _variables(tape, turn.q), _variables(tape, turn.v)
+    t, q, v = tape.variable(event_step.t), _variables(tape, event_step.q), _variables(tape, event_step.v)
     inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
     try:
         found = list(np.ravel(np.asarray(function(t, q.copy(), v.copy()), dtype=object)))
     except Exception as error:  # foreign code: whatever it raises
         raise ValueError(
-            f"the event {turn.name} at t = {turn.t:.6g} s cannot be differentiated through its Python function: "
-            f"{error}; write it with arithmetic and NumPy's functions of the entries of q and v, or as a formula"
+            f"the event {event_step.name} at t = {event_step.t:.6g} s cannot be differentiated through its Python "
+            f"function: {error}. Write it with arithmetic and NumPy's functions of the entries of q and v, or as a "
+            "formula."
         ) from error
     return Recorded(tape, found, inputs, sizes)
 

@@ -15,7 +15,7 @@ from ....system.curves.time_derivatives import timed
 from ..chain.chain import Chain, Gradients, Nodes, by_joints, through
 from ..chain.stretches import Stretches
 from ..sampling.pieces import angles_of
-from .first_order import TurnDerivatives
+from .first_order import EventDerivatives
 
 KINDS = ("q", "v", "a")
 Over: TypeAlias = Callable[
@@ -54,13 +54,13 @@ class PieceChain:
         return len(self.system.joint_coordinates.b) + len(self._restitutions)
 
     @cached_property
-    def turns(self) -> list[TurnDerivatives]:
+    def event_steps(self) -> list[EventDerivatives]:
         """The derivatives of all events."""
-        pairs = zip(self.chains, self.steps.turns, strict=False)
+        pairs = zip(self.chains, self.steps.event_steps, strict=False)
         angles = angles_of(self.system, self.steps)
         return [
-            TurnDerivatives(self.system, chain.steps, turn, self._restitutions, angles)
-            for chain, turn in pairs
+            EventDerivatives(self.system, chain.steps, event_step, self._restitutions, angles)
+            for chain, event_step in pairs
         ]
 
     def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
@@ -96,8 +96,8 @@ class PieceChain:
         for p, chain in enumerate(self.chains):
             moving = chain.curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
-            if p < len(self.turns):
-                moved = self.turns[p].matrix @ np.concatenate([ends, db, held, shift[p : p + 1]])
+            if p < len(self.event_steps):
+                moved = self.event_steps[p].matrix @ np.concatenate([ends, db, held, shift[p : p + 1]])
                 q, v = moved[:nq], moved[nq:-1]
                 shift[p + 1] = shift[p] + moved[-1]
         return shift
@@ -106,7 +106,7 @@ class PieceChain:
         """Gradients of responses whose gradients by the states and by the times of events are given."""
         stretches = Stretches(self.system, given.q.shape[2])
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
-        back.over(self.steps, given, lambda p: self.turns[p].matrix)
+        back.over(self.steps, given, lambda p: self.event_steps[p].matrix)
         by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
         return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
 
@@ -138,26 +138,28 @@ class Backward:
         self,
         steps: StepsTaken | Pieces,
         given: Nodes,
-        turn: Callable[[int], Array],
+        event_step: Callable[[int], Array],
         *,
         lead: StepsTaken | None = None,
         first: int = 0,
     ) -> None:
         """Go over some steps, the gradients by whose states, and by those of the nodes that lead them, are given.
 
-        `turn` gives the matrix of each event; `lead` are the last steps before, None at the start and after an event;
-        `first` is the number of events before.
+        `event_step` gives the matrix of each event; `lead` are the last steps before, None at the start and after an
+        event; `first` is the number of events before.
         """
-        pieces, turns = (steps.pieces, steps.turns) if isinstance(steps, Pieces) else ((steps,), ())
-        if len(turns) == len(pieces):
+        pieces, event_steps = (
+            (steps.pieces, steps.event_steps) if isinstance(steps, Pieces) else ((steps,), ())
+        )
+        if len(event_steps) == len(pieces):
             self._shift = self._shift + given.shift[-1]
         end = len(given.q)
         self._hand_over(given, end - sum(len(piece) + 1 for piece in pieces))
         for p in range(len(pieces) - 1, -1, -1):
             own = given.part(slice(end - len(pieces[p]) - 1, end))
             end -= len(own.q)
-            if p < len(turns):
-                self._through(turn(p), own)
+            if p < len(event_steps):
+                self._through(event_step(p), own)
             self._shift = self._shift + given.shift[p]
             ahead = None if p else lead
             self._stretches.over(pieces[p], ahead, own, self._timed and first + p > 0)
@@ -170,10 +172,10 @@ class Backward:
             getattr(given, kind)[-1 - len(bars) : -1] += bars
         self._ahead = {kind: getattr(given, kind)[:lead] for kind in (*KINDS, "lam")}
 
-    def _through(self, turn: Array, own: Nodes) -> None:
+    def _through(self, event_step: Array, own: Nodes) -> None:
         """Through an event, to the two nodes between which it lies."""
         nq, size = self._system.nq, len(self._system.b)
-        bars = turn.T @ np.concatenate([self.q, self.v, self._shift[None]])
+        bars = event_step.T @ np.concatenate([self.q, self.v, self._shift[None]])
         ends = bars[: 6 * nq].reshape(2, 3, nq, -1)
         for e in (0, 1):
             for place, kind in enumerate(KINDS):

@@ -12,7 +12,7 @@ from ....algebra import Array
 from ....model.expression import parse
 from ....outputs import Level, find_output
 from ....outputs.recording import Angles, States
-from ....results import StepsTaken, Turn
+from ....results import EventStep, StepsTaken
 from ....system import System
 from ..chain.chain import FIELDS, Nodes
 from ..sampling.consistent import READ, ConsistentSampling
@@ -33,9 +33,13 @@ class EventState(Sampling):
 
     moves = True
 
-    def __init__(self, turn: Turn) -> None:
-        self._turn = turn
-        self.by_q, self.by_v, self.by_t = np.zeros(len(turn.q)), np.zeros(len(turn.q)), np.zeros(1)
+    def __init__(self, event_step: EventStep) -> None:
+        self._event_step = event_step
+        self.by_q, self.by_v, self.by_t = (
+            np.zeros(len(event_step.q)),
+            np.zeros(len(event_step.q)),
+            np.zeros(1),
+        )
         self.moved: Slopes | None = None
 
     def cleared(self) -> None:
@@ -46,7 +50,7 @@ class EventState(Sampling):
     @property
     def t(self) -> Array:
         """The time of the event (1,). [s]"""
-        return np.array([self._turn.t])
+        return np.array([self._event_step.t])
 
     @property
     def between_nodes(self) -> Array:
@@ -56,8 +60,10 @@ class EventState(Sampling):
     @property
     def states(self) -> States:
         """The state there."""
-        turn = self._turn
-        return States(self.t, turn.q[None], turn.v[None], 0 * turn.q[None], lambda: np.zeros((1, 0)))
+        event_step = self._event_step
+        return States(
+            self.t, event_step.q[None], event_step.v[None], 0 * event_step.q[None], lambda: np.zeros((1, 0))
+        )
 
     def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by a coordinate or velocity."""
@@ -137,10 +143,10 @@ def solves(system: System, text: str) -> bool:
 
 
 def recorded_solved(
-    system: System, steps: StepsTaken, turn: Turn, text: str, b: Array, angles: Angles
+    system: System, steps: StepsTaken, event_step: EventStep, text: str, b: Array, angles: Angles
 ) -> SolvedRecorded:
     """The formula of an event, in the last of some steps, with accelerations and multipliers."""
-    event = EventState(turn)
+    event = EventState(event_step)
     solved = ConsistentSampling(system, steps, event)
     found = of_formula(Copies(system, solved.states, b, unknown, angles), text)
     return SolvedRecorded(*(getattr(found, f.name) for f in fields(Recorded)), event=event, solved=solved)

@@ -1,4 +1,4 @@
-"""An event differentiated twice: the contracted second derivatives of its equations, see `turn`.
+"""An event differentiated twice: the contracted second derivatives of its equations, see `first_order`.
 
 With the adjoint variables μ of the equations R, the gradient of ℓ = μᵀR by all that it depends on changes along the
 motion; parts of ℓ are those of steps (`shares`), others come from the functions of the event.
@@ -13,11 +13,11 @@ import numpy as np
 from ....algebra import Array
 from ..lagrangians.changes import Change, change_at
 from ..lagrangians.curves import CurveLagrangian
-from .first_order import TurnDerivatives
+from .first_order import EventDerivatives
 from .functions import Recorded, Slopes
 
 
-class TurnMoved(NamedTuple):
+class EventTangent(NamedTuple):
     """How an event moves: the changes of q and v⁺, of its time since the stretch began, and of everything."""
 
     q: Array
@@ -27,7 +27,7 @@ class TurnMoved(NamedTuple):
     unknowns: Array
 
 
-class TurnBack(NamedTuple):
+class EventAdjoint(NamedTuple):
     """Gradients by q, v, a at both nodes (2, 3, nq), the numbers, c with the restitutions, and the beginning.
 
     solved : the adjoint variables
@@ -40,62 +40,64 @@ class TurnBack(NamedTuple):
     solved: Array
 
 
-class TurnChange(NamedTuple):
+class EventAdjointChange(NamedTuple):
     """The change of the gradient of ℓ by the unknowns, and by what is given."""
 
     unknowns: Array
     given: Array
 
 
-class TurnCurvature:
+class EventCurvature:
     """The second derivatives of one event.
 
     Parameters
     ----------
-    turn : its first derivatives
+    derived : its first derivatives
     curves : second derivatives by parameters of curves that change, and by the time
     """
 
-    def __init__(self, turn: TurnDerivatives, curves: CurveLagrangian) -> None:
-        self._turn, self._curves = turn, curves
+    def __init__(self, derived: EventDerivatives, curves: CurveLagrangian) -> None:
+        self._derived, self._curves = derived, curves
 
-    def along(self, nodes: Array, b: Array, c: Array, shift: float) -> TurnMoved:
+    def along(self, nodes: Array, b: Array, c: Array, shift: float) -> EventTangent:
         """The change of the event for changes of the nodes (2, 3, nq), the numbers and the beginning of the stretch."""
         given = np.concatenate([nodes.ravel(), b, c, [shift]])
-        unknowns, nq = self._turn.derivatives @ given, self._turn.system.nq
-        q, v, (t,) = np.split(unknowns[self._turn.result], [nq, 2 * nq])
-        return TurnMoved(q, v, float(t), given, unknowns)
+        unknowns, nq = self._derived.derivatives @ given, self._derived.system.nq
+        q, v, (t,) = np.split(unknowns[self._derived.result], [nq, 2 * nq])
+        return EventTangent(q, v, float(t), given, unknowns)
 
-    def back(self, q: Array, v: Array, t: float, change: TurnChange | None) -> TurnBack:
+    def back(self, q: Array, v: Array, t: float, change: EventAdjointChange | None) -> EventAdjoint:
         """Gradients of those by q, v⁺ and the time; with the change of ℓ where an adjoint changes."""
-        turn = self._turn
-        bars = np.zeros(len(turn.derivatives))
-        np.add.at(bars, turn.result, np.concatenate([q, v, [t]]))
+        derived = self._derived
+        bars = np.zeros(len(derived.derivatives))
+        np.add.at(bars, derived.result, np.concatenate([q, v, [t]]))
         if change:
             bars = bars - change.unknowns
-        found = turn.derivatives.T @ bars - (change.given if change else 0.0)
+        found = derived.derivatives.T @ bars - (change.given if change else 0.0)
         nodes, b, c, shift = np.split(
-            found, np.cumsum([6 * len(q), len(turn.b), len(found) - 6 * len(q) - len(turn.b) - 1])
+            found, np.cumsum([6 * len(q), len(derived.b), len(found) - 6 * len(q) - len(derived.b) - 1])
         )
-        return TurnBack(nodes.reshape(2, 3, -1), b, c, float(shift[0]), turn.adjoint(bars))
+        return EventAdjoint(nodes.reshape(2, 3, -1), b, c, float(shift[0]), derived.adjoint(bars))
 
-    def change(self, moved: TurnMoved, mu: Array) -> TurnChange:
+    def change(self, moved: EventTangent, mu: Array) -> EventAdjointChange:
         """The change of the gradient of ℓ along a motion."""
-        return _Contracted(self._turn, self._curves, moved, mu).found()
+        return _Contracted(self._derived, self._curves, moved, mu).found()
 
 
 class _Contracted:
     """ℓ of one event along one motion: changes of its gradient, by everything in the equations."""
 
-    def __init__(self, turn: TurnDerivatives, curves: CurveLagrangian, moved: TurnMoved, mu: Array) -> None:
-        self._turn, self._curves, self._mu = turn, curves, mu
-        rows, unknowns, given = turn.places
+    def __init__(
+        self, derived: EventDerivatives, curves: CurveLagrangian, moved: EventTangent, mu: Array
+    ) -> None:
+        self._derived, self._curves, self._mu = derived, curves, mu
+        rows, unknowns, given = derived.places
         self._by = {name: mu[own] for name, own in rows.items()}
         for name in ("place", "rate", "rate_after"):
             if name in rows:
-                self._by[name] = turn.kept * self._by[name]
+                self._by[name] = derived.stored * self._by[name]
         self._dots = {name: moved.unknowns[own] for name, own in unknowns.items()}
-        nodes, rest = np.split(moved.given, [6 * turn.system.nq])
+        nodes, rest = np.split(moved.given, [6 * derived.system.nq])
         self._nodes_dot = nodes.reshape(2, 3, -1)
         first = given["b"].start
         self._dots |= {
@@ -103,25 +105,30 @@ class _Contracted:
         }
         tau = self._tau = float(self._dots["tau"][0])
         self._dots["t"] = self._dots["t"] + tau
-        states = np.einsum("kel,eln->kn", turn.values, self._nodes_dot) + tau * turn.rates
+        states = np.einsum("kel,eln->kn", derived.values, self._nodes_dot) + tau * derived.rates
         self._dots |= dict(zip(("q0", "v0"), states, strict=True))
         self._dots.setdefault("after", self._dots["v"])
-        sizes = turn.sizes[1] | turn.sizes[2]
+        sizes = derived.sizes[1] | derived.sizes[2]
         self._found = {name: np.zeros(size) for name, size in sizes.items()}
 
-    def found(self) -> TurnChange:
+    def found(self) -> EventAdjointChange:
         """All parts."""
-        turn, to, dots = self._turn, self._found, self._dots
-        self._projected("position", "q", "q0", turn.turn.q - turn.q0, "sigma", turn.sigma)
-        self._projected("velocity", "v", "v0", turn.turn.v - turn.v0, "rho", turn.rho)
-        to["q"] += self._part("place", nu=self._by["place"], q=turn.turn.q, q_dot=dots["q"]).q
+        derived, to, dots = self._derived, self._found, self._dots
+        self._projected("position", "q", "q0", derived.event.q - derived.q0, "sigma", derived.sigma)
+        self._projected("velocity", "v", "v0", derived.event.v - derived.v0, "rho", derived.rho)
+        to["q"] += self._part("place", nu=self._by["place"], q=derived.event.q, q_dot=dots["q"]).q
         rate = self._part(
-            "rate", nu=-self._by["rate"], q=turn.turn.q, q_dot=dots["q"], v=turn.turn.v, v_dot=dots["v"]
+            "rate",
+            nu=-self._by["rate"],
+            q=derived.event.q,
+            q_dot=dots["q"],
+            v=derived.event.v,
+            v_dot=dots["v"],
         )
         to["q"] += rate.q
         to["v"] += rate.v
-        self._add(turn.function.turned(self._by["event"], np.zeros(1), self._moved()))
-        if turn.is_impact or turn.is_reset:
+        self._add(derived.function.turned(self._by["event"], np.zeros(1), self._moved()))
+        if derived.is_impact or derived.is_reset:
             self._pushed()
         return self._by_nodes()
 
@@ -135,10 +142,10 @@ class _Contracted:
 
     def _part(self, kind: str, **given: Array) -> Change:
         """A part that is recorded with the equations of steps; what belongs to the numbers and the time is added."""
-        turn, none = self._turn, np.zeros(self._turn.system.m)
+        derived, none = self._derived, np.zeros(self._derived.system.m)
         lam, nu, lam_dot = (given.pop(name, none) for name in ("lam", "nu", "lam_dot"))
         change = change_at(
-            turn.system, kind, turn.turn.t, turn.b, self._dots["b"], lam, nu, lam_dot, self._curves,
+            derived.system, kind, derived.event.t, derived.b, self._dots["b"], lam, nu, lam_dot, self._curves,
             float(self._dots["t"][0]), **given,
         )  # fmt: skip
         self._found["b"] += change.b
@@ -149,7 +156,7 @@ class _Contracted:
         """M(q̃) (x - x̃) + Φ_q(q̃)ᵀλ."""
         dots, to = self._dots, self._found
         part = self._part(
-            "impulse", lam=multipliers, lam_dot=dots[name], q=self._turn.q0, q_dot=dots["q0"], a=moved,
+            "impulse", lam=multipliers, lam_dot=dots[name], q=self._derived.q0, q_dot=dots["q0"], a=moved,
             a_dot=dots[x] - dots[x0], xi=self._by[row],
         )  # fmt: skip
         to["q0"] += part.q
@@ -159,29 +166,34 @@ class _Contracted:
 
     def _pushed(self) -> None:
         """What an impulse or a function does to the velocities."""
-        turn, dots, to, x = self._turn, self._dots, self._found, self._by["impact"]
-        base_dot = dots["v"] if turn.is_impact else turn.reset.along(self._moved())
+        derived, dots, to, x = self._derived, self._dots, self._found, self._by["impact"]
+        base_dot = dots["v"] if derived.is_impact else derived.reset.along(self._moved())
         part = self._part(
-            "impulse", lam=turn.Lam, lam_dot=dots["Lam"], nu=-self._by["rate_after"], q=turn.turn.q, q_dot=dots["q"],
-            v=turn.after, v_dot=dots["after"], a=turn.after - turn.base, a_dot=dots["after"] - base_dot, xi=x,
+            "impulse", lam=derived.Lam, lam_dot=dots["Lam"], nu=-self._by["rate_after"], q=derived.event.q,
+            q_dot=dots["q"],
+            v=derived.after, v_dot=dots["after"], a=derived.after - derived.base, a_dot=dots["after"] - base_dot, xi=x,
         )  # fmt: skip
         to["q"] += part.q
         to["after"] += part.v + part.a
         to["Lam"] += part.lam
-        if turn.is_reset:
-            weights = -(turn.system.M(turn.turn.q, b=turn.b) @ x)
-            self._add(turn.reset.turned(weights, -part.a, self._moved()))
+        if derived.is_reset:
+            weights = -(derived.system.M(derived.event.q, b=derived.b) @ x)
+            self._add(derived.reset.turned(weights, -part.a, self._moved()))
             return
         to["v"] -= part.a
         self._along_output(x, float(self._by["restitution"][0]))
 
     def _along_output(self, x: Array, kappa: float) -> None:
         """κ f_q (v⁺ + e v) - p f_q x = f_q u."""
-        turn, dots, to = self._turn, self._dots, self._found
-        v, e, e_dot = turn.turn.v, float(turn.turn.restitution or 0.0), float(turn.by_e @ dots["e"])
-        u = kappa * (turn.after + e * v) - turn.p * x
+        derived, dots, to = self._derived, self._dots, self._found
+        v, e, e_dot = (
+            derived.event.v,
+            float(derived.event.restitution or 0.0),
+            float(derived.by_e @ dots["e"]),
+        )
+        u = kappa * (derived.after + e * v) - derived.p * x
         u_dot = kappa * (dots["after"] + e_dot * v + e * dots["v"]) - dots["p"] * x
-        recorded = turn.recorded(turn.turn.along)
+        recorded = derived.recorded(derived.event.along)
         f_q, moved = recorded.slopes.q[0], self._moved()
         found = self._rate_along(recorded, u).turned(np.ones(1), np.zeros(1), moved._replace(v=u_dot))
         self._add(found._replace(v=np.zeros_like(v)))
@@ -189,30 +201,30 @@ class _Contracted:
         to["after"] += kappa * f_q_dot
         to["v"] += kappa * (e * f_q_dot + e_dot * f_q)
         to["p"] -= f_q_dot @ x
-        to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"]) * turn.by_e
+        to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"]) * derived.by_e
 
     def _rate_along(self, output: Recorded, u: Array) -> Recorded:
         """f_q u as a function of the state, which takes the third derivatives of the output."""
         try:
             return output.rate_along(u)
         except TypeError as wrong:
-            event = self._turn.turn
+            event = self._derived.event
             raise ValueError(
                 f"the event {event.name}: second derivatives need third ones of {event.along}, along which its impact "
                 f"acts: {wrong}. Take an output of recorded functions."
             ) from wrong
 
-    def _by_nodes(self) -> TurnChange:
+    def _by_nodes(self) -> EventAdjointChange:
         """Those by q̃ and ṽ as those by the nodes and by τ."""
-        turn, to, (_, unknowns, given) = self._turn, self._found, self._turn.places
-        first = turn.by_given[:, : given["v0"].stop].T @ self._mu  # the gradient itself
+        derived, to, (_, unknowns, given) = self._derived, self._found, self._derived.places
+        first = derived.by_given[:, : given["v0"].stop].T @ self._mu  # the gradient itself
         first, change = first.reshape(2, -1), np.array([to["q0"], to["v0"]])
-        by_nodes = np.einsum("kel,kn->eln", turn.values, change)
-        by_nodes += self._tau * np.einsum("kel,kn->eln", turn.slopes, first)
-        rates_dot = np.einsum("kel,eln->kn", turn.slopes, self._nodes_dot)
-        rates_dot += self._tau * np.einsum("kel,eln->kn", turn.bends, turn.nodes)
-        to["tau"] += np.sum(turn.rates * change) + np.sum(rates_dot * first) + to["t"]
+        by_nodes = np.einsum("kel,kn->eln", derived.values, change)
+        by_nodes += self._tau * np.einsum("kel,kn->eln", derived.slopes, first)
+        rates_dot = np.einsum("kel,eln->kn", derived.slopes, self._nodes_dot)
+        rates_dot += self._tau * np.einsum("kel,eln->kn", derived.bends, derived.nodes)
+        to["tau"] += np.sum(derived.rates * change) + np.sum(rates_dot * first) + to["t"]
         rest = [to[name] for name in given if name not in ("q0", "v0")]
-        return TurnChange(
+        return EventAdjointChange(
             np.concatenate([to[name] for name in unknowns]), np.concatenate([by_nodes.ravel(), *rest])
         )

@@ -18,7 +18,7 @@ from ....results import Pieces, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
-from ..sampling.consistent import READ, ConsistentSampling, Turned
+from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
 from ..sampling.pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
 from ..sampling.reported import Reported
 from ..sampling.sampling import NotThere, Sampling
@@ -336,7 +336,7 @@ class Evaluation:
         return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
 
     def _collected(
-        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: Turned
+        self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: AdjointChange
     ) -> tuple[Nodes, Explicit]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]

@@ -114,9 +114,9 @@ def _roots(steps: Steps, arguments: Arguments) -> tuple[Array, Array, bool]:
     found = [_brackets(x) for x in values]
     grazing = [_grazing(x) for x in values]
     noisy = [np.count_nonzero(np.diff(np.sign(x))) > max(FEW, MOST * count) for x in values]
-    kept = [k for k, noise in enumerate(noisy) if not noise]
-    brackets = [(k, found[k]) for k in kept] + [
-        (k, side) for k in kept for side in _about(steps, arguments, k, values[k], grazing[k])
+    stored = [k for k, noise in enumerate(noisy) if not noise]
+    brackets = [(k, found[k]) for k in stored] + [
+        (k, side) for k in stored for side in _about(steps, arguments, k, values[k], grazing[k])
     ]
     if not any(len(b.step) for _, b in brackets):
         return np.zeros(0, dtype=np.int64), np.zeros(0), any(noisy)

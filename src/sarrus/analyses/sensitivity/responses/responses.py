@@ -397,7 +397,7 @@ class Misfit(Response):
         return np.asarray(g_dot / self.sigma**2)
 
 
-def told_apart(titles: Iterable[str]) -> tuple[str, ...]:
+def distinct_titles(titles: Iterable[str]) -> tuple[str, ...]:
     """Names in tables; the second of two that are equal ends with 2."""
     found: dict[str, None] = {}
     for title in titles:

@@ -50,7 +50,7 @@ class Motion(NamedTuple):
     lam: Array
 
 
-class Turned(NamedTuple):
+class AdjointChange(NamedTuple):
     """What the change of an adjoint takes: the sources of the operations, the gradients that change, the motion."""
 
     sources: PerOperation
@@ -232,7 +232,7 @@ class ConsistentSampling(Sampling):
         return {(kind, n): getattr(found, kind)[:, n, 0] for kind, n in keys}
 
     def spread_all(
-        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: Turned | None = None
+        self, bars: Mapping[Key, Array], nodes: Nodes, column: int, turned: AdjointChange | None = None
     ) -> Array:
         """See `Sampling`; `turned` is what the change of an adjoint takes."""
         given = self._given(bars)
@@ -258,7 +258,7 @@ class ConsistentSampling(Sampling):
             getattr(given, kind)[:, n, 0] += bar
         return given
 
-    def _through_minimum(self, given: Ends, turned: Turned | None = None) -> tuple[Array, Array]:
+    def _through_minimum(self, given: Ends, turned: AdjointChange | None = None) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
         t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
         asked = given.lam.any(axis=(1, 2)) | (turned.bars.lam.any(axis=(1, 2)) if turned else False)
@@ -274,7 +274,7 @@ class ConsistentSampling(Sampling):
 
     def turned(
         self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
-    ) -> tuple[Turned, Array]:
+    ) -> tuple[AdjointChange, Array]:
         """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
 
         `dots` are the changes of the nodes; gradients that change as times move are added to those by `nodes`.
@@ -287,7 +287,7 @@ class ConsistentSampling(Sampling):
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
             self._of.spread_time(-found.t, nodes, 0)
-        return Turned(found.sources, self._given(bars), motion), found.b
+        return AdjointChange(found.sources, self._given(bars), motion), found.b
 
 
 def _by_places(found: Back) -> dict[Key, Array]:

@@ -90,8 +90,8 @@ class ConsistentStates:
             return self
         none = replace(self, dq=np.zeros_like(self.dq), dv=np.zeros_like(self.dv))
         sweep = ConsistentSweep(system, none, moving=False, motion=False)
-        begun = {"q0": -self.dq[:, :, None], "v": -self.dv[:, :, None]}
-        stages = sweep.along(begun, np.zeros((len(self.b), 1)))[1]
+        initial = {"q0": -self.dq[:, :, None], "v": -self.dv[:, :, None]}
+        stages = sweep.along(initial, np.zeros((len(self.b), 1)))[1]
         found = [self.sigma.copy(), self.rho.copy()]
         for x, one, own in zip(found, sweep.record.operations, stages.parts, strict=False):
             first = one.tables.stages[MULTIPLIERS]
@@ -134,7 +134,7 @@ class ConsistentSweep:
         return Nodes._make(np.zeros((len(self._states), width, 1)) for width in (nq, nq, nq, m))
 
     def along(
-        self, begun: Mapping[str, Array], b: Array, dt: Array | None = None
+        self, initial: Mapping[str, Array], b: Array, dt: Array | None = None
     ) -> tuple[Nodes, PerOperation]:
         """The changes of the consistent states, and those of the stages' quantities.
 
@@ -142,14 +142,14 @@ class ConsistentSweep:
         """
         found, stages, states = self.nodes(), stages_of(self.record, 1), self._states
         for name in ("q", "v"):
-            if name in begun:
-                getattr(found, name)[~states.defined] = begun[name][~states.defined]
+            if name in initial:
+                getattr(found, name)[~states.defined] = initial[name][~states.defined]
         if states.defined.any():
             sweep = Sweep(self.record, 1, np.ascontiguousarray(b))
             first = np.zeros((len(states), sweep.state_size, 1))
-            for name, x in begun.items():
+            for name, x in initial.items():
                 first[:, sweep.rows[name] : sweep.rows[name] + self._system.nq] = x
-            sweep.forward(sweep.state(), found, stages, self._sources(b, dt), begun=first)
+            sweep.forward(sweep.state(), found, stages, self._sources(b, dt), initial=first)
         return found, stages
 
     def _sources(self, b: Array, dt: Array | None) -> PerOperation | None:
@@ -167,9 +167,9 @@ class ConsistentSweep:
         if not states.defined.any():
             return found
         sweep = Sweep(self.record, 1)
-        begun = np.zeros((len(states), sweep.state_size, 1))
-        by_b = sweep.backward(sweep.state(), given, 0, found.solved, sources, begun)
-        q0, q, v = (begun[:, sweep.rows[name] : sweep.rows[name] + system.nq] for name in ("q0", "q", "v"))
+        initial = np.zeros((len(states), sweep.state_size, 1))
+        by_b = sweep.backward(sweep.state(), given, 0, found.solved, sources, initial)
+        q0, q, v = (initial[:, sweep.rows[name] : sweep.rows[name] + system.nq] for name in ("q0", "q", "v"))
         found.q[states.defined], found.v[states.defined] = (q0 + q)[states.defined], v[states.defined]
         found.b[: len(by_b)] = by_b
         if self._curves:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....outputs.recording import Angles, Key
-from ....results import Pieces, StepsTaken, Turn
+from ....results import EventStep, Pieces, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
 from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange_with_bends
@@ -177,7 +177,7 @@ class Course(NamedTuple):
     """The nodes of each stretch of a run, the last one at the event that ends it, and these events."""
 
     t: Sequence[Array]
-    turns: Sequence[Turn]
+    event_steps: Sequence[EventStep]
 
     @property
     def ends(self) -> Array:
@@ -195,7 +195,7 @@ def course_of(steps: StepsTaken | Pieces) -> Course:
     if not isinstance(steps, Pieces):
         return Course([steps.t], ())
     ends = zip(steps.pieces, steps.ends, strict=True)
-    return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.turns)
+    return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.event_steps)
 
 
 def within(course: Course, parts: Sequence[float] = (0.0,)) -> Where:
@@ -231,9 +231,9 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Where:
     ------
     NotThere
     """
-    own = [p for p, turn in enumerate(course.turns) if turn.name == name]
+    own = [p for p, event_step in enumerate(course.event_steps) if event_step.name == name]
     if not 1 <= number <= len(own):
-        known = ", ".join(dict.fromkeys(turn.name for turn in course.turns)) or "none"
+        known = ", ".join(dict.fromkeys(event_step.name for event_step in course.event_steps)) or "none"
         raise NotThere(
             f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
         )

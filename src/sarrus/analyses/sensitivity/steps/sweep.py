@@ -119,7 +119,7 @@ class Sweep:
         first: int = 0,
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
-        begun: Array | None = None,
+        initial: Array | None = None,
     ) -> Array:
         """From the end to the start of step `first`, in place; the gradient by the numbers of the elements (nb, k).
 
@@ -129,10 +129,10 @@ class Sweep:
         given : gradients of responses by the ends of the steps from `first` on
         stored : takes the adjoint variables
         sources : changes of the gradients of the Lagrangians by the stages' quantities, where an adjoint changes
-        begun : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
+        initial : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
             do not depend on each other
         """
-        timeline, run = self._timeline(first, None, begun), self.record.run(first)
+        timeline, run = self._timeline(first, None, initial), self.record.run(first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0
         arrays = (
             state,
@@ -159,15 +159,15 @@ class Sweep:
         sources: PerOperation | None = None,
         first: int = 0,
         last: int | None = None,
-        begun: Array | None = None,
+        initial: Array | None = None,
     ) -> None:
         """Through the steps first:last, in place; derivatives at their ends are written to `given`.
 
         `sources` are changes of the equations besides those by the numbers of elements; `stored` takes the changes of
-        the stages' quantities. `begun` are those of the states before the steps (steps, entries, 1), if these are
+        the stages' quantities. `initial` are those of the states before the steps (steps, entries, 1), if these are
         states that do not depend on each other.
         """
-        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last, begun)
+        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last, initial)
 
     def weighed(
         self,
@@ -190,9 +190,9 @@ class Sweep:
 
     def _forward(
         self, state: Array, given: loop.Nodes, weighed: loop.Weighed, stored: PerOperation | None,
-        sources: PerOperation | None, first: int, last: int | None, begun: Array | None,
+        sources: PerOperation | None, first: int, last: int | None, initial: Array | None,
     ) -> None:  # fmt: skip
-        states = None if begun is None else begun.reshape(len(begun), 1, -1)
+        states = None if initial is None else initial.reshape(len(initial), 1, -1)
         timeline, run, e = self._timeline(first, last, states), self.record.run(first), 0
         panels, tried = self._in_panels(state), (-1, 0)
         self._work.done[0] = 0
@@ -218,11 +218,11 @@ class Sweep:
         own = steps[order]
         ends = np.append(own[1:] != own[:-1], True)[-len(own) :]
         nodes = np.where(ends, own - first, -1)
-        begun = np.full(len(own), -1)
+        initial = np.full(len(own), -1)
         if states is not None:
-            begun[np.append(True, ends[:-1])[: len(own)]] = nodes[ends]
+            initial[np.append(True, ends[:-1])[: len(own)]] = nodes[ends]
         return loop.Timeline(
-            operations[order], occurrences[order], nodes, begun, NO_STATES if states is None else states
+            operations[order], occurrences[order], nodes, initial, NO_STATES if states is None else states
         )
 
     def _in_panels(self, state: Array) -> Array:

@@ -49,13 +49,13 @@ class Timeline(NamedTuple):
 
     operations, occurrences, nodes : which each is, its occurrence, and the node that it ends at, or -1
     states : derivatives of states that do not depend on each other, or by these, one for each node; or none
-    begun : the state with which each operation begins, or -1
+    initial : the state with which each operation begins, or -1
     """
 
     operations: Array
     occurrences: Array
     nodes: Array
-    begun: Array
+    initial: Array
     states: Array
 
 
@@ -63,7 +63,7 @@ class Work(NamedTuple):
     """Vectors of the unknowns (n, width), and of the stages' quantities.
 
     width : of all columns backwards, of a panel forwards
-    room : of three vectors of the unknowns, to solve with
+    buffers : of three vectors of the unknowns, to solve with
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
     trusted : the last relative change of a solution, up to which the order of the pivots is kept
@@ -72,7 +72,7 @@ class Work(NamedTuple):
 
     right: Array
     solution: Array
-    room: Array
+    buffers: Array
     stages: Array
     maps: Maps
     trusted: Array
@@ -170,20 +170,20 @@ def solve_lane(
     whole: Rows,
     refined: Array,
     growth: float,
-    begun: bool,
+    initial: bool,
     right: Array,
     solution: Array,
-    room: Buffers,
+    buffers: Buffers,
 ) -> float:
     """Solve for one column as in `solve_lane_transposed`, or for a panel of them.
 
     Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
-    block's first lane, which tells the growth, too. `begun`: whether this is not that one.
+    block's first lane, which tells the growth, too. `initial`: whether this is not that one.
     """
     size, alone = right.shape[0] * right.shape[1], right.shape[1] == 1
     given, found = right.reshape(size), solution.reshape(size)
-    x, rest, more = room[0].reshape(size), room[1].reshape(size), room[2].reshape(size)
-    plain = plainly(refined, growth) and (alone or begun)
+    x, rest, more = buffers[0].reshape(size), buffers[1].reshape(size), buffers[2].reshape(size)
+    plain = plainly(refined, growth) and (alone or initial)
     most = 0 if plain else REFINEMENTS
     if alone:
         first, change = solve_flat(own, given, found, x, rest, more, most)
@@ -192,23 +192,23 @@ def solve_lane(
     if plain:
         return float(refined[CHANGE])
     refined[CHANGE] = first if alone or refined[CHANGE] == UNKNOWN else max(first, refined[CHANGE])
-    if alone or not begun:
+    if alone or not initial:
         refined[GROWTH] = growth
     return change
 
 
 @compiled
 def solve_lane_transposed(
-    own: Factors, refined: Array, growth: float, right: Array, solution: Array, room: Buffers
+    own: Factors, refined: Array, growth: float, right: Array, solution: Array, buffers: Buffers
 ) -> float:
     """Solve with the transposed factors of one lane; the last relative change of the solution.
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
     """
     if plainly(refined, growth):
-        solve_plain_transposed(own, right, solution, room)
+        solve_plain_transposed(own, right, solution, buffers)
         return float(refined[CHANGE])
-    first, change = solve_columns_transposed(own, right, solution, room)
+    first, change = solve_columns_transposed(own, right, solution, buffers)
     refined[CHANGE], refined[GROWTH] = first, growth
     return change
 
@@ -280,15 +280,15 @@ def backward_operation(
         spread_transposed(row(layout.by_unknowns, op).values, coefficients[run.unknowns[op] :], moved, flat)
     numbers = numbers_of(block, op, lane).values
     own = lane_of(matrices, block, op, numbers)
-    room = work.room[0][:n], work.room[1][:n], work.room[2][:n]
-    change = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, room)
+    buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
+    change = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not change <= work.trusted[0]:
         return False
     silence(layout, run, op, k, mu)
     if len(stored.values) > 0:
-        kept, solved = at(stored, op, k).values, mu.reshape(n * width)
-        for j in range(len(kept)):
-            kept[j] = solved[j]
+        saved, solved = at(stored, op, k).values, mu.reshape(n * width)
+        for j in range(len(saved)):
+            saved[j] = solved[j]
     put_adjoint(layout, run, op, k, lane, mu, block)
     times_transposed(matrices, op, numbers[block.cuts[op, 2] :], mu, moved)
     apply_map(maps.before, op, coefficients, state, moved, state)
@@ -339,8 +339,8 @@ def backward(
             linearize(layout, kernels, b, run, op, k, -1, matrices, block)
         if not backward_operation(layout, run, op, k, matrices, block, work, bars, stored, sources):
             break
-        if timeline.begun[e] >= 0:
-            exchange(bars, timeline.states[timeline.begun[e]])
+        if timeline.initial[e] >= 0:
+            exchange(bars, timeline.states[timeline.initial[e]])
         work.done[0] = 0
         e -= 1
     for op in range(len(block.used)):
@@ -404,17 +404,17 @@ def forward_operation(
     silence(layout, run, op, k, right)
     matrix, refined = lane_of(matrices, block, op, numbers), block.refined[op]
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
-    room, growth = (work.room[0][:n], work.room[1][:n], work.room[2][:n]), block.growth[op, lane]
-    change = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, room)
+    buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
+    change = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
     if not change <= work.trusted[0]:
         return False
     found = solution.reshape(n * width)
     if len(stored.values) > 0:
         moved[layout.moved[op] * width :] = 0.0
         spread(row(layout.by_unknowns, op).values, coefficients[run.unknowns[op] :], found, moved)
-        kept = at(stored, op, k).values
-        for j in range(len(kept)):
-            kept[j] = moved[j]
+        saved = at(stored, op, k).values
+        for j in range(len(saved)):
+            saved[j] = moved[j]
     apply_map(maps.after, op, coefficients, own, found, own)
     return True
 
@@ -453,8 +453,8 @@ def forward(
         op, k = timeline.operations[e], timeline.occurrences[e]
         if block.used[op, 1] == block.used[op, 0]:
             linearize(layout, kernels, b, run, op, k, 1, matrices, block)
-        if timeline.begun[e] >= 0 and work.done[0] == 0:
-            state[:] = timeline.states[timeline.begun[e]]
+        if timeline.initial[e] >= 0 and work.done[0] == 0:
+            state[:] = timeline.states[timeline.initial[e]]
         if not forward_panels(layout, run, op, k, columns, matrices, block, work, state, stored, sources):
             break
         if timeline.nodes[e] >= 0:

@@ -201,9 +201,7 @@ def _token(value: Any) -> object:
     name = getattr(value, "__module__", ""), getattr(value, "__qualname__", getattr(value, "__name__", ""))
     if isinstance(value, type):
         return *name, getattr(value, "_fields", ())
-    return (
-        name if name[0].startswith(f"{COMPILER}.") else None
-    )  # their sources name the folder of the cache
+    return name if name[0].startswith(f"{COMPILER}.") else None  # their sources name the folder of the cache
 
 
 def _global_names(code: types.CodeType) -> Iterator[str]:

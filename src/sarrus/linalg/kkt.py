@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
@@ -83,10 +84,10 @@ class KKT:
 
     def _refined(self, f: Array, g: Array) -> tuple[Array, Array]:
         x, y = self._step(f, g)
-        size, before = abs(x).max(initial=0.0), np.inf
+        size, before = float(abs(x).max(initial=0.0)), math.inf
         for _ in range(REFINEMENTS):
             dx, dy = self._step(f - self._A @ x - self._JT @ y, g - self._J @ x)
-            change = abs(dx).max(initial=0.0)
+            change = float(abs(dx).max(initial=0.0))
             if change >= before:
                 break
             x, y, before = x + dx, y + dy, change

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...algebra import Array
@@ -42,7 +44,7 @@ def _drifts(now: Balance) -> bool:
 def _bent(now: Balance, scale: Array, radius: float) -> Array:
     """Bisection for σ on a logarithmic scale."""
     squares, share = now.spectrum.squares, _shaken(now, scale)
-    top = abs(squares).max(initial=0.0) or 1.0
+    top = float(abs(squares).max(initial=0.0)) or 1.0
     floor = max(0.0, -squares.min(initial=0.0))
 
     def step(sigma: float) -> Array:
@@ -52,7 +54,7 @@ def _bent(now: Balance, scale: Array, radius: float) -> Array:
     while _size(step(high), scale) > radius:
         high *= 10
     for _ in range(60):
-        middle = np.sqrt(low * high)
+        middle = math.sqrt(low * high)
         low, high = (middle, high) if _size(step(middle), scale) > radius else (low, middle)
     return step(high)
 

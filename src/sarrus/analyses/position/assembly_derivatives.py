@@ -157,7 +157,7 @@ class AssemblyDerivatives:
         db, dq, dv = self._directions(db, dq, dv)
         f1, g1 = self._parts(self._first @ db)
         q_dot, lam_dot = self._position.solve(f1, g1, dq)
-        gap, size = abs(self._position.J @ q_dot - g1), abs(g1).max(initial=0.0)
+        gap, size = abs(self._position.J @ q_dot - g1), float(abs(g1).max(initial=0.0))
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
             row = self._system.row_names[self._widest(gap)]
             raise NoDerivative(

@@ -295,7 +295,7 @@ class Way:
 
 
 def _over_tolerance(x: Array, y: Array, rtol: Array, atol: Array) -> float:
-    allowed = np.maximum(atol + rtol * abs(y), FINEST * max(1.0, abs(y).max(initial=0.0)))
+    allowed = np.maximum(atol + rtol * abs(y), FINEST * max(1.0, float(abs(y).max(initial=0.0))))
     return float(np.sqrt(np.mean(((x - y) / allowed) ** 2)))
 
 

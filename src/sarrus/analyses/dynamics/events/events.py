@@ -69,7 +69,8 @@ class Event:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if not np.isscalar(self.direction) or self.direction not in (-1, 0, 1):
+        direction: object = self.direction
+        if not np.isscalar(direction) or direction not in (-1, 0, 1):
             raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
         if isinstance(self.function, type) or not (isinstance(self.function, str) or callable(self.function)):
             raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")

@@ -54,10 +54,10 @@ ALLOWED = {
     'warn_deprecated("sentence"': "a deprecated spelling",
     "-march=native": "an option of gcc",
     "exudyn_told.py": "a file of the benchmarks",
-    "`TimeLoop`": "a class, until it is renamed",
     'state["told"]': "a key of the format of saved runs",
     ')["told"]': "a key of the format of saved runs",
     '"told": np.array': "a key of the format of saved runs",
+    '"kept_': "a prefix of keys of the format of saved runs",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",
 }
 

@@ -179,8 +179,8 @@ def test_folders_that_are_made_for_a_chosen_one_are_private(tmp_path: Path) -> N
 WINDING = """
 import numpy as np
 from sarrus._jit.linking.link import link
-from sarrus._jit.pointer import NONE
-from sarrus.analyses.dynamics import winding_loop as loop
+from sarrus._jit.kernels.pointer import NONE
+from sarrus.analyses.dynamics.dense_output import winding_loop as loop
 
 count = link(loop.count)
 work = loop.Work(**{name: np.zeros(1) for name in loop.Work._fields})
@@ -205,7 +205,7 @@ EDITS = {  # of a compiled loop outside the sources by which folders of kernels 
 def test_two_packages_on_one_cache(edit: str, copy: Path, tmp_path: Path) -> None:
     """Processes of the package and of an edited copy alternate: each has its own kernel and its own number."""
     source, (before, after, wanted) = (
-        copy / "sarrus" / "analyses" / "dynamics" / "winding_loop.py",
+        copy / "sarrus" / "analyses" / "dynamics" / "dense_output" / "winding_loop.py",
         EDITS[edit],
     )
     text = source.read_text()

@@ -1,4 +1,4 @@
-"""Whether the results of a run have room in memory, asked before it begins."""
+"""Whether the results of a run fit into memory, checked before it begins."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .stepping.stepper import RunFailure
 
 NUMBER = 8  # bytes
 ALWAYS = 1_000_000  # bytes that are not worth asking for
-STEPS = 2000  # kept steps that a run is taken to have at least
+STEPS = 2000  # stored steps that a run is taken to have at least
 
 
 def bytes_of(system: System, rows: int) -> int:
@@ -18,7 +18,7 @@ def bytes_of(system: System, rows: int) -> int:
 
 
 def available() -> int:
-    """Free memory of this computer, or a very large number where it does not tell. [bytes]"""
+    """Free memory of this computer, or a very large number where it is unknown. [bytes]"""
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:
             message = dict(line.split(":", 1) for line in lines)
@@ -36,7 +36,7 @@ def refuse_too_large(system: System, rows: int, all_steps: bool) -> None:
 
     Raises
     ------
-    Trouble
+    RunFailure
         With the number of bytes.
     """
     wanted = bytes_of(system, rows + (STEPS if all_steps else 0))

@@ -114,8 +114,8 @@ def simulate(
     Returns
     -------
     Trajectory
-        With ``success`` false, a `status`, and a sentence in ``message`` where the end was not reached; what was
-        computed is kept, also after Ctrl-C.
+        With ``success`` false, a `status`, and a ``message`` where the end was not reached; what was
+        computed is returned, also after Ctrl-C.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def simulate(
                 return recipe.saved(save, system, message, overwrite=overwrite)
             return recipe.done(system, None, message)
     except RunFailure as error:
-        return nothing(system, error.status, error.sentence)
+        return nothing(system, error.status, error.message)
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:

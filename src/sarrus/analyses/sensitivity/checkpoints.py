@@ -1,4 +1,4 @@
-"""The gradient of a long run in little memory: states are kept now and then, the steps between them are taken again.
+"""The gradient of a long run in little memory: states are stored now and then, the steps between them are taken again.
 
 Twice the steps of the run, and memory for one stretch of them besides the checkpoints; see `LongRun`.
 """
@@ -77,7 +77,7 @@ def sensitivity_by_checkpoints(
     ----------
     system, until, start, method, rtol, atol, max_step, events : as for `simulate`
     responses, wrt, design, formula : as for `sensitivity`
-    memory : for kept states, events, and the steps between two kept states [bytes]
+    memory : for stored states, events, and the steps between two stored states [bytes]
     progress : True for a bar on standard error, or a function of the simulated time, forwards and backwards: it goes to
         twice `until`
     time_limit : seconds of the clock after which the analysis is given up
@@ -103,7 +103,7 @@ def sensitivity_by_checkpoints(
             task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back)
             return task.gradient(system, as_responses(responses), parameters)
     except (RunFailure, TimeLimit) as error:
-        message = error.sentence if isinstance(error, RunFailure) else error
+        message = error.message if isinstance(error, RunFailure) else error
         raise ValueError(
             f"derivatives need a run that reached its end, but {system.name}: {message}"
         ) from None
@@ -139,7 +139,7 @@ class LongTask:
 
         Raises
         ------
-        Trouble
+        RunFailure
             Where the end is not reached.
         """
         per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
@@ -249,7 +249,7 @@ class LongGradient:
         return Angles(self._run.system, states, partial(self._first_angles, n))
 
     def _first_angles(self, n: int) -> Array:
-        """The joints' coordinates where a stretch begins, with all turns; perhaps from one more pass over the run."""
+        """The joints' coordinates where a stretch begins, with all revolutions; this may need one more pass."""
         if n not in self._initial:
             for before in range(len(self._run) - 1):
                 self._count_on(before, self._angles(before, self._run.stretch(before)))
@@ -318,7 +318,7 @@ class LongGradient:
         total.values[present] += evaluation.values
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)
-        del evaluation  # before room is made for the sweep
+        del evaluation  # before the buffers of the sweep are allocated
         event_step = partial(self._event_step, stretch, angles)
         back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
 

@@ -1,8 +1,8 @@
 """Corners of force laws that steps of a run pass at once: first touches, reversals of friction, kinks of laws.
 
-The steps of a run do not change with its numbers. A step within which a force turns a corner has an error that jumps as
-the corner moves through it: small in the states, as tolerances ask, but not in their derivatives. A rounded corner is
-passed well by steps that are not longer than its rounding.
+The steps of a run do not change with its parameters. A step within which a force passes a corner has an error that
+jumps as the corner moves through it: small in the states, to meet the tolerances, but not in their derivatives. A
+rounded corner is passed well by steps that are not longer than its rounding.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Corners(NamedTuple):
 
 
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
-    """One message for each part of the model whose force turns a corner within one step."""
+    """One message for each part of the model whose force passes a corner within one step."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
     forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
     owners = dict.fromkeys(
@@ -112,7 +112,7 @@ def _memory(steps: StepsTaken) -> Array:
 def _passed(
     system: System, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Array]
 ) -> list[bool]:
-    """Whether each element of a kind turns a corner within one step."""
+    """Whether each element of a kind passes a corner within one step."""
     graph, entries, signs, reversals, curves = _of(p.variant)
     wanted = [*entries, *signs, *reversals, *(x for _, x in curves)]
     values = CurveDerivatives(system).on_elements(

@@ -57,13 +57,13 @@ def sensitivity(
     ----------
     run : from ``simulate(..., store_steps=True)``
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
-        output's name, or a function of `Outputs`, stands for its final value
+        output's name, or a function of `Outputs`, means its final value
     wrt : names of numbers, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model file,
         design variables; by default every number of the model, or all design variables
     method : "adjoint": one sweep backwards for all numbers. "direct": one forwards with a column for each number, for
         few numbers and many responses
     design : values of design variables by name
-    formula : a function of the design variables that returns numbers of the model by name; differentiated exactly
+    formula : a function of the design variables that returns parameters of the model by name; differentiated exactly
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
     time_limit : seconds of the clock after which it is given up between these stages; a sweep is one compiled call,
         which nothing ends early, see `sensitivity_by_checkpoints`
@@ -77,7 +77,7 @@ def sensitivity(
     Raises
     ------
     ValueError
-        If the run kept no steps, or failed, for a response that is not a number, and where the time limit has passed.
+        If the run stored no steps, or failed, for a response that is not a number, and where the time limit has passed.
     SarrusError
         For names that the model does not have.
     """
@@ -130,7 +130,7 @@ def differentiated(
     method: Method = "adjoint",
     evaluation: Evaluation | None = None,
 ) -> Gradient:
-    """Derivatives of responses of kept steps, which may have been evaluated; see `sensitivity`."""
+    """Derivatives of responses of stored steps, which may have been evaluated; see `sensitivity`."""
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
     refuse_undefined((one.title for one in responses), evaluation.values)
     announce(corners(system, steps))

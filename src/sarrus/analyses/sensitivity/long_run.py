@@ -1,7 +1,7 @@
-"""A long run of which some states are kept: its stretches are simulated again as they are asked for.
+"""A long run of which some states are stored: its stretches are simulated again on request.
 
 A stepper goes on from a state that it gave with the same numbers, so that the steps taken again are those of the run,
-bit by bit. Events are not looked for again: where they were, and what the motion went on with, is kept.
+bit by bit. Events are not looked for again: where they were, and what the motion went on with, is stored.
 """
 
 from __future__ import annotations
@@ -88,14 +88,14 @@ class Stretch:
 
 
 class LongRun(TimeLoop):
-    """A run of which only checkpoints are kept, and the events.
+    """A run of which only checkpoints and the events are stored.
 
     Half of the memory is for checkpoints and events: where they need more, every second checkpoint is dropped, and
     stretches become twice as long. The other half is for the steps of one stretch.
 
     Parameters
     ----------
-    system, start, method, settings, until, events, progress : of the simulation; steps are kept
+    system, start, method, settings, until, events, progress : of the simulation; steps are stored
     buffers : [bytes]
     per_step : what each step of a stretch takes [bytes]
 
@@ -110,7 +110,7 @@ class LongRun(TimeLoop):
     ------
     ValueError
         Where the memory is too small.
-    Trouble
+    RunFailure
         Where the end is not reached.
     """
 
@@ -156,7 +156,7 @@ class LongRun(TimeLoop):
 
         Raises
         ------
-        Trouble
+        RunFailure
         """
         run = super().go(start, state)
         if run.status == "stopped":
@@ -240,7 +240,7 @@ class LongRun(TimeLoop):
         self._event_steps.append(event_step)
 
     def _mark(self) -> None:
-        """A checkpoint; what is kept of the steps before it is forgotten."""
+        """A checkpoint; the stored steps before it are forgotten."""
         stepper, steps = self.stepper, self.stepper.steps()
         if len(steps):
             self._lead = last_of(led(self._lead, steps), (HIGH if self.precise else LOW) - 2)

@@ -68,7 +68,7 @@ class Matrix(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """Times wanted, and room for the states there.
+    """Requested times, and buffers for the states there.
 
     violation : largest |Φ|, |Φ_q v + Φ_t|
     energy : kinetic, potential
@@ -168,9 +168,10 @@ def project(
     entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
     defect: Array,
 ) -> bool:  # fmt: skip
-    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` tells the largest entries left.
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` receives the largest remaining entries.
 
-    Returns false where constraints are so nearly dependent that they tell less of the state than it was known before.
+    Returns false where constraints are so nearly redundant that the state would become less
+    accurate than before.
     """
     before = 1e30
     for _ in range(PROJECTIONS):

@@ -61,7 +61,7 @@ class Sampler:
     system : System
     independence : which equations are solved, where some are dependent
     b : the numbers of the elements
-    host : a matrix in whose pattern that of the equations of motion stands, if there is one
+    host : a matrix whose pattern contains that of the equations of motion, if there is one
     apart : whether q and v are interpolated apart, see `nodes.between`
 
     Attributes
@@ -86,7 +86,7 @@ class Sampler:
         self._arrays: Any = None
 
     def capacity(self, times: Array) -> loop.Samples:
-        """Room for states at these times."""
+        """Buffers for states at these times."""
         nq, m, n = self.system.nq, self.system.m, len(times)
         states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
         places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
@@ -208,8 +208,8 @@ class Sampler:
 
         Raises
         ------
-        Trouble
-            In a singular position.
+        RunFailure
+            In a singular configuration.
         """
         if not self._factored(t, q):
             raise RunFailure(

@@ -70,7 +70,7 @@ class Winding:
 
 
 class WindingAlong:
-    """The revolutions at any time of a motion whose nodes are kept.
+    """The revolutions at any time of a motion whose nodes are stored.
 
     Parameters
     ----------

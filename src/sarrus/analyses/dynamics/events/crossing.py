@@ -29,7 +29,7 @@ from ...redundancy.redundant_constraints import Independence
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure, Settings, Stepper, Tally
 
-RECORD_SIZE = 120  # states that are kept in mind, each THIN times as far from the last one as the next
+RECORD_SIZE = 120  # stored states, each THIN times as far from the last one as the next
 THIN = 1.1
 NUMBERS = 1_000_000  # of those states together, as far as more than a few do not fit
 CLOSE, AWAY = (
@@ -71,7 +71,7 @@ class Landing(NamedTuple):
 
 
 class Crossing:
-    """A method at work that is helped over singular positions; see `Stepper`."""
+    """A stepper that also passes singular configurations; see `Stepper`."""
 
     def __init__(self, stepper: Stepper, system: System, settings: Settings) -> None:
         self._inner, self._system, self._settings = stepper, system, settings
@@ -118,7 +118,7 @@ class Crossing:
         self._inner.restart(t, q, v, until)
 
     def advance(self, stop: float, limit: int) -> Nodes:
-        """Steps towards a time, and over a singular position where they become ever shorter; see `Stepper`."""
+        """Steps towards a time, and over a singular configuration where they become ever shorter; see `Stepper`."""
         with np.errstate(all="ignore"):  # multipliers grow without bounds
             nodes = self._next(stop, limit)
         self._bear_in_mind(nodes)
@@ -149,7 +149,7 @@ class Crossing:
         return True
 
     def steps(self) -> object:
-        """The steps kept for derivatives, or None."""
+        """The steps stored for derivatives, or None."""
         return self._inner.steps()
 
     def state(self) -> dict[str, Array]:

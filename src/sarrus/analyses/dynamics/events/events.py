@@ -137,7 +137,7 @@ class Watch:
 
         Raises
         ------
-        Trouble
+        RunFailure
             If it is not a number.
         """
         if self.output is not self.function:
@@ -150,7 +150,7 @@ class Watch:
 
     @property
     def near(self) -> Array:
-        """The joints' coordinates from which turns are counted on."""
+        """The joints' coordinates from which revolutions are counted."""
         return np.array([x for output in self._counted for x in output.near])
 
     @near.setter
@@ -274,7 +274,7 @@ class Watches:
         }
 
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Go on from such a state; older ones do not tell when each happened, and how far joints had turned."""
+        """Continue from such a state; older ones lack the times of the events and the revolutions of the joints."""
         at = state.get("watch_at", np.full(len(self._all), -np.inf))
         for n, watch in enumerate(self._all):
             watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])

@@ -67,7 +67,7 @@ class Law:
 
     Parameters
     ----------
-    key : what tells it from others
+    key : identifies it among others
     graph, value : where it is recorded
     variable : the input that is the time
     numbers : values of other inputs

@@ -32,7 +32,7 @@ FAR = 1e4  # of the system's size: distances from the origin at which positions 
 FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half of the one before
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
-REASONS = {  # what happened, and what it may come from where there are forces
+REASONS = {  # what failed, and a possible cause where there are forces
     loop.NEWTON: (
         "Newton's method did not converge",
         ": a law with a corner or a very stiff contact may be the cause; smooth it, or give a larger atol",
@@ -85,7 +85,7 @@ class AlphaStepper(Implicit):
         self.first_error = Leading(3, self.scheme.error)
 
     def _record(self, capacity: int) -> Any:
-        """Room for the steps of one call of the loop, with what only sweeps need if they are stored."""
+        """Buffers for the steps of one call of the loop, with what only sweeps need if they are stored."""
         nq, m, places = self.system.nq, self.system.m, len(self.system.memory_places)
         corrected = capacity if self.settings.store_steps else 0
         shapes = [*[(capacity,)] * 3, *[(capacity, nq)] * 4, (capacity, m), (corrected, nq), (corrected, m)]
@@ -250,7 +250,7 @@ class AlphaStepper(Implicit):
     def _within_tolerance(self, motion: Accelerations, h: float) -> float:
         """A first step shortened until its estimated error, h² times the change of a over it, is within the tolerance.
 
-        ȧ vanishes where a spring is released at rest: it says nothing there of the steps that follow.
+        ȧ vanishes where a spring is released at rest: there it does not predict the steps that follow.
         """
         state, tolerance = self._state, self.settings.tolerances.of_q(self._state.q0)
         exponent, constant = self.first_error
@@ -285,10 +285,10 @@ class AlphaStepper(Implicit):
             self._show_matrix()
 
     def forget(self) -> None:
-        """Of what was kept for derivatives nothing but the present state stays."""
+        """Forget what was stored for derivatives, except the present state."""
         self.store.forget(**self._node())
 
     def steps(self) -> StepsTaken | None:
-        """What was kept for derivatives, or None."""
+        """What was stored for derivatives, or None."""
         message = self.settings.tolerances.greatest()
         return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)

@@ -223,7 +223,7 @@ class DescribedStepper(AlphaStepper):
         self._arrays = loop.Matrix._make([numbers.values, numbers.left_out, self.matrix.placed, motion])
 
     def steps(self) -> StepsTaken | None:
-        """What was kept for derivatives, or None."""
+        """What was stored for derivatives, or None."""
         found = super().steps()
         return replace(found, order=self._passed.exponent - 1) if isinstance(found, DescribedSteps) else None
 

@@ -307,7 +307,7 @@ def renew(
 
 @compiled
 def weights_of(scheme: Program, h: float) -> tuple[float, float]:
-    """What tells factors of one step size from those of another; see `prepare` for the ratio."""
+    """The ratios that identify the factors of one step size; see `prepare`."""
     return h, 1.0
 
 

@@ -106,7 +106,7 @@ class IDAStepper:
         return float(t), q.copy(), v.copy(), a, lam, self.b[self.system.memory_places]
 
     def state(self) -> dict[str, Array]:
-        """What is told of it; IDA keeps its past to itself."""
+        """The record of the step; IDA does not give access to its history."""
         return {"tally": self.tally.counts()}
 
     def resume(self, state: Mapping[str, Array]) -> None:
@@ -123,7 +123,7 @@ class IDAStepper:
         )
 
     def steps(self) -> None:
-        """No steps are kept."""
+        """No steps are stored."""
 
 
 def _solver(equations: Equations, settings: Settings) -> Any:

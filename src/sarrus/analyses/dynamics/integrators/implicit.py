@@ -1,4 +1,4 @@
-"""What the implicit methods with a compiled time loop share: their groups of operators, troubles, and saved states."""
+"""What the implicit methods with a compiled time loop share: their groups of operators, failures, and saved states."""
 
 from __future__ import annotations
 

@@ -178,10 +178,10 @@ class ODEStepper:
         self.motion.evaluations = self.tally.nfev
 
     def steps(self) -> None:
-        """No steps are kept."""
+        """No steps are stored."""
 
 
 WHY = (
-    "a force is very stiff, or the mechanism comes to a singular position, where motions branch; `singularities` "
+    "a force is very stiff, or the mechanism reaches a singular configuration, where motions branch; `singularities` "
     "locates such positions along a motion, and HHT() takes stiff forces"
 )

@@ -30,7 +30,7 @@ STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fa
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
 HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most
-KEEP = 1.2  # the step and the factors are kept for less than this
+KEEP = 1.2  # the step and the factors are not changed for less than this
 
 
 class Scheme(NamedTuple):
@@ -140,14 +140,14 @@ class Control(StepControl):
 
 
 class Record(NamedTuple):
-    """Accepted steps, row by row, as many as there is room for.
+    """Accepted steps, row by row, as many as the buffers hold.
 
     t, h : end and length of each
     q, v, a, lam : the state at its end, with the accelerations of the equations of motion
     memory : what elements remember there
     error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
-    stage_q, stage_v, stage_lam, stage_mu : the stages, if there is room for them
-    given : lengths to take, without error control (none: chosen as the tolerances ask)
+    stage_q, stage_v, stage_lam, stage_mu : the stages, if there are buffers for them
+    given : lengths to take, without error control (none: chosen to meet the tolerances)
     """
 
     t: Array
@@ -478,7 +478,7 @@ def advance(
         else:
             first_guess(scheme, h, state)
         if control.factored_h != h:
-            stages(scheme, h, state)  # the middle one, as predicted, stands for all
+            stages(scheme, h, state)  # the middle one, as predicted, represents all
             evaluate(
                 index, b, t0 + scheme.c[1] * h, state.q[1], state.v[1], state.a[1], state.lam[1], matrices
             )

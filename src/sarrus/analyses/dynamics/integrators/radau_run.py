@@ -26,7 +26,7 @@ from .implicit import GROUPS, Accelerations, Implicit, entries
 
 CHUNK = 200  # steps for one call of the compiled loop
 DEPENDENT_CHUNK = 20  # steps, after which the choice of independent equations is looked at
-# Of what Newton's method may leave, where steps are kept for derivatives; and what it may leave of the states at most,
+# Of what Newton's method may leave, where steps are stored; and what it may leave of the states at most,
 # however large tolerances are
 EXACT, LEFT = 1e-4, 1e-11
 RECORD_SIZE = 4_000_000  # numbers of the record of one chunk of steps, at most
@@ -130,7 +130,7 @@ class RadauStepper(Implicit):
             self._show()
 
     def forget(self) -> None:
-        """Of what was kept for derivatives nothing but the present state stays."""
+        """Forget what was stored for derivatives, except the present state."""
         state, (a, lam) = self._state, self._last
         self.store.forget(t=self.t, q=state.q0, v=state.v0, a=a, lam=lam)
 
@@ -149,7 +149,7 @@ class RadauStepper(Implicit):
         return self.motion
 
     def steps(self) -> StepsTaken | None:
-        """What was kept for derivatives, or None."""
+        """What was stored for derivatives, or None."""
         message = self.settings.tolerances.greatest()
         return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
 
@@ -216,7 +216,7 @@ def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
 
 
 def _record(system: System, capacity: int, stages: bool) -> loop.Record:
-    """Room for the steps of one call of the loop, with their stages where they are wanted."""
+    """Buffers for the steps of one call of the loop, with their stages where they are requested."""
     nq, m, places, stored = system.nq, system.m, len(system.memory_places), capacity if stages else 0
     shapes: list[tuple[int, ...]] = [(capacity,)] * 2 + [
         (capacity, width) for width in (nq, nq, nq, m, places)

@@ -31,16 +31,16 @@ NEWTON_SHARE = 0.03
 RENEW, RENEWALS = 0.5, 3  # contraction at which the matrix is renewed within a step, and how often at most
 SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
-# Of the tolerance: what may be left in a step that is kept; where changes may be round-off. Part of the round-off to
+# Of the tolerance: what may be left in a step that is stored; where changes may be round-off. Part of the round-off to
 # be expected that may be left, too: most of it is never met
 EXACT, NOISE, ROUND = 3e-8, 1e-6, 0.02
-SETTLED = 1e-6  # of the largest multiplier: the last change of the multipliers of a step that is kept
+SETTLED = 1e-6  # of the largest multiplier: the last change of the multipliers of a step that is stored
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 POLISHES, FURTHER = (
     8,
     5,
 )  # most corrections for that; if more than so many are missing, new factors are better
-FACTORS = 2.0  # corrections that new factors are worth, where steps are kept
+FACTORS = 2.0  # corrections that new factors are worth, where steps are stored
 EPSILON = 2.0**-52
 KEEP = 1.3  # the step is not enlarged by less than this
 
@@ -167,14 +167,14 @@ class Control(StepControl):
 
 
 class Record(NamedTuple):
-    """Steps that are kept, row by row, as many as there is room for; and lengths of steps that are prescribed.
+    """Stored steps, row by row, as many as the buffers hold; and lengths of steps that are prescribed.
 
     h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
     error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     t, q, v, a, x, lam : its end
-    correction, impulse : s and σ of `rescale`, if there is room for them; zero where nothing was removed
+    correction, impulse : s and σ of `rescale`, if there are buffers for them; zero where nothing was removed
     memory : what elements remember there
-    given : lengths to take, without error control (none: chosen as the tolerances ask)
+    given : lengths to take, without error control (none: chosen to meet the tolerances)
     """
 
     t: Array
@@ -213,7 +213,7 @@ def residual(
 ) -> None:  # fmt: skip
     """[M a + Φ_qᵀλ - Q - S; Φ / β'] at the end of the step.
 
-    Of Φ as many times its round-off as `ignored` says is left out: in very short steps β' would make accelerations
+    `ignored` times the round-off of Φ is left out: in very short steps β' would make accelerations
     of it.
     """
     n = len(state.q0)
@@ -341,7 +341,7 @@ def polish(
 ) -> int:  # fmt: skip
     """Newton's method to the end, for steps whose derivatives are wanted; returns how many corrections it took.
 
-    Less than 0 if pivots must be renewed. What the last correction leaves is told by how much they contract: none is
+    Less than 0 if pivots must be renewed. What the last correction leaves follows from how much they contract: none is
     made only to see it. `rate` and `before` are the contraction (0: not known) and the last change so far.
     """
     beta, gamma = weights_of(scheme, h)

@@ -1,4 +1,4 @@
-"""Why a run cannot go on, in a sentence: what is not finite, which equations depend on each other, what to do."""
+"""Why a run cannot go on, in a message: what is not finite, which equations depend on each other, what to do."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...redundancy.redundant_constraints import Independence
 from .stepper import RunFailure
 
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
-CLOSE = 0.3  # the same where a step failed for another reason, that is told first
+CLOSE = 0.3  # the same where a step failed for another reason, which is reported first
 LOST = 1e-8  # the same: dependent to round-off
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
@@ -63,7 +63,7 @@ def redundant_rows(
     """Equations that (nearly) depend on each other at a position, besides those that do at the start.
 
     `nearly` is the smallest singular value, in parts of that at the start, below which they do.
-    Those of joints and drivers; normalizations, which take part where a body turns, only if there are no others.
+    Those of joints and drivers; normalizations, which take part where a body rotates, only if there are no others.
     """
     if not np.all(np.isfinite(q)):
         return []
@@ -86,7 +86,7 @@ def failure_of(
     span: float,
     otherwise: RunFailure,
 ) -> RunFailure:
-    """Why there are no further steps from a state: a force that is not finite, a singular position, or else.
+    """Why there are no further steps from a state: a force that is not finite, a singular configuration, or else.
 
     `first` is the choice of independent equations at the start, `span` the time that was still to go.
     """
@@ -111,14 +111,14 @@ def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:
     if not rows:
         return error
     message = (
-        f"{error.sentence}; constraints are not far from being dependent there, as in a singular configuration, "
+        f"{error.message}; constraints are not far from being dependent there, as in a singular configuration, "
         f"among {', '.join(rows)}"
     )
     return RunFailure(error.status, message)
 
 
 def singular(t: float, rows: list[str]) -> RunFailure:
-    """The sentence of a singular configuration."""
+    """The message of a singular configuration."""
     among = f" among {', '.join(rows)}" if rows else ""
     return RunFailure(
         "singular configuration",

@@ -14,7 +14,7 @@ def independence_at(system: System, start: Assembly) -> Independence:
 
     Raises
     ------
-    Trouble
+    RunFailure
         If the start is inconsistent, or equations contradict each other.
     """
     found = Independence(system, start.q, start.t)

@@ -37,7 +37,7 @@ def newton_matrix(system: System) -> PlacedMatrix:
 
 
 def motion_matrix(system: System, host: PlacedMatrix | None = None) -> PlacedMatrix:
-    """[M, Φ_qᵀ; Φ_q, 0]; a matrix in whose pattern it stands may be its `host`."""
+    """[M, Φ_qᵀ; Φ_q, 0]; a matrix whose pattern contains it may be its `host`."""
     numbers = Numbers(system, ("M", LEFT_OUT, "Phi_q"))
     return PlacedMatrix(numbers, system.nq + system.m, motion_parts(system.nq), host=host)
 

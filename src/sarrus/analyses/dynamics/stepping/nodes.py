@@ -78,7 +78,7 @@ def between(
 
 
 def joined(parts: list[Nodes]) -> Nodes:
-    """Several chunks as one; where one begins as another ended, that node is kept once."""
+    """Several chunks as one; where one begins as another ended, that node is included once."""
     stored = [parts[0], *(_rest(before, part) for before, part in pairwise(parts))]
     return Nodes._make(np.concatenate(columns) for columns in zip(*stored, strict=True))
 

@@ -75,7 +75,7 @@ class StepWatch:
 
         Raises
         ------
-        Trouble
+        RunFailure
             If there are more than `max_steps`, or if the run crawls.
         """
         most = self.budget.max_steps

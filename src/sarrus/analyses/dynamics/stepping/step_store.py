@@ -1,4 +1,4 @@
-"""The record of steps: room for one chunk in the compiled loop, and for derivatives all that has been collected."""
+"""The record of steps: buffers for one chunk in the compiled loop, and for derivatives all that has been collected."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ NODE = ("t", "q", "v", "a", "lam", "memory")
 
 
 class StepStore:
-    """Room for the steps of one call of the loop; where they are kept, the loop writes them behind those before.
+    """Buffers for the steps of one call of the loop; stored steps are written behind those before.
 
     Parameters
     ----------
     system : System
-    record : of the method's loop, with room for the steps of one call; `given` is put in place here
-    kind : of the steps that are kept; what the record has of its fields is kept
-    settings : whether steps are kept, and lengths of the steps where they are prescribed
+    record : of the method's loop, with buffers for the steps of one call; `given` is put in place here
+    kind : of the stored steps; those of its fields that the record has are stored
+    settings : whether steps are stored, and lengths of the steps where they are prescribed
     """
 
     def __init__(self, system: System, record: Any, kind: type[StepsTaken], settings: Settings) -> None:
@@ -40,7 +40,7 @@ class StepStore:
         self.count = 0
 
     def begin(self, left_out: Array, **first: Any) -> None:
-        """The state before the first step; what was kept before is forgotten. `left_out` is looked at later."""
+        """The state before the first step; what was stored before is forgotten. `left_out` is looked at later."""
         self._out, self._taken, self._first = left_out, 0, tuple(first)
         self._rows: dict[str, Array] = {}
         if self.wanted:
@@ -50,11 +50,11 @@ class StepStore:
             self._rows[LEFT_OUT][0] = left_out > 0
 
     def forget(self, **first: Any) -> None:
-        """Nothing is kept of the past; the next step is the first one."""
+        """Forget the past; the next step is the first one."""
         self.begin(self._out, **first)
 
     def _reserve(self, count: int) -> None:
-        """Room for one call behind so many steps; it is doubled, so that each step is copied about once."""
+        """Buffers for one call behind so many steps; they are doubled, so that each step is copied about once."""
         wanted, have = count + len(self._record.t) + 1, len(self._rows[LEFT_OUT]) if self._rows else 0
         if wanted <= have:
             return
@@ -105,7 +105,7 @@ class StepStore:
         return [getattr(record, name)[:taken] for name in NODE]
 
     def state(self) -> dict[str, Array]:
-        """All that has been kept, for `resume`; nothing where steps are not kept."""
+        """All stored steps, for `resume`; nothing where steps are not stored."""
         if not self.wanted:
             return {}
         found = {f"first_{name}": self._rows[name][0] for name in self._first}

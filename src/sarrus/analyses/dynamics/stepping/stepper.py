@@ -18,22 +18,22 @@ HISTORY = 5  # columns of the history: t, h, error, Newton iterations, rejected 
 
 
 class RunFailure(ArithmeticError):
-    """A method cannot go on; `status` and `sentence` say why."""
+    """A method cannot go on; `status` and `message` give the reason."""
 
     def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
-        self.status, self.sentence = status, message
+        self.status, self.message = status, message
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a method is told.
+    """The settings of a method.
 
     Attributes
     ----------
     tolerances : of the local error
     max_step, first_step : the longest step, and the first one (0: chosen) [s]
-    store_steps : whether steps are kept for derivatives
+    store_steps : whether steps are stored for derivatives
     given : lengths of steps where they are prescribed
     b : other numbers of the elements than the system's
     times : rising times at which states are wanted: methods of high order, whose steps are long, have nodes there [s]
@@ -107,14 +107,14 @@ class Stepper(Protocol):
 
     @property
     def host(self) -> PlacedMatrix | None:
-        """A matrix in whose pattern that of the equations of motion stands, if there is one."""
+        """A matrix whose pattern contains that of the equations of motion, if there is one."""
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state; the past is forgotten. The run goes on until a time, if nothing comes between.
 
         Raises
         ------
-        Trouble
+        RunFailure
             If accelerations do not exist there.
         """
 
@@ -128,12 +128,12 @@ class Stepper(Protocol):
 
         Raises
         ------
-        Trouble
+        RunFailure
             If it could take no step and cannot go on.
         """
 
     def steps(self) -> Any:
-        """The steps kept for derivatives, or None."""
+        """The steps stored for derivatives, or None."""
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on later with the same numbers.
@@ -152,4 +152,4 @@ class KeepingStepper(Stepper, Protocol):
     """A method that keeps its steps for derivatives."""
 
     def forget(self) -> None:
-        """Of what was kept for derivatives nothing but the present state stays."""
+        """Forget what was stored for derivatives, except the present state."""

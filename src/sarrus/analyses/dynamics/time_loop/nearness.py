@@ -12,7 +12,7 @@ from ...redundancy.redundant_constraints import Independence
 from ..dense_output.sample_loop import Samples
 from ..stepping.failures import NEARLY, redundant_rows
 
-SHOWN = 4  # times and rows that the sentence names, at most
+SHOWN = 4  # times and rows in the message, at most
 
 
 class Nearness:
@@ -54,7 +54,7 @@ class Nearness:
             self._rows = self._rows or rows
         self._most = 0.0
 
-    def sentence(self) -> str:
+    def message(self) -> str:
         """What to add to the message of a run that reached its end."""
         self._leave()
         if not self.times:

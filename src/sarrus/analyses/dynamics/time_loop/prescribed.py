@@ -43,5 +43,5 @@ class Prescribed:
         try:
             stepper = self.stepper(system, start, settings)
         except RunFailure as error:
-            return nothing(system, error.status, error.sentence)
+            return nothing(system, error.status, error.message)
         return TimeLoop(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)

@@ -93,7 +93,7 @@ class Recipe:
         except NotSavedError as wrong:
             return nothing(system, NOT_SAVED, str(wrong))
         except RunFailure as error:
-            return nothing(system, error.status, error.sentence)
+            return nothing(system, error.status, error.message)
 
 
 @dataclass(frozen=True)
@@ -117,9 +117,9 @@ def resume(
 ) -> Trajectory:
     """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
 
-    Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if kept.
+    Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if stored.
     Model and options are read from the folder, which runs code that it holds: trust where it comes from.
-    A run that was stopped before its first checkpoint is begun again. All that was written is verified before. Where
+    A run that was stopped before its first checkpoint starts again. All that was written is verified before. Where
     the folder cannot be written, the status is "not saved", with what was computed before.
 
     Parameters

@@ -6,16 +6,16 @@ from .prescribed import Prescribed
 
 
 def refuse(method: object, saved: bool) -> None:
-    """Refuse a run with events that shall keep its steps, where it cannot.
+    """Refuse a run with events that is to store its steps, where it cannot.
 
     Raises
     ------
     ValueError
-        For other methods, and for a run that is saved, whose folder has room for the steps since the last event only.
+        For other methods, and for a run that is saved, whose folder holds the steps since the last event only.
     """
     if not isinstance(method, Prescribed):
         raise ValueError(
-            "steps are kept by HHT(), GeneralizedAlpha(), Radau() and descriptions only; take one"
+            "method: stores no steps. Choose HHT(), GeneralizedAlpha(), Radau() or a description."
         )
     if saved:
-        raise ValueError("the steps of a run with events are not saved; leave save= or store_steps= away")
+        raise ValueError("save: the steps of a run with events are not saved. Remove save= or store_steps=.")

@@ -1,4 +1,4 @@
-"""How a run goes on from its start to its end, whatever the method: breakpoints, events, outputs, trouble."""
+"""The time integration loop from start to end, for any method: breakpoints, events, outputs, failures."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Plan:
     events : what is looked for
     dense : whether the motion is wanted at any time
     progress : called with the time reached after every chunk of steps
-    store : where states are written as they are computed, instead of being kept in memory
+    store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
     """
 
@@ -111,7 +111,7 @@ class TimeLoop:
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._stretch()
-                if status == "finished":  # else the end is told with it, and until then it is found again
+                if status == "finished":  # else the end is recorded with it, and until then it is found again
                     self._save()
                     self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
                 if self.plan.progress:
@@ -121,7 +121,7 @@ class TimeLoop:
         except TimeLimit as over:
             status, message = "time limit", f"{over} at t = {self.stepper.t:.6g} s"
         except RunFailure as error:
-            status, message = error.status, error.sentence
+            status, message = error.status, error.message
         except NotSavedError as wrong:
             return self._not_saved(str(wrong))
         return self._result(status, message)
@@ -148,7 +148,7 @@ class TimeLoop:
             self._dense = [Nodes._make(state[f"dense_{name}"] for name in Nodes._fields)]
 
     def over(self, state: Mapping[str, Array], folder: Path) -> Trajectory:
-        """A saved run that has come to its end, with the whole motion and the steps where they were kept."""
+        """A saved run that has come to its end, with the whole motion and the steps where they were stored."""
         self.sampler.resume(state)
         self.winding.resume(state)
         self._take_dense(state)
@@ -157,7 +157,7 @@ class TimeLoop:
         return self._opened(folder)
 
     def _opened(self, folder: Path) -> Trajectory:
-        """What is in the folder, with what is kept besides."""
+        """The contents of the folder, and the stored steps."""
         run = load_run(folder, self.system)
         return replace(run, sol=self._solution(), steps=self.stepper.steps())
 
@@ -220,7 +220,7 @@ class TimeLoop:
         return text | counts
 
     def _stretch(self) -> tuple[str, str]:
-        """Some steps, no further than the next stop, and what happened during them."""
+        """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
         nodes = self.stepper.advance(stop, self.portion)
         for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
@@ -239,7 +239,7 @@ class TimeLoop:
         return float(ahead[0]) if len(ahead) else self.plan.until
 
     def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
-        """One crossing; a status and a sentence where it ends the run, or the motion goes on from another state."""
+        """One crossing; a status and a message where it ends the run, or the motion goes on from another state."""
         watch.count, watch.at = watch.count + 1, t
         states = self.sampler.states(nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
@@ -260,7 +260,7 @@ class TimeLoop:
         return self._crowd() or ("finished", "reached the end")
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
-        """Where steps are kept: the record of an event."""
+        """Where steps are stored: the record of an event."""
         steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
@@ -278,7 +278,7 @@ class TimeLoop:
         self._event_steps.append(event_step)
 
     def _steps(self) -> Any:
-        """All steps that were kept."""
+        """All stored steps."""
         steps = self.stepper.steps()
         if steps is None or not self._event_steps:
             return steps
@@ -314,7 +314,7 @@ class TimeLoop:
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":
             message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
-        message += self.nearness.sentence() if status in ("finished", "event") else ""
+        message += self.nearness.message() if status in ("finished", "event") else ""
         if self.plan.store:
             return self._saved(self.plan.store, status, message)
         samples = self.sampler.capacity(np.zeros(0))

@@ -7,7 +7,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import Trajectory
 
-MANY = 20_000  # steps: fewer are no trouble
+MANY = 20_000  # steps: fewer take little time
 EACH = 20  # steps for each output
 OUTPUTS = 100  # so many at least, or the motion between them is not known
 LOOKED_AT = 10_000  # the last outputs, of which statistics are made: a saved run may not fit into memory

@@ -44,7 +44,7 @@ class Nodes:
 
     @classmethod
     def unwritten(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
-        """Room for k columns; but for `shift`, which is zero, of any value."""
+        """Buffers for k columns, of any value; `shift` is zero."""
         pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
         nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
         count = sum(len(piece) + 1 for piece in pieces)

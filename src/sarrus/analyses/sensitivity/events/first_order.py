@@ -52,7 +52,7 @@ class EventDerivatives:
     steps : those before it; it lies in the last one
     event : the event
     restitutions : names of those of all events
-    angles : the joints' coordinates along the run, with all their turns
+    angles : the joints' coordinates along the run, with all their revolutions
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class EventDerivatives:
             raise ValueError(
                 f"the event {event.name} at t = {event.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
                 "second there, so that a slightly other motion would not meet it, and its time has no derivative; "
-                "move what it looks for away from where the function turns, or leave the event out"
+                "move what it looks for away from where the function has an extreme, or leave the event out"
             )
 
     def _bend(self) -> float:

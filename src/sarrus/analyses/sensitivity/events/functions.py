@@ -120,7 +120,7 @@ class Copies(Outputs):
 def recorded(
     system: System, event_step: EventStep, function: Any, b: Array, angles: Angles, copies: int = 1
 ) -> Recorded:
-    """The value of a formula, with all turns of joints' angles, or of what a Python function returns, at an event.
+    """The value of a formula, with all revolutions of joints, or of what a Python function returns, at an event.
 
     Raises
     ------

@@ -134,7 +134,7 @@ def _between(tape: Tape, variables: Sequence[int], ends: Sequence[int]) -> list[
 
 
 def _kinds(tape: Tape, chosen: Sequence[bool]) -> list[Kind]:
-    """The chosen operations, those of one kind together; a user's own function stands alone."""
+    """The chosen operations, those of one kind together; a user's own function forms a group of its own."""
     found: dict[Any, list[int]] = {}
     for n, (op, args) in enumerate(tape.entries):
         if chosen[n] and args:

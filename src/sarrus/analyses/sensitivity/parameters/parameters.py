@@ -1,4 +1,4 @@
-"""What derivatives are taken by: numbers of the model, parameters of its file, design variables, numbers of elements.
+"""What derivatives are taken by: parameters of the model and of its file, design variables, table values and constants.
 
 The chain from these to the numbers b of the elements and to the guess (q₀, v₀) of the assembly is the construction of
 the model; it is recorded once and differentiated exactly.
@@ -46,9 +46,9 @@ class Parameters:
     system : System
     wrt : names: ``rod.mass``, ``pin.point`` (all three), ``pin.point.x``, a parameter of the model file or a design
         variable (which are meant where a number has the same name), a number of an element ``spring[tsda].k``, or
-        ``start.q.crank.r.x``, ``start.v...`` for the guess of the assembly; None for all numbers of the model
+        ``start.q.crank.r.x``, ``start.v...`` for the guess of the assembly; None for all parameters of the model
     design : values of design variables
-    formula : a Python function of the design variables that returns numbers of the model by name
+    formula : a Python function of the design variables that returns parameters of the model by name
     start : of the run, which depends on the model's own initial state, if it does
     restitutions : of the run's impacts, by name; their numbers follow those of the joints' coordinates
     """
@@ -124,7 +124,7 @@ class Parameters:
 
     @cached_property
     def _moving(self) -> dict[str, Any]:
-        """The numbers of the model that follow from the parameters, recorded."""
+        """The model's values that follow from the chosen parameters, recorded."""
         return self._places(self.variables)
 
     @cached_property
@@ -184,7 +184,7 @@ class Parameters:
         return exchanged(self.system.model, lambda steps, value: self._moving.get(named(steps), value))
 
     def _places(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The numbers of the model, by name, for numbers of any kind as values of the parameters."""
+        """The model's parameters, by name, for numbers of any kind as values of the chosen ones."""
         places = self._from_file(given) | self._from_design(given)
         return places | {name: value for name, value in given.items() if name in self._known}
 
@@ -216,7 +216,7 @@ class Parameters:
         numbers: Any = self._formula(own)
         if not isinstance(numbers, Mapping) or not numbers:
             raise UnknownParameter(
-                f"a design's formula returns numbers of the model by name, {{'spring.k': ...}}, but not {numbers!r}"
+                f"a design's formula returns parameters of the model by name, {{'spring.k': ...}}, but not {numbers!r}"
             )
         return {
             found: entry
@@ -230,7 +230,7 @@ class Parameters:
         Raises
         ------
         UnknownParameter
-            For numbers of elements and of the start, which are no numbers of the model.
+            For numbers of elements and of the start, which are no parameters of the model.
         """
         given = {name: float(value) for name, value in zip(self.names, values, strict=True)}
         for name in given:
@@ -303,7 +303,7 @@ class Parameters:
 
     @cached_property
     def _construction(self) -> Linearized:
-        """How [b; q₀; v₀; c] follow from the parameters; recorded once for the same numbers of a model."""
+        """How [b; q₀; v₀; c] follow from the parameters; recorded once for the same parameters of a model."""
         own, fixed = (
             self._known.keys() | self.system.model.parameters.keys(),
             tuple(self.restitutions.items()),

@@ -83,7 +83,7 @@ class Evaluation:
     system, steps : the run
     responses : evaluated in this order
     parameters : whose numbers responses may use
-    angles : with their turns; by default counted along all nodes of the run
+    angles : with their revolutions; by default counted along all nodes of the run
     samplings : where each response is sampled; by default at its own times
     """
 

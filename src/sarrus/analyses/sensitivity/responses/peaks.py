@@ -77,7 +77,7 @@ class Vertex(NamedTuple):
 
 
 def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
-    """The extreme about sample n; sample n alone at an end, or beside an event, where a time stands twice."""
+    """The extreme about sample n; sample n alone at an end, or beside an event, where a time occurs twice."""
     if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
         near = slice(n - 1, n + 2)
         parabola = Parabola(g[near], t[near])

@@ -43,7 +43,7 @@ class Response:
             )
         given: Any = self.name
         if not isinstance(given, str):
-            message = f"{type(self).__name__} of {self.told}: name must be a text, got {given!r}"
+            message = f"{type(self).__name__} of {self.output_label}: name must be a text, got {given!r}"
             raise TypeError(
                 f"{message}. Name the arguments after the output, as in At('slider.x', time=0.5)."
             )
@@ -51,7 +51,7 @@ class Response:
     @property
     def title(self) -> str:
         """Its name in tables."""
-        return self.name or f"{type(self).__name__.lower()} of {self.told}"
+        return self.name or f"{type(self).__name__.lower()} of {self.output_label}"
 
     @property
     def pointwise(self) -> bool:
@@ -59,8 +59,8 @@ class Response:
         return True
 
     @property
-    def told(self) -> str:
-        """Its output in words."""
+    def output_label(self) -> str:
+        """The label of its output."""
         name = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
         return name.strip("<>")
 
@@ -148,11 +148,11 @@ class At(Response):
     def __post_init__(self) -> None:
         super().__post_init__()
         if np.ndim(self.time) or not np.isfinite(self.time):
-            raise ValueError(f"{self.told}: time must be one number of seconds, but is {self.time}")
+            raise ValueError(f"{self.output_label}: time must be one number of seconds, but is {self.time}")
 
     @property
     def title(self) -> str:
-        return self.name or f"{self.told} at {self.time:g} s"
+        return self.name or f"{self.output_label} at {self.time:g} s"
 
     def times(self, t: Array) -> Array | None:
         return np.array([float(self.time)])
@@ -181,7 +181,9 @@ class AtEvent(Response):
 
     @property
     def title(self) -> str:
-        return self.name or f"{self.told} {'after' if self.after else 'at'} {self.event} {self.number}"
+        return (
+            self.name or f"{self.output_label} {'after' if self.after else 'at'} {self.event} {self.number}"
+        )
 
     def value(self, g: Array, t: Array) -> float:
         return float(g[0])

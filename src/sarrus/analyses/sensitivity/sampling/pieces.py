@@ -191,7 +191,7 @@ class Course(NamedTuple):
 
 
 def course_of(steps: StepsTaken | Pieces) -> Course:
-    """That of kept steps."""
+    """That of stored steps."""
     if not isinstance(steps, Pieces):
         return Course([steps.t], ())
     ends = zip(steps.pieces, steps.ends, strict=True)
@@ -201,7 +201,7 @@ def course_of(steps: StepsTaken | Pieces) -> Course:
 def within(course: Course, parts: Sequence[float] = (0.0,)) -> Where:
     """All steps at these parts, and the ends of stretches.
 
-    Such an end stands there as often as there are parts, as a step of no length; that of the run stands once.
+    Such an end occurs as often as there are parts, as a step of no length; that of the run occurs once.
     """
     found, last, shares = list[Where](), len(course.t) - 1, np.array(parts)
     for p, t in enumerate(course.t):

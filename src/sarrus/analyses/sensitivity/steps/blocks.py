@@ -1,4 +1,4 @@
-"""Room for blocks of operations that are linearized together, and the matrices of one run."""
+"""Buffers for blocks of operations that are linearized together, and the matrices of one run."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ class Blocks:
         )  # fmt: skip
 
     def arrange(self, factors: Sequence[Arranged | None]) -> None:
-        """Room for factors of all operations, in their orders of pivots."""
+        """Buffers for factors of all operations, in their orders of pivots."""
         cuts, ends = np.zeros((OPERATIONS, 4), np.int64), []
         for op, (own, product) in enumerate(zip(factors, self._products, strict=True)):
             if own and product:

@@ -1,4 +1,4 @@
-"""Where several operations of one run have their tables and their room in the arrays of compiled loops."""
+"""Where several operations of one run have their tables and their buffers in the arrays of compiled loops."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def drivers_of(structures: Sequence[Structure], system: System) -> list[str]:
 
 @once_alike
 def layout_of(system: System, structures: tuple[Structure | None, ...]) -> Layout:
-    """The layout for operations of some structures; None stands for one that does not occur."""
+    """The layout for operations of some structures; None for one that does not occur."""
     present = [one for one in structures if one is not None]
     kinds = kinds_of(present, system)
     fields: dict[str, list[Any]] = {name: [] for name in Layout._fields}

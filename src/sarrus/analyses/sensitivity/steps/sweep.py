@@ -19,7 +19,7 @@ from .matrix import Arranged, OperationMatrix
 from .record import Occurrences, Operations, Remembered
 from .stacked import Series, parts_of, series
 
-# Last relative change of a solution up to which pivots are kept: those of a very short step, those chosen for this one
+# Last relative change of a solution with which pivots stay: those of a very short step, those chosen for this one
 TRUSTED = (1e-8, 1e-3)
 Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
@@ -105,11 +105,11 @@ class Sweep:
         return state[first : first + (system.m if name == "lam" else system.nq)]
 
     def unknowns(self) -> PerOperation:
-        """Room for the adjoint variables of all operations."""
+        """Buffers for the adjoint variables of all operations."""
         return unknowns_of(self.record, self.columns)
 
     def stages(self) -> PerOperation:
-        """Room for changes of the stages' quantities of all operations."""
+        """Buffers for changes of the stages' quantities of all operations."""
         return stages_of(self.record, self.columns)
 
     def backward(

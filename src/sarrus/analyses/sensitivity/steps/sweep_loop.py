@@ -66,7 +66,7 @@ class Work(NamedTuple):
     buffers : of three vectors of the unknowns, to solve with
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
-    trusted : the last relative change of a solution, up to which the order of the pivots is kept
+    trusted : the last relative change of a solution, up to which the order of the pivots is not renewed
     done : how many panels have made the operation that is next; backwards, whether its node's gradients are added
     """
 
@@ -80,7 +80,7 @@ class Work(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Per node gradients of responses, which a sweep takes, or room for derivatives, which one forward gives."""
+    """Per node gradients of responses, which a sweep takes, or buffers for derivatives, which a forward sweep gives."""
 
     q: Array
     v: Array
@@ -92,7 +92,7 @@ class Weighed(NamedTuple):
     """Forwards, the change of responses, so that no derivatives of states need be stored; or none.
 
     by : their gradients by the states
-    ends, rows, values : those of one node that are not zero: where each response's begin and end; room
+    ends, rows, values : those of one node that are not zero: where each response's begin and end; buffers
     total : (panels, responses * width)
     """
 
@@ -178,7 +178,7 @@ def solve_lane(
     """Solve for one column as in `solve_lane_transposed`, or for a panel of them.
 
     Panels are not refined where that changed next to nothing in all panels of the same block that were; each is in the
-    block's first lane, which tells the growth, too. `initial`: whether this is not that one.
+    block's first lane, which determines the growth, too. `initial`: whether this is not that one.
     """
     size, alone = right.shape[0] * right.shape[1], right.shape[1] == 1
     given, found = right.reshape(size), solution.reshape(size)

@@ -6,6 +6,7 @@ in `maps`. `saving` reads and writes runs and other files.
 
 from .assembly import Asked, Assembly
 from .equilibrium import Equilibrium
+from .error_estimate import ErrorEstimate
 from .gradient import Gradient, Hessian, StateDerivatives
 from .maps.input_singularities import InputSingularities, SingularCurve
 from .maps.shape import ShapeDerivative
@@ -35,6 +36,7 @@ __all__ = [
     "DescribedSteps",
     "Effort",
     "Equilibrium",
+    "ErrorEstimate",
     "EventRecord",
     "EventStep",
     "Gradient",

@@ -11,6 +11,7 @@ import numpy as np
 from ..algebra import Array
 from ..model.checks.arguments import refuse_place
 from ..rendering import renderer
+from .error_estimate import ErrorEstimate
 from .motion.trajectory import place_of
 from .result import Result
 
@@ -45,6 +46,7 @@ class Gradient(Result):
     values : (r,) of the responses
     at : (p,) values of the numbers
     matrix : (r, p) derivatives; not a number for those that do not exist
+    errors : of the responses' values, where they were asked for
     """
 
     responses: tuple[str, ...]
@@ -52,6 +54,7 @@ class Gradient(Result):
     values: Array
     at: Array = field(repr=False)
     matrix: Array = field(repr=False)
+    errors: tuple[ErrorEstimate, ...] = ()
 
     @property
     def undefined(self) -> tuple[str, ...]:
@@ -129,7 +132,8 @@ class Gradient(Result):
 
     def summary(self) -> str:
         """The result in words."""
-        return "\n\n".join(self.table(response) for response in range(len(self.responses)))
+        tables = (self.table(response) for response in range(len(self.responses)))
+        return "\n\n".join([*tables, *map(str, self.errors)])
 
     def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
         """Draw the largest influences as bars; see `sarrus.views.plot_gradient`."""
@@ -199,11 +203,13 @@ class Hessian(Result):
     response : its name
     names : of the numbers
     matrix : (p, p), symmetric to round-off
+    error : of the response's value, where it was asked for
     """
 
     response: str
     names: tuple[str, ...]
     matrix: Array = field(repr=False)
+    error: ErrorEstimate | None = None
 
     def __getitem__(self, pair: tuple[str, str]) -> float | Array:
         """One entry, ``H["spring.k", "rod.mass"]``, or those of a vector's three, ``H["pin.point", "rod.mass"]``.
@@ -225,7 +231,8 @@ class Hessian(Result):
         head = " " * width + "".join(f"{name:>{width}}" for name in self.names)
         rows = zip(self.names, self.matrix, strict=True)
         lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
-        return "\n".join([f"second derivatives of {self.response}", head, *lines])
+        bar = [str(self.error)] if self.error else []
+        return "\n".join([f"second derivatives of {self.response}", head, *lines, *bar])
 
     @property
     def asymmetry(self) -> float:

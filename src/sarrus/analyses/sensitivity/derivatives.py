@@ -14,9 +14,20 @@ from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...outputs import find_output
-from ...results import Gradient, Hessian, Pieces, Product, StateDerivatives, StepsTaken, Trajectory
+from ...results import (
+    ErrorEstimate,
+    Gradient,
+    Hessian,
+    Pieces,
+    Product,
+    StateDerivatives,
+    StepsTaken,
+    Trajectory,
+)
+from ...results.motion import estimation
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
+from .accuracy.estimate import estimated
 from .chain.chain import Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, chain_of
@@ -49,6 +60,7 @@ def sensitivity(
     formula: Design | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
+    error: bool = False,
     strict: bool = False,
 ) -> Gradient:
     """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
@@ -67,6 +79,7 @@ def sensitivity(
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
     time_limit : seconds of the clock after which it is given up between these stages; a sweep is one compiled call,
         which nothing ends early, see `sensitivity_by_checkpoints`
+    error : whether the errors of the responses are estimated, too: `Gradient.errors`, see `Trajectory.error`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -88,9 +101,24 @@ def sensitivity(
         parameters, wanted = _parameters(run, steps, wrt, design, formula), as_responses(responses)
         evaluation = Evaluation(run.system, steps, wanted, parameters)
         report(1)
-        found = differentiated(run.system, steps, wanted, parameters, method, evaluation)
+        found = differentiated(run.system, steps, wanted, parameters, method, evaluation, error)
         report(2)
     return found
+
+
+@reports_warnings
+@one_thread_if_small
+def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
+    """The errors of responses of a run with stored steps; see `Trajectory.error`."""
+    steps, wanted = stored(run), as_responses(responses)
+    parameters = _parameters(run, steps, (), None, None)
+    evaluation, adjoints = Evaluation(run.system, steps, wanted, parameters), list[Array]()
+    refuse_undefined((one.title for one in wanted), evaluation.values)
+    chain_of(run.system, steps, parameters.restitutions).gradients(evaluation.gradients()[0], adjoints)
+    return estimated(run.system, steps, wanted, parameters, evaluation, adjoints)
+
+
+estimation.register(error_estimates)
 
 
 @contextmanager
@@ -129,6 +157,7 @@ def differentiated(
     parameters: Parameters,
     method: Method = "adjoint",
     evaluation: Evaluation | None = None,
+    error: bool = False,
 ) -> Gradient:
     """Derivatives of responses of stored steps, which may have been evaluated; see `sensitivity`."""
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
@@ -136,13 +165,17 @@ def differentiated(
     announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.restitutions)
     missing = undefined(system, steps, parameters)
+    adjoints = list[Array]() if error else None
     if method == "adjoint":
-        found = _adjoint(chain, evaluation, parameters)
+        found = _adjoint(chain, evaluation, parameters, adjoints)
     else:
         found = _direct(chain, evaluation, parameters, ~missing)
+        if error:
+            chain.gradients(evaluation.gradients()[0], adjoints)
+    errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if adjoints else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
-    return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found)
+    return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors)
 
 
 @reports_warnings
@@ -262,12 +295,14 @@ def hessian(
     formula: Design | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
+    error: bool = False,
     strict: bool = False,
 ) -> Hessian:
     """All second derivatives of a response with respect to a few numbers, by one product for each.
 
     Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
-    of products that are done. The time limit is looked at after each product, whose sweeps are compiled calls.
+    of products that are done. The time limit is looked at after each product, whose sweeps are compiled calls. With
+    `error` the error of the response's value is estimated, too.
     """
     if not wrt:
         raise ValueError("wrt names no number by which the response is differentiated twice; name some")
@@ -279,7 +314,8 @@ def hessian(
             rows.append(curvature.times(direction))
             report(number)
         matrix = np.array(rows)
-    return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix)
+    bar = error_estimates(run, response)[0] if error else None
+    return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix, bar)
 
 
 def _curvature(
@@ -295,9 +331,11 @@ def _curvature(
     return Curvature(chain_of(run.system, steps, parameters.restitutions), evaluation, parameters), parameters
 
 
-def _adjoint(chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Array:
+def _adjoint(
+    chain: AnyChain, evaluation: Evaluation, parameters: Parameters, adjoints: list[Array] | None = None
+) -> Array:
     nodes, explicit = evaluation.gradients()
-    by = chain.gradients(nodes)
+    by = chain.gradients(nodes, adjoints)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), by_joints(explicit.c, by.c))
     return np.asarray(through.T + own_parts(explicit, parameters))
 

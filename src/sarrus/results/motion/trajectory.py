@@ -19,6 +19,7 @@ from ...rendering import renderer
 from ...system import JointCoordinates
 from ..result import Result
 from ..saving.exported_file import exports
+from .estimation import estimator
 from .events import EventRecord
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
@@ -209,6 +210,27 @@ class Trajectory(Result):
         unit = ("m" if place % 7 < 3 else "1") + "/s" * rate
         label = f"rate of {name} [{unit}]" if rate else f"{name} [{unit}]"
         return Series(name, unit, label, self.t, np.asarray((self.v if rate else self.q)[:, place]))
+
+    def error(self, responses: Any) -> Any:
+        """Estimate the global error of responses: of local errors of the steps, carried to them by the adjoint.
+
+        Parameters
+        ----------
+        responses : one or several, as for `sensitivity`: names of outputs stand for their final values
+
+        Returns
+        -------
+        ErrorEstimate
+            of one response; a tuple of them for several
+
+        Raises
+        ------
+        ValueError
+            If the run stored no steps, or failed, and for a response that is not a number.
+        """
+        found = estimator()(self, responses)
+        several = isinstance(responses, Sequence) and not isinstance(responses, str)
+        return found if several else found[0]
 
     def _table(self, outputs: Sequence[str]) -> tuple[list[str], Array]:
         """Names and columns: the time with some outputs, or with q and v."""

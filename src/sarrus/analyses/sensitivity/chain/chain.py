@@ -186,18 +186,18 @@ class Chain:
             first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
         return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
 
-    def gradients(self, given: Nodes) -> Gradients:
-        """Gradients of responses whose gradients by the states are given."""
-        by_q, by_v, by_b = self.by_start(given)
+    def gradients(self, given: Nodes, adjoints: list[Array] | None = None) -> Gradients:
+        """Gradients of responses whose gradients by the states are given; `adjoints` as for `BackwardState.over`."""
+        by_q, by_v, by_b = self.by_start(given, adjoints)
         b, q, v, c = through(self.assembly, by_q, by_v)
         return Gradients(by_b + b, q, v, c)
 
-    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
+    def by_start(self, given: Nodes, adjoints: list[Array] | None = None) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
         record = self._with_motion_at(given)
         sweep, back = Sweep(record, given.q.shape[2]), BackwardState(self.curves.width, given.q.shape[2])
         curves = self.curves if record is self.record else Curves(record, self._moving)
-        back.over(sweep, curves, given, 0)
+        back.over(sweep, curves, given, 0, adjoints)
         return back.through_start(self.start, given)
 
 
@@ -208,12 +208,22 @@ class BackwardState:
         self.b = np.zeros((width, columns))
         self.state: Array | None = None
 
-    def over(self, sweep: Sweep, curves: Curves, given: Nodes, first: int) -> None:
-        """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them."""
+    def over(
+        self, sweep: Sweep, curves: Curves, given: Nodes, first: int, adjoints: list[Array] | None = None
+    ) -> None:
+        """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them.
+
+        `adjoints` takes gradients by q and v before and after all steps (n, 2, 2 nq, columns).
+        """
         self.sweep = sweep
         self.state = sweep.state() if self.state is None else self.state
         solved = sweep.unknowns() if curves else None
-        by_b = sweep.backward(self.state, given.after_start(), first, solved)
+        stored = None if adjoints is None else np.zeros((len(given.q) - 1, 2, *self.state.shape))
+        by_b = sweep.backward(self.state, given.after_start(), first, solved, adjoints=stored)
+        if adjoints is not None and stored is not None:
+            nq = given.q.shape[1]
+            both = [stored[:, :, own : own + nq] for own in (sweep.rows["q"], sweep.rows["v"])]
+            adjoints.append(np.concatenate(both, axis=2))
         self.b[: len(by_b)] += by_b
         if solved is not None:
             self.b += curves.gradient(solved)

@@ -16,10 +16,16 @@ class Stretches:
     """Gradients that are carried from stretch to stretch, the last one first.
 
     A step's change of size belongs to it, and so the step before matters.
+
+    Parameters
+    ----------
+    system : System
+    columns : responses
+    adjoints : takes those by q and v before and after all steps of a stretch (n, 2, 2 nq, columns), the last one first
     """
 
-    def __init__(self, system: System, columns: int) -> None:
-        self._system, self._columns = system, columns
+    def __init__(self, system: System, columns: int, adjoints: list[Array] | None = None) -> None:
+        self._system, self._columns, self._adjoints = system, columns, adjoints
         self._sweep: Sweep | None = None
         self._back: BackwardState | None = None
         self._last: Nodes | None = None
@@ -39,7 +45,7 @@ class Stretches:
         curves = Curves(record, moving)
         if self._back is None:
             self._back = BackwardState(curves.width, self._columns)
-        self._back.over(self._sweep, curves, nodes, before)
+        self._back.over(self._sweep, curves, nodes, before, self._adjoints)
         self._first, self._last = Chain(self._system, steps, moving), nodes
 
     def by_start(self) -> tuple[Array, Array, Array]:

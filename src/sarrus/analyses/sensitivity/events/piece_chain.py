@@ -102,11 +102,16 @@ class PieceChain:
                 shift[p + 1] = shift[p] + moved[-1]
         return shift
 
-    def gradients(self, given: Nodes) -> Gradients:
-        """Gradients of responses whose gradients by the states and by the times of events are given."""
-        stretches = Stretches(self.system, given.q.shape[2])
+    def gradients(self, given: Nodes, adjoints: list[Array] | None = None) -> Gradients:
+        """Gradients of responses whose gradients by the states and by the times of events are given.
+
+        `adjoints` as for `BackwardState.over`, of all stretches in their order.
+        """
+        stretches = Stretches(self.system, given.q.shape[2], adjoints)
         back = Backward(self.system, stretches, given.q.shape[2], self._joints)
         back.over(self.steps, given, lambda p: self.event_steps[p].matrix)
+        if adjoints is not None:
+            adjoints.reverse()
         by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
         return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
 

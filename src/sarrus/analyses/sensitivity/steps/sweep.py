@@ -16,7 +16,7 @@ from .block_loop import Matrices
 from .blocks import OPERATIONS, Blocks
 from .maps import maps_of
 from .matrix import Arranged, OperationMatrix
-from .record import Occurrences, Operations, Remembered
+from .record import STEP, Occurrences, Operations, Remembered
 from .stacked import Series, parts_of, series
 
 # Last relative change of a solution with which pivots stay: those of a very short step, those chosen for this one
@@ -25,7 +25,7 @@ Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
 ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
-NO_STATES = np.zeros((0, 0, 0))
+NO_STATES, NO_ADJOINTS = np.zeros((0, 0, 0)), np.zeros((0, 0, 0, 0))
 NO_NODES = loop.Nodes._make(np.zeros((0, 0, 0)) for _ in loop.Nodes._fields)
 NOT_WEIGHED = loop.Weighed(
     NO_NODES, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
@@ -120,6 +120,7 @@ class Sweep:
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
         initial: Array | None = None,
+        adjoints: Array | None = None,
     ) -> Array:
         """From the end to the start of step `first`, in place; the gradient by the numbers of the elements (nb, k).
 
@@ -131,8 +132,9 @@ class Sweep:
         sources : changes of the gradients of the Lagrangians by the stages' quantities, where an adjoint changes
         initial : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
             do not depend on each other
+        adjoints : (steps, 2, entries, columns) takes the gradients by the states before and after each step
         """
-        timeline, run = self._timeline(first, None, initial), self.record.run(first)
+        timeline, run = self._timeline(first, None, initial, adjoints), self.record.run(first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0
         arrays = (
             state,
@@ -207,7 +209,9 @@ class Sweep:
                 tried = self._choose_pivots(timeline, e, tried)
         state[:] = self._from_panels(panels)
 
-    def _timeline(self, first: int, last: int | None = None, states: Array | None = None) -> loop.Timeline:
+    def _timeline(
+        self, first: int, last: int | None = None, states: Array | None = None, adjoints: Array | None = None
+    ) -> loop.Timeline:
         """The operations of some steps."""
         end = len(self.record.steps) if last is None else last
         operations = np.concatenate([np.full(len(one), n) for n, one in enumerate(self.record.operations)])
@@ -222,8 +226,9 @@ class Sweep:
         if states is not None:
             initial[np.append(True, ends[:-1])[: len(own)]] = nodes[ends]
         return loop.Timeline(
-            operations[order], occurrences[order], nodes, initial, NO_STATES if states is None else states
-        )
+            operations[order], occurrences[order], nodes, initial, NO_STATES if states is None else states,
+            NO_ADJOINTS if adjoints is None else adjoints, np.where(operations[order] == STEP, own - first, -1),
+        )  # fmt: skip
 
     def _in_panels(self, state: Array) -> Array:
         """The derivatives of the state of a panel one after another; those missing in the last are zero."""

@@ -50,6 +50,8 @@ class Timeline(NamedTuple):
     operations, occurrences, nodes : which each is, its occurrence, and the node that it ends at, or -1
     states : derivatives of states that do not depend on each other, or by these, one for each node; or none
     initial : the state with which each operation begins, or -1
+    adjoints : (steps, 2, entries, columns) take the gradients by the states before and after each step; or none
+    steps : the step that each operation is, or -1
     """
 
     operations: Array
@@ -57,6 +59,8 @@ class Timeline(NamedTuple):
     nodes: Array
     initial: Array
     states: Array
+    adjoints: Array
+    steps: Array
 
 
 class Work(NamedTuple):
@@ -334,11 +338,15 @@ def backward(
         if work.done[0] == 0 and timeline.nodes[e] >= 0:
             add_gradients(layout, given, timeline.nodes[e], bars)
         work.done[0] = 1
+        if len(timeline.adjoints) > 0 and timeline.steps[e] >= 0:
+            timeline.adjoints[timeline.steps[e], 1] = bars
         if block.used[op, 1] == block.used[op, 0]:
             finish(layout, kernels, b, run, op, block)
             linearize(layout, kernels, b, run, op, k, -1, matrices, block)
         if not backward_operation(layout, run, op, k, matrices, block, work, bars, stored, sources):
             break
+        if len(timeline.adjoints) > 0 and timeline.steps[e] >= 0:
+            timeline.adjoints[timeline.steps[e], 0] = bars
         if timeline.initial[e] >= 0:
             exchange(bars, timeline.states[timeline.initial[e]])
         work.done[0] = 0

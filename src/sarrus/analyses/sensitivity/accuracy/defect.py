@@ -1,0 +1,58 @@
+"""What the local error of each step does to responses: the defect of the motion between nodes, weighted by the adjoint.
+
+Between its nodes a run is the motion u = (q, v) that `Trajectory` reports: on the constraints, with accelerations that
+satisfy the equations of motion. It is exact for u' = (v, a) + d with the defect d, and d changes a response by
+∫ ȳᵀ d dt. The adjoint ȳ being linear within a step, from ȳ₀ to ȳ₁, the integral by parts needs no derivative of u,
+
+    ∫ ȳᵀ (u' - f) dt = ȳ₁ᵀ (u₁ - ū) + ȳ₀ᵀ (ū - u₀) - h Σ w ȳ(s)ᵀ f(s),    ū = Σ w u(s),    f = (v, a).
+
+This needs nothing of the method but its nodes. Gauss's points are inside the step, and so forces may jump at its ends.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import StepsTaken
+from ....system import System
+from ..sampling.consistent import ConsistentSampling
+from ..sampling.sampling import Sampling
+
+POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
+POINTS_OF_ORDER_TWO = 2  # of degree 3
+
+
+class Defect(NamedTuple):
+    """Weights of the adjoints before and after each step in its part of the error (n, 2 nq)."""
+
+    before: Array
+    after: Array
+
+    def weighted(self, adjoints: Array) -> Array:
+        """The part of each step in the error of each response (n, k); adjoints (n, 2, 2 nq, k)."""
+        return np.asarray(
+            np.einsum("nj,njk->nk", self.before, adjoints[:, 0])
+            + np.einsum("nj,njk->nk", self.after, adjoints[:, 1])
+        )
+
+
+def defect(system: System, steps: StepsTaken) -> Defect:
+    """The defect of all steps."""
+    x, w = np.polynomial.legendre.leggauss(POINTS if steps.precise else POINTS_OF_ORDER_TWO)
+    s, w, h = (x + 1) / 2, w / 2, np.diff(steps.t)[:, None]
+    inside = Sampling(steps, (steps.t[:-1, None] + h * s).ravel())
+    found = ConsistentSampling(system, steps, inside).states
+    q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
+    u, f = np.concatenate([q, v], axis=2), np.concatenate([v, a], axis=2)
+    nodes, mean = _nodes(system, steps), np.einsum("s,nsj->nj", w, u)
+    before = mean - nodes[:-1] - h * np.einsum("s,nsj->nj", w * (1 - s), f)
+    return Defect(before, nodes[1:] - mean - h * np.einsum("s,nsj->nj", w * s, f))
+
+
+def _nodes(system: System, steps: StepsTaken) -> Array:
+    """States at the nodes that the constraints permit; velocities of methods of order two are near them only."""
+    v = steps.v if steps.precise else ConsistentSampling(system, steps, Sampling(steps)).states.v
+    return np.concatenate([steps.q, v], axis=1)

@@ -1,0 +1,133 @@
+"""Estimated errors of responses against true ones, on motions with closed forms."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+from accuracy_problems import PROBLEMS, Problem
+
+SMOOTH = (
+    "spring, 20 s",
+    "spring, 10 krad/s",
+    "spring, 1 km",
+    "spring, damped",
+    "two masses",
+    "hardening spring",
+    "hanging mass",
+    "harmonic load near resonance",
+    "foot of the spring is shaken",
+    "pendulum, from the horizontal",
+    "pendulum of 1 mm",
+    "spherical pendulum",
+)
+JUMPING = ("load switched on and off", "pulse of 20 ms, free mass", "load by a table")
+
+
+def problem_of(name: str) -> Problem:
+    return next(one for one in PROBLEMS if one.name == name)
+
+
+def effectivities(name: str, **settings: Any) -> dict[str, float]:
+    """Estimated over true error of each output at the end."""
+    problem = problem_of(name)
+    (system, start), known = problem.make(), problem.solution()
+    run = sr.simulate(
+        system,
+        start,
+        until=problem.until,
+        t_eval=known.t,
+        store_steps=True,
+        events=problem.events,
+        **settings,
+    )
+    kinds = [kind for kind in ("positions", "velocities", "reactions") if kind in problem.read]
+    assert not callable(problem.read)
+    names = [one for kind in kinds for one in problem.read[kind]]
+    truth = np.concatenate([getattr(known, kind)[-1] for kind in kinds])
+    found = run.error(names)
+    return {one.response: one.estimate / (one.value - exact) for one, exact in zip(found, truth, strict=True)}
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_smooth_motions(name: str) -> None:
+    found = effectivities(name, method=sr.Radau(), rtol=1e-4, atol=1e-6)
+    assert found
+    for response, effectivity in found.items():
+        assert 0.3 < effectivity < 3, (response, effectivity)
+
+
+@pytest.mark.parametrize("name", JUMPING)
+def test_loads_that_jump(name: str) -> None:
+    for response, effectivity in effectivities(name, method=sr.Radau()).items():
+        assert 0.1 < effectivity < 10, (response, effectivity)
+
+
+@pytest.mark.parametrize(
+    "method", [sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.GeneralizedAlpha(stabilized=True)]
+)
+@pytest.mark.parametrize("name", ["pendulum of 1 mm", "spring, damped", "double pendulum, wild for 3 s"])
+def test_methods_of_order_two(name: str, method: Any) -> None:
+    for response, effectivity in effectivities(name, method=method).items():
+        assert 0.3 < effectivity < 3, (response, effectivity)
+
+
+def pendulum(**settings: Any) -> sr.Trajectory:
+    system, start = problem_of("pendulum, from the horizontal").make()
+    return sr.simulate(system, start, until=2.0, store_steps=True, **settings)
+
+
+def test_responses_over_the_whole_run() -> None:
+    responses = [sr.Integral("bob.x"), sr.Peak("pin.angle.rate"), sr.At("bob.z", time=1.0)]
+    exact = pendulum(method=sr.Radau(), rtol=1e-11, atol=1e-12).error(responses)
+    for method in (sr.Radau(), sr.HHT()):
+        for one, true in zip(pendulum(method=method).error(responses), exact, strict=True):
+            assert 0.3 < one.estimate / (one.value - true.value) < 3, one
+
+
+def test_through_impacts() -> None:
+    """A ball on a soft spring is dropped from 1 m and bounces; compared with a run of far smaller tolerances."""
+    ball = sr.Body("ball", 1.0, (1e-3,) * 3, position=(0, 0, 1.0))
+    spring = sr.TSDA("spring", sr.ground.point(0.5, 0, 3), ball.point(0, 0, 0), k=2.0, length=1.0)
+    system = sr.System(sr.Model("bouncing", [ball], [], [spring], gravity=(0, 0, -9.81)))
+    bounce = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.8), name="bounce")
+    cases = ((sr.Radau(), 1e-4), (sr.HHT(), 1e-5), (sr.Radau(), 1e-12))
+    runs = [
+        sr.simulate(
+            system, until=2.5, events=bounce, store_steps=True, method=method, rtol=rtol, atol=rtol / 100
+        )
+        for method, rtol in cases
+    ]
+    names = ["ball.z", "ball.velocity.z", sr.AtEvent("t", event="bounce", number=2)]
+    for run in runs[:2]:
+        for one, true in zip(run.error(names), runs[-1].error(names), strict=True):
+            assert 0.1 < one.estimate / (one.value - true.value) < 10, one
+
+
+def test_value_beside_derivatives() -> None:
+    run = pendulum(method=sr.Radau())
+    alone = run.error("pin.angle")
+    for method in ("adjoint", "direct"):
+        found = sr.sensitivity(run, "pin.angle", ["bob.mass"], method=method, error=True)
+        assert found.errors[0].estimate == pytest.approx(alone.estimate, rel=1e-9)
+        assert str(alone) in found.summary()
+    second = sr.hessian(run, "pin.angle", ["bob.mass"], error=True)
+    assert second.error == alone
+    assert "±" in str(alone)
+    assert 4 < alone.digits < 8
+
+
+def test_an_error_is_never_zero() -> None:
+    """A free fall is exact but for round-off."""
+    ball = sr.Body("ball", 1.0, (1e-3,) * 3, position=(0, 0, 1.0))
+    system = sr.System(sr.Model("fall", [ball], [], [], gravity=(0, 0, -9.81)))
+    found = sr.simulate(system, until=1.0, store_steps=True, method=sr.Radau()).error("ball.z")
+    assert 0 < abs(found.value - (1 - 9.81 / 2)) <= 100 * found.error
+    assert found.error < 1e-13

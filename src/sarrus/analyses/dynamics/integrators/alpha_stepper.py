@@ -190,6 +190,12 @@ class AlphaStepper(Implicit):
         self._weigh(self.matrix.weights, *weights)
         self.matrix.factor(PRECISE)
 
+    def _factor_motion(self, t: float, q: Array) -> PlacedMatrix:
+        """The matrix of the equations of motion at a position, factored."""
+        nq, m = self.system.nq, self.system.m
+        self._factor(t, (q, np.zeros(nq), np.zeros(nq), np.zeros(m)), (0.0, 0.0))
+        return self.matrix
+
     def _motion(self) -> Accelerations:
         """Large systems have their first accelerations from the matrix of the method, small ones by LAPACK."""
         return self if self.matrix.n >= DENSE_BELOW else super()._motion()
@@ -204,11 +210,11 @@ class AlphaStepper(Implicit):
         """
         system, stored = self.system, self.matrix.numbers.left_out == 0.0
         try:
-            self._factor(t, (q, v, np.zeros(system.nq), np.zeros(system.m)), (0.0, 0.0))
+            matrix = self._factor_motion(t, q)
         except SingularMatrix as error:
             raise SingularSystem(str(error)) from None
         force = system.Q(q, v, t, b=self.b) + system.S(q, v, b=self.b)
-        found = self.matrix.solve(np.concatenate([force, stored * system.gamma(q, v, t, b=self.b)]))
+        found = matrix.solve(np.concatenate([force, stored * system.gamma(q, v, t, b=self.b)]))
         if not np.all(np.isfinite(found)):
             raise SingularSystem("the matrix is singular to working precision")
         return found[: system.nq], found[system.nq :]

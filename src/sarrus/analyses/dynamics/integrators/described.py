@@ -15,7 +15,7 @@ from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, DescribedSteps, StepsTaken
 from ....system import System
 from ....system.cached import once_alike
-from ...equations.block_matrix import Numbers, PlacedMatrix
+from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.check import check
 from ..methods.description import Affine, Description
@@ -30,7 +30,7 @@ from ..stepping.stepper import Settings
 from ..time_loop.prescribed import Prescribed
 from . import described_loop as loop
 from .alpha_stepper import AlphaStepper
-from .implicit import GROUPS, Implicit
+from .implicit import GROUPS
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "update": loop.update,
@@ -121,7 +121,6 @@ class DescribedStepper(AlphaStepper):
     """
 
     kind = DescribedSteps
-    _motion = Implicit._motion
     scheme: Description
 
     def _make(self) -> None:
@@ -208,14 +207,18 @@ class DescribedStepper(AlphaStepper):
         self.matrix.weights[:] = state.r[program.weights]
         end = self.t + h
         link(loop.evaluate)(program, self._entries, self.b, end, h, state.x, numbers.values, numbers.left_out)
-        for name in ("M", "Phi_q"):
-            self._of_motion.numbers.evaluate((name,), self.b, {"t": self.t, "q": state.q0})
         try:
-            self.matrix.choose_pivots()
-            self._of_motion.choose_pivots()
+            self.matrix.factor(PRECISE)
+            self._factor_motion(self.t, state.q0)
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
         self._show_matrix()
+
+    def _factor_motion(self, t: float, q: Array) -> PlacedMatrix:
+        for name in ("M", "Phi_q"):
+            self._of_motion.numbers.evaluate((name,), self.b, {"t": t, "q": q})
+        self._of_motion.factor(PRECISE)
+        return self._of_motion
 
     def _show_matrix(self) -> None:
         numbers = self.matrix.numbers

@@ -235,14 +235,18 @@ class ProgramBuilder:
 
     def _predicted(self, unknown: str) -> list[tuple[int, Any]] | None:
         """Places and coefficients by which an unknown follows from the motion so far, or None."""
-        for stage in self.step.stages:
-            for quantity in PREDICTED:
-                affine: Affine = getattr(stage, quantity)
-                if [name for name in affine if name in self.tables.unknowns] == [unknown]:
-                    known = {name: c for name, c in affine.items() if name != unknown}
-                    wanted = combined((1.0, self._motion(quantity, stage.time)), (-1.0, known))
-                    factor = 1 / affine[unknown]
-                    return [(self._moving(name), factor * c) for name, c in wanted.items()]
+        found = [
+            (affine, quantity, stage.time)
+            for stage in self.step.stages
+            for quantity in PREDICTED
+            for affine in [getattr(stage, quantity)]
+            if [name for name in affine if name in self.tables.unknowns] == [unknown]
+        ]
+        for affine, quantity, time in sorted(found, key=lambda one: len(one[0]) > 1):  # best: nothing but the unknown
+            known = {name: c for name, c in affine.items() if name != unknown}
+            wanted = combined((1.0, self._motion(quantity, time)), (-1.0, known))
+            factor = 1 / affine[unknown]
+            return [(self._moving(name), factor * c) for name, c in wanted.items()]
         return None
 
     def _motion(self, quantity: str, part: float) -> Affine:

@@ -37,6 +37,7 @@ from ..dense_output import sample_loop
 from ..dense_output.sample_loop import factor as factor_motion
 from ..dense_output.sample_loop import solve_motion, velocity_defect
 from ..methods.program import (
+    BASE,
     CHANGE,
     ERROR,
     GUESS,
@@ -189,23 +190,18 @@ def coefficients(scheme: Program, h: float, ratio: float, r: Array) -> None:
 @compiled
 def apply(scheme: Program, which: int, state: State) -> None:
     """One of the affine maps."""
-    x = state.x
+    x, terms = state.x, scheme.terms
     for n in range(scheme.bounds[which], scheme.bounds[which + 1]):
-        to, of, factor = scheme.terms[n, 0], scheme.terms[n, 1], state.r[scheme.terms[n, 3]]
-        count = scheme.terms[n, 2]
-        if scheme.terms[n, 4] == 1:
-            for k in range(count):
-                x[to + k] = factor * x[of + k]
-        else:
-            for k in range(count):
-                x[to + k] += factor * x[of + k]
+        to, of, count, base, factor = terms[n, 0], terms[n, 1], terms[n, 2], terms[n, 4], state.r[terms[n, 3]]
+        target, source, first = x[to : to + count], x[of : of + count], x[base : base + count]
+        for k in range(len(target)):
+            target[k] = first[k] + factor * source[k]
 
 
 @compiled
 def update(scheme: Program, h: float, state: State) -> None:
-    """The stages, and the state after the step, of the unknowns."""
+    """The stages, and q and v after the step, of the unknowns; see `UPDATE` for the rest of the state."""
     apply(scheme, STAGES, state)
-    apply(scheme, UPDATE, state)
 
 
 @compiled(entry=True)
@@ -213,6 +209,7 @@ def guess(scheme: Program, h: float, ratio: float, state: State) -> None:
     """Coefficients, first guess of the unknowns, and all stages."""
     coefficients(scheme, h, ratio, state.r)
     apply(scheme, GUESS, state)
+    apply(scheme, BASE, state)
     update(scheme, h, state)
 
 
@@ -250,17 +247,19 @@ def residual(
     right[:] = 0.0
     for n in range(len(scheme.sums)):
         row, of, count = int(scheme.sums[n, 0]), int(scheme.sums[n, 1]), int(scheme.sums[n, 2])
-        for k in range(count):
-            right[row + k] += scheme.sums[n, 3] * x[of + k]
+        total, term, sign = right[row : row + count], x[of : of + count], scheme.sums[n, 3]
+        for k in range(len(total)):
+            total[k] += sign * term[k]
     for n in range(len(scheme.equations)):
         row, count, scale = scheme.equations[n, 0], scheme.equations[n, 1], state.r[scheme.equations[n, 2]]
-        noisy = ignored if scheme.equations[n, 3] == 1 else 0.0
-        for k in range(count):
-            gap = right[row + k]
-            if noisy > 0.0:
-                noise = noisy * memory.noise[k]
-                gap = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
-            right[row + k] = scale * gap
+        total = right[row : row + count]
+        if ignored > 0.0 and scheme.equations[n, 3] == 1:
+            for k in range(len(total)):
+                gap, noise = total[k], ignored * memory.noise[k]
+                total[k] = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
+        if scale != 1.0:
+            for k in range(len(total)):
+                total[k] *= scale
     for n in range(len(scheme.multipliers)):
         row, of = scheme.multipliers[n, 0], scheme.multipliers[n, 1]
         for k in range(len(left_out)):
@@ -319,9 +318,13 @@ def correct(
     """One correction of the unknowns by the residual and the factors at hand; returns its size."""
     n, x, first = len(state.q0), state.x, scheme.moved
     backsolve(matrix.placed, memory.right, memory.solution)
-    for k in range(scheme.n):
-        x[scheme.unknowns + k] -= memory.solution[k]
-        x[scheme.change + k] = memory.solution[k]
+    unknowns, change = (
+        x[scheme.unknowns : scheme.unknowns + scheme.n],
+        x[scheme.change : scheme.change + scheme.n],
+    )
+    for k in range(len(unknowns)):
+        unknowns[k] -= memory.solution[k]
+        change[k] = memory.solution[k]
     update(scheme, h, state)
     apply(scheme, CHANGE, state)
     in_q = size(x[first : first + n], 1.0, state.q0, state.q1, tol.rtol_q, tol.atol_q)
@@ -357,6 +360,7 @@ def prepare(
         if scheme.projects:
             remove_defect(entries, b, t, 1.0 - ratio * ratio, state, memory, matrix, control)
     apply(scheme, GUESS, state)
+    apply(scheme, BASE, state)
 
 
 @compiled
@@ -401,6 +405,7 @@ def local_error(
     tol: Tolerance,
 ) -> float:  # fmt: skip
     """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
+    apply(scheme, UPDATE, state)
     if not scheme.own_accelerations:
         for k in range(len(state.a1)):
             state.a1[k] = state.a0[k]
@@ -453,6 +458,7 @@ def finish(
     scheme: Program, entries: Entries, b: Array, t: float, state: State, memory: Memory, matrix: Matrix
 ) -> bool:
     """Accelerations of a step that was solved to the end; false if pivots must be renewed."""
+    apply(scheme, UPDATE, state)
     return scheme.own_accelerations or accelerations(entries, b, t, state, memory, matrix)
 
 

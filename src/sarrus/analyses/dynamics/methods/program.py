@@ -1,9 +1,10 @@
 """A description as the time integration loop takes it: places in a work array, affine maps between them, and formulas.
 
 All vectors of a step (state before and after, unknowns, stages, outputs of operators) are parts of one array x. An
-affine map is a list of terms x[to] (+)= r[register] x[of]. The registers r are the coefficients, which depend on the
-step size h and its ratio to the step before: their formulas are recorded once, and evaluated whenever h or the ratio
-changes. Nothing is compiled for a method.
+affine map is a list of terms x[to] = x[base] + r[register] x[of]. What the state before the step gives to the stages
+(`BASE`) is computed once a step, what the unknowns add (`STAGES`) in every iteration. The registers r are the
+coefficients, which depend on the step size h and its ratio to the step before: their formulas are recorded once, and
+evaluated whenever h or the ratio changes. Nothing is compiled for a method.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from .description import CONSTRAINTS, Affine, Description, Operation, Stage, com
 from .equations import KINDS
 from .tables import DRIVERS, Tables, at_stage, structure_of
 
-STAGES, UPDATE, CHANGE, ERROR, GUESS = range(5)  # affine maps
+STAGES, UPDATE, CHANGE, ERROR, GUESS, BASE = range(6)  # affine maps
 RESIDUAL, MOMENTUM, FORCE, VELOCITY, GAMMA = range(5)  # groups of operators in the equations
 OF_EQUATIONS = 5  # how many these are
 PREDICTED = ("q", "v", "a", "lam")  # quantities of the stages that are known from the motion so far
@@ -58,7 +59,7 @@ class Program(NamedTuple):
     Attributes
     ----------
     tape, constants : of the formulas: operation, and the registers that it takes; constants by register
-    terms, bounds : (n, 5) of all maps: to, of, how many entries, register, whether it is the first; where each begins
+    terms, bounds : (n, 5) of all maps: to, of, how many entries, register, base; where each map begins
     times : (stages,) parts of the step
     calls : (n, 9) operators of the equations: group, stage, places of q and two operands; of two outputs begin, end
     sums : (n, 4) terms of the equations: row, place, how many entries, sign
@@ -186,24 +187,47 @@ class ProgramBuilder:
         return self._m if name in ("lam", "mu") else self._nq
 
     # ------------------------------------------------------------------------------------------------- affine maps
-    def _map(self, to: int, affine: Affine, height: int, unknowns: str = "unknowns") -> list[list[int]]:
+    def _map(
+        self, to: int, affine: Affine, height: int, unknowns: str = "unknowns", base: int | None = None
+    ) -> list[list[int]]:
         rows = list[list[int]]()
+        base = self.place["zero"] if base is None else base
         for name, coefficient in affine.items():
             of = self.block("state", name) if name in self.tables.state else self.block(unknowns, name)
-            rows.append([to, of, height, self.formulas.register(coefficient), not rows])
+            rows.append([to, of, height, self.formulas.register(coefficient), to if rows else base])
         return rows
 
-    def _stages(self) -> list[list[int]]:
-        found = list[list[int]]()
+    def _split(self, to: int, affine: Affine, height: int) -> tuple[list[list[int]], list[list[int]]]:
+        """The part of a map that the state before the step gives, and what the unknowns add to it."""
+        known = {name: c for name, c in affine.items() if name in self.tables.state}
+        own = {name: c for name, c in affine.items() if name not in known}
+        if not own or not known:
+            return self._map(to, known, height), self._map(to, own, height)
+        base = self._take(height)
+        return self._map(base, known, height), self._map(to, own, height, base=base)
+
+    def _stages(self) -> tuple[list[list[int]], list[list[int]]]:
+        """Stages, and q and v after the step: both parts, see `_split`."""
+        base, found, places = list[list[int]](), list[list[int]](), dict[int, int]()
+        after = [(self.block("after", name), self.step.update[name], name) for name in ("q", "v")]
         for s, stage in enumerate(self.step.stages):
-            for name in Stage._fields[1:]:
-                found += self._map(self.quantity(s, name), getattr(stage, name), self._height(name))
-        return found
+            after += [(self.quantity(s, name), getattr(stage, name), name) for name in Stage._fields[1:]]
+        for to, affine, name in after[2:] + after[:2]:
+            height = self._height(name)
+            if id(affine) in places:  # as the stage at the end
+                found.append(
+                    [to, places[id(affine)], height, self.formulas.register(1.0), self.place["zero"]]
+                )
+                continue
+            known, own = self._split(to, affine, height)
+            base, found, places = base + known, found + own, places | ({id(affine): to} if affine else {})
+        return base, found
 
     def _update(self) -> list[list[int]]:
+        """The state after the step, but for q and v."""
         found = list[list[int]]()
         for name, size in self.method.state.items():
-            if name in self.step.update:
+            if name in self.step.update and name not in ("q", "v"):
                 affine = self.step.update[name]
                 found += self._map(self.block("after", name), affine, self.tables.size(size))
         return found
@@ -225,12 +249,10 @@ class ProgramBuilder:
         for name, size in self.method.unknowns.items():
             own = self._predicted(name)
             to, height = self.block("unknowns", name), self.tables.size(size)
-            if own is None:
-                found.append([to, self.block("before", name), height, self.formulas.register(1.0), True])
-            for of, coefficient in own or ():
-                found.append(
-                    [to, of, height, self.formulas.register(coefficient), of == own[0][0] if own else True]
-                )
+            of = own or [(self.block("before", name), 1.0)]
+            for n, (place, coefficient) in enumerate(of):
+                base = to if n else self.place["zero"]
+                found.append([to, place, height, self.formulas.register(coefficient), base])
         return found
 
     def _predicted(self, unknown: str) -> list[tuple[int, Any]] | None:
@@ -242,7 +264,9 @@ class ProgramBuilder:
             for affine in [getattr(stage, quantity)]
             if [name for name in affine if name in self.tables.unknowns] == [unknown]
         ]
-        for affine, quantity, time in sorted(found, key=lambda one: len(one[0]) > 1):  # best: nothing but the unknown
+        for affine, quantity, time in sorted(
+            found, key=lambda one: len(one[0]) > 1
+        ):  # best: nothing but the unknown
             known = {name: c for name, c in affine.items() if name != unknown}
             wanted = combined((1.0, self._motion(quantity, time)), (-1.0, known))
             factor = 1 / affine[unknown]
@@ -340,7 +364,8 @@ class ProgramBuilder:
         """All tables; `numbers` are those of the matrix's operators, `constrained` places of them."""
         values = {name: (at, at + len(numbers.views[name])) for name, at in numbers.start.items()}
         error = self._map(self.place["error"], self.formulas.error, self._nq)
-        maps = [self._stages(), self._update(), self._change(), error, self._guess()]
+        base, stages = self._stages()
+        maps = [stages, self._update(), self._change(), error, self._guess(), base]
         bounds = np.cumsum([0, *map(len, maps)])
         terms = _table((row for rows in maps for row in rows), 5)
         calls, sums = self._calls()

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..defaults import ATOL, RTOL
+from ..defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 from .values import figure_file, finite, intervals, natural, positive, start_entry
 
-METHODS = ("hht", "generalizedalpha", "radau", "ode", "ida")
+METHODS = ("radau", "hht", "generalizedalpha", "ode", "ida")
 KEEPING_STEPS = METHODS[:3]
 
 
@@ -67,8 +67,17 @@ def until(parser: argparse.ArgumentParser) -> None:
 
 def tolerances(parser: argparse.ArgumentParser) -> None:
     """``--rtol`` and ``--atol`` of a simulation."""
-    parser.add_argument("--rtol", type=positive, default=RTOL, help=f"relative tolerance ({RTOL:g})")
-    parser.add_argument("--atol", type=positive, default=ATOL, help=f"absolute tolerance ({ATOL:g})")
+    parser.add_argument(
+        "--rtol",
+        type=positive,
+        help=f"relative tolerance ({RTOL:g}, of hht and generalizedalpha {RTOL_OF_ORDER_2:g})",
+    )
+    parser.add_argument(
+        "--atol",
+        type=positive,
+        default=ATOL,
+        help="absolute tolerance (none: rtol is of the size of the motion)",
+    )
 
 
 def method(parser: argparse.ArgumentParser, of: tuple[str, ...] = METHODS) -> None:

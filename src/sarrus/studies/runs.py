@@ -23,7 +23,7 @@ from ..analyses import (
 from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.sensitivity.parameters.design_start import DesignStart
-from ..defaults import ATOL, RTOL
+from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
 from ..model.checks.arguments import CHECKS, Number, Whole
@@ -149,8 +149,8 @@ class Simulation(Run):
     until: float
     steps: int = 1000
     method: Any = None
-    rtol: float = RTOL
-    atol: float = ATOL
+    rtol: float | None = None
+    atol: float | None = ATOL
     max_step: float = np.inf
     start: Any = None
 
@@ -347,7 +347,7 @@ def _refuse_other(value: Any, kind: str, what: str) -> None:
 
 def _method(given: Any) -> Any:
     options = dict(given) if isinstance(given, Mapping) else {"type": given}
-    kind = str(options.pop("type", "hht")).lower()
+    kind = str(options.pop("type", "radau")).lower()
     if kind not in METHODS:
         raise SarrusError(f"there is no method {kind!r}; {suggest(kind, METHODS)}")
     return _built(METHODS[kind], f"the method {kind}", options)

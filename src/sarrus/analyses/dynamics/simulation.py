@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...defaults import ATOL, RTOL
+from ...defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...model.deprecated import accepts_deprecated_keywords
@@ -28,7 +28,7 @@ from .memory import refuse_too_large
 from .methods.description import Description
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
-from .stepping.tolerance import Given, Tolerances
+from .stepping.tolerance import Absolute, Given, Tolerances
 from .time_loop import stored_events as stored_events
 from .time_loop.outcome import nothing
 from .time_loop.prescribed import Prescribed
@@ -65,8 +65,8 @@ def simulate(
     until: float,
     t_eval: ArrayLike | None = None,
     method: Method | None = None,
-    rtol: Given = RTOL,
-    atol: Given = ATOL,
+    rtol: Given | None = None,
+    atol: Absolute = ATOL,
     max_step: float = np.inf,
     first_step: float | None = None,
     events: Event | Sequence[Event] = (),
@@ -89,8 +89,12 @@ def simulate(
         time with all revolutions, an `Equilibrium`, or coordinates (nq,), which are assembled; by default the model's
     until : end time [s], not the duration: the start is at its own time, which is 0 by default
     t_eval : times to keep, rising, between the start and `until`; by default 1001 equidistant ones
-    method : `HHT` (the default), `GeneralizedAlpha`, `Radau`, `ODE`, `IDA`, or the `Description` of another method
-    rtol, atol : tolerances of the local error: a number, an array for all coordinates, or by kind, e.g.
+    method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
+    rtol : relative tolerance of the local error, 1e-7 by default, 1e-6 for HHT, generalized-α and descriptions; of
+        the size of the motion of each body so far where `atol` is not given, so that units of a model do not matter;
+        divided by the number of periods of the motion then (not for methods of order 2), as errors add up
+    atol : absolute tolerances in place of those that follow the motion; the relative ones are then of the coordinates
+        themselves. Both are a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
         are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]; `atol` by kind takes texts
         with units, too: ``{"position": "1 um", "orientation": "0.01 deg", "velocity": "1 mm/s"}``
@@ -136,8 +140,9 @@ def simulate(
             step: float | None = getattr(chosen, "step", None)
             stops = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t, step=step)
             announce(_passed_over(system, stops, step))
+            tolerances = Tolerances.of(system, rtol_of(chosen, rtol), atol)
             settings = Settings(
-                Tolerances.of(system, rtol, atol), _longest(max_step, stops.longest), _first(first_step), store_steps,
+                tolerances, _longest(max_step, stops.longest), _first(first_step), store_steps,
                 times=times, dense=dense_output or bool(watched),
             )  # fmt: skip
             kinks = np.zeros(0) if store_steps else stops.kinks
@@ -150,6 +155,13 @@ def simulate(
             return recipe.done(system, None, message)
     except RunFailure as error:
         return nothing(system, error.status, error.message)
+
+
+def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:
+    """The relative tolerance, by default that of the method."""
+    if given is not None:
+        return given
+    return RTOL_OF_ORDER_2 if isinstance(method, HHT | GeneralizedAlpha | Described) else RTOL
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
@@ -201,7 +213,7 @@ def _method(given: Method | None) -> Prescribed | ODE | IDA:
 
 
 def differentiable(given: Differentiable | None) -> Prescribed:
-    """A method whose steps can be stored, at its default: HHT.
+    """A method whose steps can be stored, at its default: Radau.
 
     Raises
     ------
@@ -215,4 +227,4 @@ def differentiable(given: Differentiable | None) -> Prescribed:
             f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE(), IDA() or a Description, got {given!r}. "
             'For a solver of SciPy give ODE("DOP853").'
         )
-    return HHT() if given is None else given
+    return Radau() if given is None else given

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...algebra import Array
-from ...defaults import ATOL, RTOL
+from ...defaults import ATOL
 from ...model import SarrusError
 from ...model.announcement import announce, collecting
 from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
@@ -59,7 +59,7 @@ class Problem:
         state, assembled for every design
     design : values of named design variables at the start
     formula : the function that computes parameters of the model from them; differentiated exactly
-    method : `HHT` (the default), `GeneralizedAlpha`, or `Radau`, whose values scatter least from design to design
+    method : `Radau` (the default), whose values scatter least from design to design, `HHT`, or `GeneralizedAlpha`
     rtol, atol, max_step : tolerances and longest step of the simulation
     events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
         run lacks an event or a time of a response counts as one that cannot be simulated
@@ -96,8 +96,8 @@ class Problem:
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
         method: HHT | GeneralizedAlpha | Radau | None = None,
-        rtol: float = RTOL,
-        atol: float = ATOL,
+        rtol: float | None = None,
+        atol: float | None = ATOL,
         max_step: float = np.inf,
         events: Event | Sequence[Event] = (),
         memory: float | None = None,

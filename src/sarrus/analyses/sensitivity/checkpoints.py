@@ -12,7 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...algebra import Array
-from ...defaults import ATOL, RTOL
+from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...outputs.recording import Angles
@@ -20,9 +20,9 @@ from ...results import Assembly, Gradient, Pieces, StepsTaken
 from ...system import System
 from ..dynamics import Event
 from ..dynamics.events.events import restitutions_of
-from ..dynamics.simulation import Differentiable, differentiable, refuse_end
+from ..dynamics.simulation import Differentiable, differentiable, refuse_end, rtol_of
 from ..dynamics.stepping.stepper import RunFailure, Settings
-from ..dynamics.stepping.tolerance import Given, Tolerances
+from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
 from ..position.assembly_derivatives import AssemblyDerivatives
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
@@ -60,8 +60,8 @@ def sensitivity_by_checkpoints(
     until: float,
     start: Start | None = None,
     method: Differentiable | None = None,
-    rtol: Given = RTOL,
-    atol: Given = ATOL,
+    rtol: Given | None = None,
+    atol: Absolute = ATOL,
     max_step: float = np.inf,
     events: Event | Sequence[Event] = (),
     memory: float = 100e6,
@@ -126,8 +126,8 @@ class LongTask:
     start: Assembly
     until: float
     method: Differentiable | None
-    rtol: Given
-    atol: Given
+    rtol: Given | None
+    atol: Absolute
     max_step: float
     events: Sequence[Event]
     memory: float
@@ -143,8 +143,10 @@ class LongTask:
             Where the end is not reached.
         """
         per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * len(responses))
-        settings = Settings(Tolerances.of(system, self.rtol, self.atol), self.max_step, store_steps=True)
-        message = (self.start, differentiable(self.method), settings, self.until, self.memory, per_step)
+        method = differentiable(self.method)
+        tolerances = Tolerances.of(system, rtol_of(method, self.rtol), self.atol)
+        settings = Settings(tolerances, self.max_step, store_steps=True)
+        message = (self.start, method, settings, self.until, self.memory, per_step)
         run = LongRun(system, *message, self.events, self.progress)
         wanted = [fine(response) for response in responses] if run.precise else responses
         return LongGradient(run, wanted, parameters).gradient(self.back)

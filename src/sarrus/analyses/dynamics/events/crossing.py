@@ -46,7 +46,6 @@ POINTS, SPACING = (
 ROUNDS = 12  # iterations for the state behind the position
 ENOUGH = 10.0  # times the tolerance of other steps is allowed for this one, if it cannot be more exact
 SETTLED = 0.03  # of the tolerance, where they end
-FINEST = 1e-10  # relative tolerance, below which round-off close to the position is not asked to be
 PARTS = 8  # pieces of the step between which there are nodes
 BRANCHES = (
     "a singular configuration is passed between t = {:.6g} and {:.6g} s, where the motion could branch. The run "
@@ -75,7 +74,7 @@ class Crossing:
 
     def __init__(self, stepper: Stepper, system: System, settings: Settings) -> None:
         self._inner, self._system, self._settings = stepper, system, settings
-        self._until, self._shortest = 0.0, np.inf
+        self._until, self._shortest, self._length = 0.0, np.inf, stepper.independence.length
         self._past = Past(np.zeros(0), np.zeros((0, system.nq)), np.zeros((0, system.nq)))
 
     @property
@@ -249,9 +248,8 @@ class Crossing:
 
     def _size(self, one: Sequence[Array], other: Sequence[Array]) -> float:
         """Root mean square of the differences of q and of v over their tolerances, the greater."""
-        given = self._settings.tolerances
-        in_q = _over_tolerance(one[0], other[0], given.rtol_q, given.atol_q)
-        in_v = _over_tolerance(one[1], other[1], given.rtol_v, given.atol_v)
+        allowed = self._settings.tolerances.of_state(other[0], other[1], self._length)
+        in_q, in_v = (_root_mean_square((x - y) / z) for x, y, z in zip(one, other, allowed, strict=False))
         return float(np.nan_to_num(np.max([in_q, in_v]), nan=np.inf))
 
     def _land(self, landing: Landing) -> Nodes:
@@ -294,9 +292,8 @@ class Way:
         return begin.q + (t - begin.t) * begin.v + q, begin.v + v, a
 
 
-def _over_tolerance(x: Array, y: Array, rtol: Array, atol: Array) -> float:
-    allowed = np.maximum(atol + rtol * abs(y), FINEST * max(1.0, float(abs(y).max(initial=0.0))))
-    return float(np.sqrt(np.mean(((x - y) / allowed) ** 2)))
+def _root_mean_square(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))
 
 
 def _spaced(t: Array, last: int, apart: float) -> list[int]:

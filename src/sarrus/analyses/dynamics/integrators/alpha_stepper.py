@@ -19,6 +19,7 @@ from ...equations.length import extent
 from ..methods.leading_error import Leading
 from ..stepping import alpha_loop as loop
 from ..stepping.failures import has_laws
+from ..stepping.first_step import begin_motion, first_step, saved, take_over
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.newton_matrix import newton_matrix, weigh
 from ..stepping.nodes import Nodes
@@ -100,6 +101,7 @@ class AlphaStepper(Implicit):
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
+        begin_motion(self._tolerance, self.system, t, q)
         self._begin_at(q, v, a, lam)
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
         control, given = self._control, self.store.given()
@@ -240,6 +242,11 @@ class AlphaStepper(Implicit):
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
         state, span, (exponent, constant) = self._state, self._span, self.first_error
+        if self.settings.tolerances.follow:
+            longest = min(0.01 * span, self.settings.max_step)
+            return self._within_tolerance(
+                motion, first_step(motion, self._tolerance, self.t, state.q0, state.v0, state.a0, longest)
+            )
         longest = max(0.01 * span, self._finest())  # the loop cuts a step at the end
         ahead = 1e-5 * span
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
@@ -248,17 +255,21 @@ class AlphaStepper(Implicit):
         except SingularSystem:
             a = state.a0
         slope = (a - state.a0) / ahead if exponent > 2 else a
-        size = float(np.sqrt(np.mean((constant * slope / self.settings.tolerances.of_q(state.q0)) ** 2)))
+        size = float(np.sqrt(np.mean((constant * slope / self._tolerance_of_q()) ** 2)))
         guess = 0.4 * size ** (-1 / min(exponent, 3)) if size > 0 else span
         guess = float(min(max(guess, 1e-7 * span), longest, self.settings.max_step))
         return max(self._within_tolerance(motion, guess), min(1e-7 * span, guess))
+
+    def _tolerance_of_q(self) -> Array:
+        tolerance = self._tolerance
+        return np.asarray(tolerance.atol_q + tolerance.rtol_q * abs(self._state.q0))
 
     def _within_tolerance(self, motion: Accelerations, h: float) -> float:
         """A first step shortened until its estimated error, h² times the change of a over it, is within the tolerance.
 
         ȧ vanishes where a spring is released at rest: there it does not predict the steps that follow.
         """
-        state, tolerance = self._state, self.settings.tolerances.of_q(self._state.q0)
+        state, tolerance = self._state, self._tolerance_of_q()
         exponent, constant = self.first_error
         for _ in range(FIRST_TRIALS):
             q, v = state.q0 + h * (state.v0 + 0.5 * h * state.a0), state.v0 + h * state.a0
@@ -275,13 +286,14 @@ class AlphaStepper(Implicit):
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
         ready = self._arrays is not None
-        found = self._saved() | self.store.state() | {"noise": self._memory.noise}
+        found = self._saved() | saved(self._tolerance) | self.store.state() | {"noise": self._memory.noise}
         found["correction"] = self._memory.correction
         return found | {f"matrix_{n}": x for n, x in self.matrix.state().items() if ready}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
+        take_over(self._tolerance, state)
         self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
         self.matrix.numbers.keep(self.independence.rows)
         self.store.resume(state, self.matrix.numbers.left_out)
@@ -296,5 +308,5 @@ class AlphaStepper(Implicit):
 
     def steps(self) -> StepsTaken | None:
         """What was stored for derivatives, or None."""
-        message = self.settings.tolerances.greatest()
+        message = self.settings.tolerances.greatest(self._tolerance)
         return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)

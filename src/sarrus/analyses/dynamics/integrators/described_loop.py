@@ -50,7 +50,8 @@ from ..methods.program import (
     Program,
 )
 from ..methods.tables import GAMMA_Q_V, INERTIA, JACOBIAN, STIFFNESS
-from ..stepping.alpha_loop import SAFETY, SETTLED, TRUSTED, Control, Tolerance, size
+from ..stepping.alpha_loop import SAFETY, SETTLED, TRUSTED, Control, size
+from ..stepping.motion_scale import Tolerance
 
 INFINITE = 1e300
 

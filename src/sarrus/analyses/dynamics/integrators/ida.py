@@ -23,6 +23,7 @@ from ...equations.motion import Motion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.failures import redundant_rows, singular
+from ..stepping.first_step import begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
 from ..stepping.stabilized_matrix import MATRICES, newton_parts
@@ -72,7 +73,13 @@ class IDAStepper:
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise singular(t, redundant_rows(self.system, q, t, self.independence)) from None
-        self._solver = _solver(self._equations, self.settings)
+        tolerance = self.settings.tolerances.for_loop()
+        if (
+            self.settings.tolerances.follow
+        ):  # that of the first step: IDA's relative one takes over as the motion grows
+            begin_motion(tolerance, self.system, t, q, until)
+            first_step(motion, tolerance, t, q, v, a, min(0.01 * (until - t), self.settings.max_step))
+        self._solver = _solver(self._equations, self.settings, [tolerance.atol_q, tolerance.atol_v])
         rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
         self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)
 
@@ -126,7 +133,7 @@ class IDAStepper:
         """No steps are stored."""
 
 
-def _solver(equations: Equations, settings: Settings) -> Any:
+def _solver(equations: Equations, settings: Settings, atol: list[Array]) -> Any:
     try:
         from sksundae.ida import IDA as Solver
     except ImportError:
@@ -135,7 +142,7 @@ def _solver(equations: Equations, settings: Settings) -> Any:
     tolerances, max_step = settings.tolerances, settings.max_step
     message: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}
     message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
-    message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v, np.full(2 * m, UNMEASURED)])
+    message["atol"] = np.concatenate([*atol, np.full(2 * m, UNMEASURED)])
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Custom sparse Jacobian approximation")
         sparse = {"linsolver": "sparse", "sparsity": equations.matrix.pattern()}

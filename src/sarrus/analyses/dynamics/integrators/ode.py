@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....results import Assembly
@@ -18,7 +19,9 @@ from ....system import System
 from ...equations.motion import Motion
 from ...equations.state_projection import Projection
 from ..stepping.failures import failure_of, singular
+from ..stepping.first_step import begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start
+from ..stepping.motion_scale import follow_motion
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure, Settings, Tally
 
@@ -59,6 +62,7 @@ class ODEStepper:
         self.b = self.motion.b
         remember_start(system, start, self.b)
         self._projection = Projection(system, self.b, self.independence.rows)
+        self._tolerance = settings.tolerances.for_loop()
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin anew; SciPy's solver chooses its first step."""
@@ -66,9 +70,13 @@ class ODEStepper:
 
         self.t, self._span, self._tiny = t, until - t, 0
         tolerances, settings = self._settings.tolerances, self._settings
-        message: dict[str, Any] = {"max_step": settings.max_step, "first_step": settings.first_step or None}
+        first = settings.first_step or None
+        if tolerances.follow:
+            begin_motion(self._tolerance, self.system, t, q, until)
+            first = first or self._first_step(t, q, v)
+        message: dict[str, Any] = {"max_step": settings.max_step, "first_step": first}
         message["rtol"] = float(min(tolerances.rtol_q.min(), tolerances.rtol_v.min()))
-        message["atol"] = np.concatenate([tolerances.atol_q, tolerances.atol_v])
+        message["atol"] = np.concatenate([self._tolerance.atol_q, self._tolerance.atol_v])
         try:
             self._solver = getattr(integrate, self._name)(
                 self._rate, t, np.concatenate([q, v]), until, **message
@@ -78,6 +86,15 @@ class ODEStepper:
         self._count()
         if not np.all(np.isfinite(self._solver.f)):
             raise self._explained(q, v)
+
+    def _first_step(self, t: float, q: Array, v: Array) -> float:
+        try:
+            a = self.motion.acceleration(t, q, v)[0]
+        except SingularSystem:
+            raise self._explained(q, v) from None
+        return first_step(
+            self.motion, self._tolerance, t, q, v, a, min(0.01 * self._span, self._settings.max_step)
+        )
 
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, see `Stepper`."""
@@ -106,6 +123,10 @@ class ODEStepper:
     def _step(self) -> list[tuple[Any, ...]]:
         """One step, and its nodes: some of the solver's own interpolant, then the projected end."""
         solver, before = self._solver, self.t
+        if self._settings.tolerances.follow:
+            q, v = np.split(solver.y, 2)
+            link(follow_motion)(self._tolerance, solver.h_abs, q, v, v, False)
+            solver.rtol, solver.atol = 0.0, np.concatenate([self._tolerance.atol_q, self._tolerance.atol_v])
         message = solver.step()
         if message:
             raise RunFailure("step too small", f"{message} at t = {solver.t:.6g} s: {WHY}")

@@ -19,8 +19,9 @@ from ...._jit.kernels.pointer import Entry, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
-from ..stepping.alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, Tolerance, remember
+from ..stepping.alpha_loop import FINISHED, REPIVOT, RUNNING, TOO_SMALL, TRUSTED, remember
 from ..stepping.alpha_loop import evaluate as evaluate_index_3
+from ..stepping.motion_scale import Tolerance, follow_motion
 from ..stepping.stabilized_matrix import weigh
 from ..stepping.step_control import StepControl
 
@@ -471,8 +472,9 @@ def advance(
             h = until - t0
         elif free and t0 + 1.9 * h > until:  # two equal steps to the end
             h = 0.5 * (until - t0)
-        if control.h <= 1e-14 * max(abs(t0), until - t0, 1e-3):
+        if control.h <= 1e-14 * max(abs(t0), until - t0):
             return TOO_SMALL, taken
+        follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
         if control.stages_h > 0.0:
             predict(scheme, h / control.stages_h, state)
         else:

@@ -13,8 +13,9 @@ from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, RadauSteps, StepsTaken
 from ....system import System
 from ...equations.block_matrix import FACTORS, LEFT_OUT, UNIT, Numbers, PlacedMatrix
-from ..stepping.alpha_loop import Tolerance
+from ..stepping.first_step import begin_motion, first_step, saved, take_over
 from ..stepping.initialization import independence_at, remember_start
+from ..stepping.motion_scale import Tolerance
 from ..stepping.newton_matrix import motion_parts
 from ..stepping.nodes import Nodes
 from ..stepping.stabilized_matrix import MATRICES, newton_parts, weigh
@@ -41,7 +42,7 @@ class RadauStepper(Implicit):
         self.system, self.scheme, self.settings = system, scheme, settings
         self.tolerance, self.enough = inner_tolerances(settings.tolerances)
         if settings.store_steps:
-            least = float(min(self.tolerance.rtol_q.min(), self.tolerance.rtol_v.min()))
+            least = float(min(self.tolerance.share_q.min(), self.tolerance.share_v.min()))
             self.enough = min(self.enough * EXACT, LEFT / least)
         self.t, self.tally, self._vain, self.begin = start.t, Tally(), 0, start
         self.b = (system.b if settings.b is None else settings.b).copy()
@@ -73,6 +74,7 @@ class RadauStepper(Implicit):
             raise self._explained(q, v) from None
         for place in self._state:
             place[:] = 0.0
+        begin_motion(self.tolerance, self.system, t, q, until)
         state, control = self._state, self._control
         state.q0[:], state.v0[:], state.a0[:], state.lam_before[:] = q, v, a, lam
         self._last = a.copy(), lam.copy()
@@ -113,7 +115,12 @@ class RadauStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        found = self._saved() | {"last_a": self._last[0], "last_lam": self._last[1]} | self.store.state()
+        found = (
+            self._saved()
+            | saved(self.tolerance)
+            | {"last_a": self._last[0], "last_lam": self._last[1]}
+            | self.store.state()
+        )
         for kind, matrix in self._matrices().items() if self._arrays is not None else ():
             found |= {f"{kind}_{name}": array for name, array in matrix.state().items()}
         return found
@@ -121,6 +128,7 @@ class RadauStepper(Implicit):
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._take_over(state)
+        take_over(self.tolerance, state)
         self.numbers.keep(self.independence.rows)
         self.store.resume(state, self.numbers.left_out)
         self._last = state["last_a"], state["last_lam"]
@@ -150,7 +158,7 @@ class RadauStepper(Implicit):
 
     def steps(self) -> StepsTaken | None:
         """What was stored for derivatives, or None."""
-        message = self.settings.tolerances.greatest()
+        message = self.settings.tolerances.greatest(self.tolerance)
         return self.store.steps(scheme=self.scheme, start=self.begin, b=self._numbers, **message)
 
     def _make_matrices(self) -> None:
@@ -191,6 +199,16 @@ class RadauStepper(Implicit):
         if self.settings.first_step:
             return min(self.settings.first_step, self.settings.max_step)
         state, ahead = self._state, 1e-5 * self._span
+        if self.settings.tolerances.follow:
+            return first_step(
+                motion,
+                self.tolerance,
+                self.t,
+                state.q0,
+                state.v0,
+                state.a0,
+                min(0.01 * self._span, self.settings.max_step),
+            )
         q, v = state.q0 + ahead * state.v0, state.v0 + ahead * state.a0
         try:
             a, _ = motion.acceleration(self.t + ahead, q, v)
@@ -211,8 +229,7 @@ def inner_tolerances(given: Tolerances) -> tuple[Tolerance, float]:
     inner_q, inner_v = (0.1 * rtol ** (2 / 3) for rtol in (given.rtol_q, given.rtol_v))
     inner = float(min(inner_q.min(), inner_v.min()))
     enough = float(max(1e-14 / inner, min(0.03, inner**0.5)))
-    atol = given.atol_q * inner_q / given.rtol_q, given.atol_v * inner_v / given.rtol_v
-    return Tolerance(inner_q, atol[0], inner_v, atol[1], 1.0), enough
+    return given.for_loop(inner_q / given.rtol_q, inner_v / given.rtol_v, speed=True), enough
 
 
 def _record(system: System, capacity: int, stages: bool) -> loop.Record:

@@ -20,6 +20,7 @@ from ...._jit.kernels.pointer import Entry, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, PlacedMatrix, backsolve, leave_out, refactor
+from .motion_scale import Tolerance, follow_motion
 from .newton_matrix import weigh
 from .step_control import StepControl
 
@@ -128,16 +129,6 @@ class Entries(NamedTuple):
     stiffness: Entry
     velocity: Entry
     remember: Entry
-
-
-class Tolerance(NamedTuple):
-    """Relative and absolute, of each coordinate and of each velocity; `speed`: 1 if velocities are controlled too."""
-
-    rtol_q: Array
-    atol_q: Array
-    rtol_v: Array
-    atol_v: Array
-    speed: float
 
 
 class Control(StepControl):
@@ -565,8 +556,9 @@ def advance(
             h = until - t0
         elif t0 + 1.9 * h > until and free:  # two equal steps to the end
             h = 0.5 * (until - t0)
-        if control.h <= 1e-14 * max(abs(t0), until - t0, 1e-3) and free:
+        if control.h <= 1e-14 * max(abs(t0), until - t0) and free:
             return TOO_SMALL, taken
+        follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
         prepare(scheme, entries, b, t0, h, state, memory, matrix, control)
         iterations, rate, change = newton(scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:

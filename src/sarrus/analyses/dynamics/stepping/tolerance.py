@@ -15,11 +15,13 @@ from ....model.checks.arguments import as_numbers
 from ....model.expression import parse
 from ....model.expression.dimensions import fits, unit_of
 from ....system import System
-from .alpha_loop import Tolerance
+from .motion_scale import LARGEST, MOVES, SIZES, Tolerance
 
 KINDS = {"position": "m", "orientation": "rad", "velocity": "m/s", "rotation": "rad/s"}  # units of texts
+FINEST = 1e-10  # of coordinates: less is not asked for close to singular configurations
 HALF = 0.5  # of an angle: by so much, at most, its four Euler parameters change together
 Given: TypeAlias = "float | ArrayLike | Mapping[str, float | str]"
+Absolute: TypeAlias = "Given | None"  # None: relative to the size of the motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +32,7 @@ class Tolerances:
     ----------
     rtol_q, atol_q, rtol_v, atol_v : (nq,)
     speed : whether velocities were given tolerances of their own, and so are controlled
+    follow : whether tolerances are relative to the size of the motion, and absolute ones follow it, see `motion_scale`
     """
 
     rtol_q: Array
@@ -37,10 +40,13 @@ class Tolerances:
     rtol_v: Array
     atol_v: Array
     speed: bool
+    follow: bool = False
 
     @classmethod
-    def of(cls, system: System, rtol: Given, atol: Given) -> Tolerances:
+    def of(cls, system: System, rtol: Given, atol: Absolute) -> Tolerances:
         """From a number, an array for all coordinates, or a mapping of kinds of coordinates to numbers.
+
+        Without `atol` tolerances are relative to the size of the motion.
 
         Absolute ones by kind may be texts with a unit, "1 um", "0.01 deg", "3 mm/s": those of angles are halved, as
         Euler parameters are what is meant.
@@ -50,21 +56,49 @@ class Tolerances:
         ValueError
             If one is not positive and finite, or a kind, length or unit is wrong.
         """
-        relative, absolute = (_both(system, name, x) for name, x in (("rtol", rtol), ("atol", atol)))
+        relative = _both(system, "rtol", rtol)
+        absolute = (np.zeros(system.nq),) * 2 if atol is None else _both(system, "atol", atol)
         speed = any(isinstance(x, Mapping) and {"velocity", "rotation"} & set(x) for x in (rtol, atol))
-        return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed))
+        return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed), atol is None)
 
-    def of_q(self, q: Array) -> Array:
-        """The tolerance of each coordinate at a position."""
-        return np.asarray(self.atol_q + self.rtol_q * abs(q))
+    def of_state(self, q: Array, v: Array, length: float) -> tuple[Array, Array]:
+        """Tolerances of q and of v at a state; those that follow a motion, for motions over the length of a system."""
+        if not self.follow:
+            least = FINEST * max(1.0, abs(q).max(initial=0.0)), FINEST * max(1.0, abs(v).max(initial=0.0))
+            return np.maximum(self.atol_q + self.rtol_q * abs(q), least[0]), np.maximum(
+                self.atol_v + self.rtol_v * abs(v), least[1]
+            )
+        unit = np.tile(np.repeat([length, 1.0], (3, 4)), len(q) // 7)
+        return self.rtol_q * unit, self.rtol_v * unit * abs(v / unit).max(initial=0.0)
 
-    def greatest(self) -> dict[str, float]:
-        """The greatest of each kind, of coordinates."""
-        return {"rtol": float(self.rtol_q.max()), "atol": float(self.atol_q.max())}
+    def of_motion(self, q: Array) -> Array:
+        """The tolerance of each coordinate at the end of a motion (n, nq)."""
+        if not self.follow:
+            return np.asarray(self.atol_q + self.rtol_q * abs(q[-1]))
+        moved = abs(q - q[0]).max(axis=0).reshape(-1, 7)
+        kinds = [np.repeat(moved[:, part].max(axis=1), n) for part, n in ((slice(3), 3), (slice(3, 7), 4))]
+        bodies = len(moved)
+        return np.asarray(
+            self.rtol_q * np.hstack([kinds[0].reshape(bodies, 3), kinds[1].reshape(bodies, 4)]).ravel()
+        )
 
-    def for_loop(self) -> Tolerance:
-        """For the compiled loop."""
-        return Tolerance(self.rtol_q, self.atol_q, self.rtol_v, self.atol_v, float(self.speed))
+    def greatest(self, tolerance: Tolerance) -> dict[str, float]:
+        """The greatest of each kind, of coordinates, at the end of a run by a compiled loop."""
+        rtol, atol = float(self.rtol_q.max()), float(self.atol_q.max())
+        moved = float(tolerance.size[LARGEST : LARGEST + 2].max())
+        return {"rtol": rtol, "atol": rtol * (moved or 1.0) if self.follow else atol}
+
+    def for_loop(
+        self, factor_q: ArrayLike = 1.0, factor_v: ArrayLike = 1.0, *, speed: bool = False
+    ) -> Tolerance:
+        """For a compiled loop; all multiplied by factors."""
+        shares = [np.asarray(factor_q * self.rtol_q), np.asarray(factor_v * self.rtol_v)]
+        fixed = [np.asarray(factor_q * self.atol_q), np.asarray(factor_v * self.atol_v)]
+        nothing = np.zeros_like(self.rtol_q)
+        given = [nothing, nothing.copy()] if self.follow else shares
+        size, motion = np.zeros(SIZES), np.zeros((len(nothing) // 7, MOVES))
+        rest = (*shares, nothing.copy(), motion, size)
+        return Tolerance(given[0], fixed[0], given[1], fixed[1], float(speed or self.speed), *rest)
 
 
 def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:

@@ -76,7 +76,7 @@ def energy_growth(system: System, run: Trajectory, tolerances: Tolerances) -> li
 def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances) -> float:
     """|Q|ᵀe + ½ eᵀ|Q_q|e at the last state, with position errors e of `ERRORS` times the tolerances [J]."""
     t, q, v = (np.asarray(x)[-1] for x in (run.t, run.q, run.v))
-    error = ERRORS * tolerances.of_q(q)
+    error = ERRORS * tolerances.of_motion(np.asarray(run.q))
     stiffness = abs(system.Q_q(q, v, t))
     return float(abs(system.Q(q, v, t)) @ error + 0.5 * error @ (stiffness @ error))
 

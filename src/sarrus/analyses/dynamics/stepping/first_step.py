@@ -1,0 +1,74 @@
+"""The first step of a run whose tolerances follow its motion: as long as accelerations change little over it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...._jit.linking.link import link
+from ....algebra import Array
+from ....linalg.factors import SingularSystem
+from ....system import System
+from ...equations.length import extent
+from .motion_scale import LENGTH, SHARE, SPAN, Tolerance, follow_motion
+
+LITTLE = (
+    0.03  # of the velocity that is reached: what accelerations change by over the first step, times the step
+)
+TRIALS = 60  # steps that are tried
+SAME = 0.5  # a change that falls by less than this factor in a much shorter step is not the step's
+
+
+def begin_motion(
+    tolerance: Tolerance, system: System, t: float, q: Array, until: float | None = None
+) -> None:
+    """Let tolerances follow the motion from a position on, if they do and have not begun.
+
+    `until` is the end of the run, for methods whose tolerances depend on the number of periods.
+    """
+    if not np.any(tolerance.atol_q) and tolerance.size[LENGTH] == 0.0:
+        tolerance.base[:] = q
+        tolerance.size[LENGTH], tolerance.size[SPAN] = extent(system, q), 0.0 if until is None else until - t
+
+
+def saved(tolerance: Tolerance) -> dict[str, Array]:
+    """What is needed to go on later."""
+    return {f"tolerance_{name}": np.array(getattr(tolerance, name)) for name in ("base", "motion", "size")}
+
+
+def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
+    """Go on from such a state."""
+    for name in ("base", "motion", "size"):
+        getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
+
+
+def first_step(
+    motion: Any, tolerance: Tolerance, t: float, q: Array, v: Array, a: Array, longest: float
+) -> float:
+    """A step over which the accelerations of the motion from a state change its velocities little.
+
+    Where they change by the same part of the velocities whatever the step, as in motions from rest that begin with
+    higher powers of the time, the step is not shortened any more.
+    """
+    follow, h, before = link(follow_motion), longest, np.inf
+    for _ in range(TRIALS):
+        try:
+            later = motion.acceleration(t + h, q + h * (v + 0.5 * h * a), v + h * a)[0]
+        except SingularSystem:
+            h *= 0.1
+            continue
+        largest = np.where(abs(later) > abs(a), later, a)
+        follow(tolerance, h, q, v, largest, True)
+        fast = tolerance.atol_v / (tolerance.share_v * tolerance.size[SHARE])
+        change = float(np.sqrt(np.mean((h * (later - a) / fast) ** 2)))
+        if change <= LITTLE:
+            return h
+        if SAME * before < change < 2.0:
+            return h
+        before, h = (
+            change,
+            h * min(max(0.8 * (LITTLE / change) ** 0.5, 0.1), 0.5) if change < np.inf else 0.1 * h,
+        )
+    return h

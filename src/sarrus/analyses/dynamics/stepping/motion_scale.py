@@ -1,0 +1,99 @@
+"""Tolerances that follow the size of the motion, so that units of a model do not matter: compiled, for all methods."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...._jit.linking.link import compiled
+from ....algebra import Array
+
+# Of the largest motion of a system, which that of each body is taken to be at least; of lengths: round-off
+LEAST_MOTION, FINEST = 1e-3, 1e-13
+TURN = 6.283185307179586  # [rad] of a period
+LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
+MOVES = 8  # columns of `Tolerance.motion`
+
+
+class Tolerance(NamedTuple):
+    """Relative and absolute, of each coordinate and of each velocity; `speed`: 1 if velocities are controlled too.
+
+    Absolute ones that follow the motion are renewed by `follow_motion`:
+
+    share_q, share_v : what they are of its size
+    base : q at the start of the run
+    motion : of each body the largest displacement, rotation and rates of both so far, and the same within a step (n, 8)
+    size : characteristic length (0: absolute tolerances stay), duration of the run, the factor for its number of
+        periods, and the largest displacement, rotation and rates
+    """
+
+    rtol_q: Array
+    atol_q: Array
+    rtol_v: Array
+    atol_v: Array
+    speed: float
+    share_q: Array
+    share_v: Array
+    base: Array
+    motion: Array
+    size: Array
+
+
+@compiled
+def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first: bool) -> None:
+    """Absolute tolerances of a step: shares of how far and how fast each body has moved so far, and moves in the step.
+
+    A body that hardly moves has `LEAST_MOTION` of the largest motion; displacements and rotations are compared by the
+    system's length. Errors add up over a run, those of phases with the square of the number of periods: shares are
+    divided by that number. Nothing is asked for below round-off.
+    """
+    length, size = tol.size[LENGTH], tol.size
+    if length == 0.0:
+        return
+    far = measure_motion(tol, h, q, v, a, first)
+    by_displacement = periods(size[SPAN], size[LARGEST + 2], size[LARGEST])
+    by_rotation = periods(size[SPAN], size[LARGEST + 3], size[LARGEST + 1])
+    share = 1.0 / max(1.0, by_displacement, by_rotation)
+    size[SHARE] = share
+    for i in range(len(q) // 7):
+        for kind in range(2):
+            unit, noise = (1.0, far) if kind == 0 else (1.0 / length, 1.0)
+            part = LEAST_MOTION * unit
+            moved = part * max(size[LARGEST], length * size[LARGEST + 1])
+            fast = part * max(size[LARGEST + 2], length * size[LARGEST + 3])
+            moved = max(moved, tol.motion[i, kind], tol.motion[i, 4 + kind])
+            fast = max(fast, tol.motion[i, 2 + kind], tol.motion[i, 6 + kind])
+            begin, end = (7 * i, 7 * i + 3) if kind == 0 else (7 * i + 3, 7 * i + 7)
+            for k in range(begin, end):
+                tol.atol_q[k] = max(share * tol.share_q[k] * moved, FINEST * noise)
+                tol.atol_v[k] = max(share * tol.share_v[k] * fast, FINEST * noise / h)
+
+
+@compiled
+def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first: bool) -> float:
+    """Bring `motion` and the largest of `size` up to date; returns how far from the origin bodies are."""
+    size, far, ahead = tol.size, tol.size[LENGTH], (h if first else 0.0)
+    for k in range(LARGEST, SIZES):
+        size[k] = 0.0
+    for i in range(len(q) // 7):
+        for kind in range(2):
+            begin, end = (7 * i, 7 * i + 3) if kind == 0 else (7 * i + 3, 7 * i + 7)
+            moved, fast, gain = 0.0, 0.0, 0.0
+            for k in range(begin, end):
+                moved += (q[k] - tol.base[k]) ** 2
+                fast += v[k] ** 2
+                gain += a[k] ** 2
+                far = max(far, abs(q[k]) if kind == 0 else 0.0)
+            moved, fast, gain = moved**0.5, fast**0.5, ahead * gain**0.5
+            tol.motion[i, kind] = max(tol.motion[i, kind], moved)
+            tol.motion[i, 2 + kind] = max(tol.motion[i, 2 + kind], fast)
+            tol.motion[i, 4 + kind] = moved + h * (fast + 0.5 * gain)
+            tol.motion[i, 6 + kind] = fast + gain
+            for k in (kind, 2 + kind):
+                size[LARGEST + k] = max(size[LARGEST + k], tol.motion[i, k], tol.motion[i, 4 + k])
+    return far
+
+
+@compiled
+def periods(span: float, fast: float, moved: float) -> float:
+    """How many periods a vibration with these largest values of rate and displacement has in a time; 0 at rest."""
+    return float(span * fast / (TURN * moved)) if moved > 0.0 else 0.0

@@ -90,7 +90,7 @@ def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first
             tol.motion[i, 6 + kind] = fast + gain
             for k in (kind, 2 + kind):
                 size[LARGEST + k] = max(size[LARGEST + k], tol.motion[i, k], tol.motion[i, 4 + k])
-    return far
+    return float(far)
 
 
 @compiled

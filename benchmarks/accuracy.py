@@ -2,6 +2,7 @@
 
 python benchmarks/accuracy.py                    the default call on all problems
 python benchmarks/accuracy.py --method radau --rtol 1e-6 --only pendulum
+python benchmarks/accuracy.py --error            estimated errors over true ones, and their cost over that of a gradient
 
 Errors are the largest ones over the run, over the size of the motion. Times are of a second run, without compilation.
 """
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from accuracy_problems import PROBLEMS, Problem
 from accuracy_problems.problem import KINDS, errors
+from effectivity import effectivities
 
 import sarrus as sr
 
@@ -105,12 +107,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--method", choices=METHODS, help="instead of the default")
     parser.add_argument("--rtol", type=float)
     parser.add_argument("--atol", type=float)
+    parser.add_argument("--error", action="store_true", help="how good estimates of the error are")
     parser.add_argument("--only", default="", help="problems whose names contain this")
     given = parser.parse_args(arguments)
     settings = {name: getattr(given, name) for name in ("rtol", "atol") if getattr(given, name) is not None}
     if given.method:
         settings["method"] = METHODS[given.method]
     chosen = [problem for problem in PROBLEMS if given.only in problem.name]
+    if given.error:
+        print(effectivities(chosen, **settings))
+        return 0
     rows = list(table(measured(problem, **settings) for problem in chosen))
     print(summary(rows))
     return 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ from ...results import Trajectory
 from ...system import System
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
+from .error_goal import Goals, simulated_to
 from .events.events import Event
 from .inputs.breakpoints import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
@@ -78,6 +80,7 @@ def simulate(
     progress: bool | Callable[[float], None] | None = None,
     time_limit: float | None = None,
     max_steps: int | None = None,
+    error: Goals | None = None,
     strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -113,6 +116,9 @@ def simulate(
     time_limit : seconds of the clock after which the run ends with the status "time limit"
     max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends where the
         steps have stayed so short for 60,000 steps that five million more would follow
+    error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
+        smaller tolerances, or a shorter given step, until the estimates of `Trajectory.error` are below; its steps are
+        stored
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -127,6 +133,17 @@ def simulate(
         For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
         where the steps of a run with events cannot be stored.
     """
+    if error is not None:
+        if save is not None:
+            raise ValueError(
+                "A run with an error goal is repeated and cannot be saved meanwhile. Leave out save."
+            )
+        again = partial(
+            simulate, system, start, until=until, t_eval=t_eval, max_step=max_step, first_step=first_step,
+            events=events, breakpoints=breakpoints, dense_output=dense_output, store_steps=True, progress=progress,
+            max_steps=max_steps,
+        )  # fmt: skip
+        return simulated_to(again, system, error, time_limit, method=method, rtol=rtol, atol=atol)
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
         stored_events.refuse(chosen, save is not None)
@@ -153,8 +170,8 @@ def simulate(
             if save is not None:
                 return recipe.saved(save, system, message, overwrite=overwrite)
             return recipe.done(system, None, message)
-    except RunFailure as error:
-        return nothing(system, error.status, error.message)
+    except RunFailure as failure:
+        return nothing(system, failure.status, failure.message)
 
 
 def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:

@@ -1,0 +1,99 @@
+"""How good estimates of errors are: estimated over true error of every known output at the end of the motion."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from accuracy_problems.problem import KINDS, Problem
+
+import sarrus as sr
+
+PATIENCE = 60.0  # s for a run
+EXACT = 1e-8  # [-] of a value: smaller errors are not known well enough
+WITHIN = {
+    True: (0.3, 3.0),
+    False: (0.1, 10.0),
+}  # effectivities that are good: of smooth problems, of the others
+
+
+class Estimated(NamedTuple):
+    """An output of a problem."""
+
+    smooth: bool
+    name: str
+    true: float
+    estimate: float
+    cost: float  # of the estimate over that of a gradient
+
+    @property
+    def known(self) -> bool:
+        """Whether the true error can be told from errors of what is known and from round-off."""
+        return np.isfinite(self.true)
+
+    @property
+    def good(self) -> bool:
+        """Whether the effectivity is."""
+        low, high = WITHIN[self.smooth]
+        return low <= abs(self.estimate) / abs(self.true) <= high
+
+
+def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
+    """Of one problem with some settings; nothing for a run that fails, or whose columns are no outputs."""
+    if callable(problem.read):
+        return
+    known, (system, start) = problem.solution(), problem.make()
+    given = {"events": problem.events, "time_limit": PATIENCE, "store_steps": True, **settings}
+    run = sr.simulate(system, start, until=known.t[-1], t_eval=known.t, **given)
+    if not run.success:
+        print(f"{problem.name}: {run.status}")
+        return
+    kinds = [kind for kind in KINDS if kind in problem.read]
+    names = [name for kind in kinds for name in problem.read[kind]]
+    columns = np.concatenate([getattr(known, kind) for kind in kinds], axis=1)
+    found = run.error(names)
+    cost = _cost(run, names[0])
+    for one, exact, size in zip(found, columns[-1], np.abs(columns).max(axis=0), strict=True):
+        true = one.value - exact
+        resolved = abs(true) > max(10 * problem.exact * size, 10 * one.round_off)
+        yield Estimated(problem.smooth, one.response, true if resolved else np.nan, one.estimate, cost)
+
+
+def _cost(run: sr.Trajectory, name: str) -> float:
+    """Processor time of a gradient with an estimate over that without, less one: the median of pairs."""
+    pairs = []
+    for _ in range(3):
+        times = []
+        for error in (False, True):
+            begun = time.process_time()
+            sr.sensitivity(run, name, error=error)
+            times.append(time.process_time() - begun)
+        pairs.append(times[1] / times[0] - 1)
+    return float(np.median(pairs))
+
+
+def effectivities(problems: Sequence[Problem], **settings: Any) -> str:
+    """Print all of them; how many are good, in words."""
+    rows = list[Estimated]()
+    print(f"{'problem':40s}{'output':32s}{'true':>11s}{'estimate':>11s}{'ratio':>8s}{'cost':>7s}")
+    for problem in problems:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for row in estimates(problem, **settings):
+                print(
+                    f"{problem.name:40s}{row.name.removeprefix('final of '):32s}{row.true:11.2e}{row.estimate:11.2e}"
+                    f"{row.estimate / row.true:8.2f}{row.cost:7.2f}",
+                    flush=True,
+                )
+                rows.append(row)
+    return "\n".join(_shares(rows, smooth) for smooth in (True, False))
+
+
+def _shares(rows: Sequence[Estimated], smooth: bool) -> str:
+    known = [row for row in rows if row.known and row.smooth == smooth]
+    good, (low, high) = sum(row.good for row in known), WITHIN[smooth]
+    kind = "smooth" if smooth else "other"
+    return f"{good} of {len(known)} outputs of {kind} problems between {low} and {high}"

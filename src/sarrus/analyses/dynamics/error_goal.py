@@ -1,0 +1,121 @@
+"""Runs whose responses meet a goal: repeated with smaller tolerances until the estimated errors are small enough."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...model import ModelError
+from ...model.expression import parse
+from ...model.expression.dimensions import fits, unit_of
+from ...outputs import find_output
+from ...results import ErrorEstimate, Pieces, Trajectory
+from ...results.motion.estimation import estimator
+from ...system import System
+
+REPEATS = 6  # runs at most, after which the goal is given up
+SAFETY = 0.5  # [-] of the goal, at which the next run aims
+LEAST, MOST = 1e-6, 0.3  # [-] factors of tolerances from one run to the next
+POWER, POWER_OF_ORDER_TWO = 1.0, 1.5  # tolerances fall with the error to this power
+POWER_OF_STEP = 0.5  # of a given step of methods of order two
+
+Goals = Mapping[Any, "float | str"]
+
+
+def simulated_to(
+    run_with: Callable[..., Trajectory], system: System, goals: Goals, time_limit: float | None, **given: Any
+) -> Trajectory:
+    """The first run whose responses meet their goals, or the last one, without success.
+
+    Parameters
+    ----------
+    run_with : gives a run with stored steps for the method and the tolerances, `given`, and a time limit
+    goals : largest errors by responses, numbers in SI units or texts with a unit
+
+    Raises
+    ------
+    ValueError
+        For a goal that is not positive, or in another unit.
+    """
+    wanted = np.array([goal_in_si(system, response, goal) for response, goal in goals.items()])
+    end = None if time_limit is None else time.monotonic() + time_limit
+    for left in range(REPEATS - 1, -1, -1):
+        run = run_with(**given, time_limit=None if end is None else max(end - time.monotonic(), 1e-3))
+        if not run.success:
+            return run
+        found = estimator()(run, [*goals])
+        ratio = max(one.error / goal for one, goal in zip(found, wanted, strict=True))
+        if ratio <= 1.0:
+            return run
+        hopeless = any(one.round_off > goal for one, goal in zip(found, wanted, strict=True))
+        if hopeless or not left or not np.isfinite(ratio):
+            return _missed(run, found, wanted)
+        given = _smaller(given, ratio / SAFETY, _precise(run))
+    raise AssertionError
+
+
+def goal_in_si(system: System, response: Any, goal: float | str) -> float:
+    """A goal as a number; the unit of a text must be that of the output."""
+    found: Any = goal
+    if isinstance(goal, str):
+        of = response if isinstance(response, str) else getattr(response, "of", None)
+        unit = find_output(system, of).unit if isinstance(of, str) and isinstance(response, str) else None
+        try:
+            formula = parse(goal)
+            powers, found = unit_of(formula, {}), formula.value({})
+        except (ModelError, KeyError) as wrong:
+            raise ValueError(f"error of {response} is {goal!r}, which {wrong}.") from None
+        if unit is not None and not fits(powers, unit):
+            raise ValueError(
+                f"error of {response} must be in {unit}, or another unit of that kind, got {goal!r}."
+            )
+    if (
+        isinstance(found, bool)
+        or not isinstance(found, int | float)
+        or not (np.isfinite(found) and found > 0)
+    ):
+        raise ValueError(f'error of {response} must be positive, got {goal!r}. Give a number or "1 um".')
+    return float(found)
+
+
+def _precise(run: Trajectory) -> bool:
+    steps = run.steps.pieces[0] if isinstance(run.steps, Pieces) else run.steps
+    return steps is not None and steps.precise
+
+
+def _smaller(given: Mapping[str, Any], ratio: float, precise: bool) -> dict[str, Any]:
+    """Method and tolerances for an error that is smaller by a ratio."""
+    method: Any = given["method"]
+    if getattr(method, "step", None):
+        return {**given, "method": replace(method, step=method.step * ratio**-POWER_OF_STEP)}
+    factor = min(max(float(ratio) ** -(POWER if precise else POWER_OF_ORDER_TWO), LEAST), MOST)
+    return {**given, **{name: _scaled(given[name], factor) for name in ("rtol", "atol")}}
+
+
+def _scaled(tolerance: Any, factor: float) -> Any:
+    """A tolerance as a user gives it, times a factor."""
+    if tolerance is None:
+        return None
+    if isinstance(tolerance, Mapping):
+        return {kind: _scaled(own, factor) for kind, own in tolerance.items()}
+    return f"{factor!r}*({tolerance})" if isinstance(tolerance, str) else np.asarray(tolerance) * factor
+
+
+def _missed(run: Trajectory, found: tuple[ErrorEstimate, ...], wanted: Any) -> Trajectory:
+    """The run, with a message about the goal that it does not meet."""
+    ratios = [one.error / goal for one, goal in zip(found, wanted, strict=True)]
+    worst = int(np.argmax(ratios))
+    reason = (
+        "round-off alone is more. Choose a larger error or a shorter run"
+        if found[worst].round_off > wanted[worst]
+        else "Choose a larger error, or a method of higher order such as Radau()"
+    )
+    message = (
+        f"{run.name}: the estimated error of {found[worst].response} is {found[worst].error:.1g}, "
+        f"not {wanted[worst]:.1g}. {reason[0].upper()}{reason[1:]}."
+    )
+    return replace(run, success=False, status="error goal missed", message=message)

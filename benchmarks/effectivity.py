@@ -13,7 +13,6 @@ from accuracy_problems.problem import KINDS, Problem
 import sarrus as sr
 
 PATIENCE = 60.0  # s for a run
-EXACT = 1e-8  # [-] of a value: smaller errors are not known well enough
 WITHIN = {
     True: (0.3, 3.0),
     False: (0.1, 10.0),
@@ -38,7 +37,7 @@ class Estimated(NamedTuple):
     def good(self) -> bool:
         """Whether the effectivity is."""
         low, high = WITHIN[self.smooth]
-        return low <= abs(self.estimate) / abs(self.true) <= high
+        return low <= self.estimate / self.true <= high
 
 
 def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
@@ -58,7 +57,7 @@ def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
     cost = _cost(run, names[0])
     for one, exact, size in zip(found, columns[-1], np.abs(columns).max(axis=0), strict=True):
         true = one.value - exact
-        resolved = abs(true) > max(10 * problem.exact * size, 10 * one.round_off)
+        resolved = abs(true) > max(problem.exact * size, 10 * one.round_off)
         yield Estimated(problem.smooth, one.response, true if resolved else np.nan, one.estimate, cost)
 
 

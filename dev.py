@@ -29,6 +29,7 @@ EXTRAS = {
     "cluster": ["test", "dask"],
     "browser": ["browser"],
     "dist": ["dist"],
+    "wheel": ["dist"],
     "sundials": ["test", "ida"],
     "bridges": ["bridges"],
     "check": ["lint", "test"],
@@ -41,7 +42,8 @@ COMMANDS = {
     "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
-    "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py"]],
+    "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py", "tests/test_wheel.py"]],
+    "wheel": [[PYTHON, "-m", "distribution.wheel"]],  # with compiled kernels, for this Python and platform
     "bridges": [[PYTHON, "-m", "pytest", "tests/bridges"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [

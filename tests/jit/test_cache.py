@@ -13,7 +13,8 @@ from numba import typeof
 from numba.core.registry import cpu_target
 
 import sarrus
-from sarrus._jit.linking.cache import NO_KERNELS, SOURCES, KernelCache, fingerprint
+from sarrus._jit.linking.cache import KernelCache, fingerprint
+from sarrus._jit.linking.sources import NO_KERNELS, SOURCES
 
 PACKAGE = Path(sarrus.__file__).parent
 PROGRAM = """

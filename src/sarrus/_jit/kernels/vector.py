@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import llvmlite.binding as llvm
 from llvmlite import ir
 
+from ..linking.shipped import lanes
+
 REAL, INT = ir.DoubleType(), ir.IntType(64)
-LANES = 8 if llvm.get_host_cpu_features().get("avx512f") else 4
+LANES = lanes()
 
 
 class Vector:

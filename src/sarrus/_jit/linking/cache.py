@@ -18,42 +18,39 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import llvmlite
-import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
 from .folders import PACKAGE, made_private
+from .processor import target
+from .shipped import lanes, shipped
+from .sources import sources_digest
 
-SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system/structure/group.py")
-NO_KERNELS = (  # the first two store kernels; what the others make is named by all that it depends on
-    "_jit/linking/cache.py",
-    "_jit/linking/folders.py",
-    "_jit/linking/link.py",
-    "_jit/linking/reference_counts.py",
-    "_jit/kernels/scalars.py",
-)
 STALE_AFTER = 14 * 86400.0
 DIGEST = hashlib.sha256().digest_size
 
 
 def fingerprint(package: Path = PACKAGE) -> str:
-    """Hash of the kernels' sources, the versions of Python, Numba, llvmlite and NumPy, and the processor."""
+    """Hash of the kernels' sources, the versions of Python, Numba, llvmlite and NumPy, the processor and the lanes."""
     digest = hashlib.sha256()
-    for part in (sys.version, numba.__version__, llvmlite.__version__, np.__version__):
+    for part in (
+        sys.version,
+        numba.__version__,
+        llvmlite.__version__,
+        np.__version__,
+        *target(),
+        str(lanes()),
+    ):
         digest.update(part.encode())
-    digest.update(llvm.get_host_cpu_name().encode() + llvm.get_host_cpu_features().flatten().encode())
-    for source in sorted(file for pattern in SOURCES for file in package.glob(pattern)):
-        name = source.relative_to(package).as_posix()
-        if name not in NO_KERNELS:
-            digest.update(name.encode() + source.read_bytes())
+    digest.update(sources_digest(package))
     return digest.hexdigest()[:20]
 
 
@@ -128,11 +125,26 @@ def _opened(file: Path) -> bytes:
     return found[DIGEST:]
 
 
+def contents(place: Path) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of all that is stored in a folder, without what is damaged."""
+    for file in sorted([*place.glob("*.kernel"), *place.glob("*.value")]):
+        with suppress(OSError, ValueError):
+            yield file.name, _opened(file)
+
+
+def _shipped(name: str) -> bytes | None:
+    """The content of a file of the package's kernels."""
+    ready = shipped()
+    return ready.read(name) if ready else None
+
+
 def stored_value(name: str, make: Callable[[], Any]) -> Any:
     """A plain value that depends on the sources alone, found in the folder under a name, or made and stored there."""
     file = folder() / f"{name}.value"
     with suppress(OSError, ValueError):
         return json.loads(_opened(file))
+    if ready := _shipped(file.name):
+        return json.loads(ready)
     value = make()
     with suppress(OSError):
         draft = file.with_name(f"{file.name}.{os.getpid()}")
@@ -165,17 +177,22 @@ class _Locator:
 class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # type: ignore[list-item]  # noqa: RUF012
 
+    def reduce(self, cres: Any) -> Any:
+        """What is stored of a compiled function: without Numba's annotated listing, which nobody reads."""
+        library, description, *others = super().reduce(cres)  # type: ignore[no-untyped-call]
+        return (library, description, *others[:4], "", *others[5:])
+
 
 class _Files(IndexDataCacheFile):
     """The compiled kernels of one function, a file for each key; there is no index that could be damaged."""
 
     def save(self, key: str, data: Any) -> None:
-        with suppress(OSError), self._open_for_write(str(self._file(key))) as stream:
+        with suppress(OSError), self._open_for_write(str(self.file(key))) as stream:
             stream.write(_sealed(self._dump(data)))  # type: ignore[no-untyped-call]
 
     def load(self, key: str) -> Any:
         with suppress(OSError, ValueError):
-            return pickle.loads(_opened(self._file(key)))
+            return pickle.loads(_opened(self.file(key)))
         return None
 
     def flush(self) -> None:
@@ -183,7 +200,8 @@ class _Files(IndexDataCacheFile):
         for file in Path(self._cache_path).glob(f"{Path(self._index_name).stem}.*.kernel"):
             file.unlink(missing_ok=True)
 
-    def _file(self, key: str) -> Path:
+    def file(self, key: str) -> Path:
+        """Where a kernel is stored."""
         return Path(self._cache_path) / f"{Path(self._index_name).stem}.{key[:24]}.kernel"
 
 
@@ -199,11 +217,20 @@ class KernelCache(FunctionCache):
     def __init__(self, function: Any) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         base = self._impl.filename_base
-        self._cache_file = _Files(self._cache_path, base, folder().name)  # type: ignore[no-untyped-call]
+        self._cache_file = self._files = _Files(self._cache_path, base, folder().name)  # type: ignore[no-untyped-call]
 
     def _index_key(self, sig: Any, codegen: Any) -> str:
         whole = super()._index_key(sig, codegen), tuple(_fields(kind) for kind in sig)  # type: ignore[no-untyped-call]
         return hashlib.sha256(repr(whole).encode()).hexdigest()
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The user's own kernel, which is compiled for this very processor, or that of the package."""
+        found = super()._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        ready = shipped()
+        if found is not None or ready is None:
+            return found
+        content = ready.read(self._files.file(self._index_key(sig, ready)).name)
+        return content and self._impl.rebuild(target_context, pickle.loads(content))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:

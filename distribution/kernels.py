@@ -1,0 +1,91 @@
+"""Compile the kernels that a wheel holds: `python -m distribution.kernels FOLDER` fills FOLDER/LEVEL for each level.
+
+Every action of `actions.py` runs in a process of its own, for the level's processor instead of this machine's. What
+they compile is what is packed: no list of kernels has to be kept. Levels that this machine's processor does not have
+cannot be run, and are left out. Run it from a clone, in an environment that has Sarrus.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from sarrus._jit.linking.cache import contents
+from sarrus._jit.linking.processor import Level, levels
+from sarrus._jit.linking.shipped import pack
+
+from .actions import ACTIONS
+
+SCRIPT = Path(__file__).with_name("actions.py")
+LARGEST = 60e6  # bytes, of all levels
+FIRST = ("simulate", "sensitivity")  # what they compile, the others need, too
+
+
+def build(target: Path, chosen: Sequence[str]) -> int:
+    """Compile and pack every level of this machine; return the size of all in bytes."""
+    found = levels()
+    if not found:
+        raise SystemExit("This processor has none of the levels. Build the wheel without kernels.")
+    return sum(_level(level, target / level.name, chosen) for level in found)
+
+
+def _level(level: Level, target: Path, chosen: Sequence[str]) -> int:
+    # the folder's name must not be one that another user can make
+    with tempfile.TemporaryDirectory(prefix="sarrus-kernels-") as cache:
+        compile_into(Path(cache), level, chosen)
+        return pack_from(Path(cache), level, target)
+
+
+def compile_into(cache: Path, level: Level, chosen: Sequence[str]) -> None:
+    """Run the actions; those that others build on first, the rest at once in as many processes as processors."""
+    first = [name for name in FIRST if name in chosen]
+    for name in first:
+        _run(name, cache, level)
+    rest = [name for name in chosen if name not in first]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda name: _run(name, cache, level), rest))
+
+
+def pack_from(cache: Path, level: Level, target: Path) -> int:
+    """Pack what the folder holds; return the size in bytes."""
+    (folder,) = cache.glob("kernels-*")
+    found = dict(contents(folder))
+    size = pack(found.items(), target, level.name)
+    print(f"{level.name}: {len(found)} kernels, {size / 1e6:.1f} MB", flush=True)
+    return size
+
+
+def _run(name: str, cache: Path, level: Level) -> None:
+    began = time.perf_counter()
+    settings = {
+        "SARRUS_CACHE_DIR": str(cache),
+        "NUMBA_CPU_NAME": level.name,
+        "NUMBA_CPU_FEATURES": "",
+        "PYTHONWARNINGS": "ignore",
+    }
+    subprocess.run([sys.executable, str(SCRIPT), name], env=os.environ | settings, check=True)
+    print(f"  {level.name}: {name} {time.perf_counter() - began:.0f} s", flush=True)
+
+
+def main() -> None:
+    """Build, and refuse what is too large."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="must not hold kernels yet")
+    parser.add_argument("--actions", nargs="+", default=list(ACTIONS), metavar="NAME", help="only these")
+    given = parser.parse_args()
+    size = build(given.folder, given.actions)
+    if size > LARGEST:
+        raise SystemExit(
+            f"The kernels take {size / 1e6:.0f} MB, more than {LARGEST / 1e6:.0f} MB. Leave actions out."
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,115 @@
+"""A wheel with kernels, in an environment of its own, with an empty cache and an empty home.
+
+The wheel is the one that the environment variable SARRUS_WHEEL names, or the newest in `dist/` that was made from these
+sources (`make wheel`); without one these tests are skipped.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sarrus._jit.linking.processor import levels
+from sarrus._jit.linking.shipped import identity
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parent.parent
+LARGEST = 60e6  # bytes
+LONGEST = 3.0  # s of processor time that a first call may take longer than a second
+DEMO = 10.0  # s of processor time
+FIRST = ("simulate", "sensitivity", "hessian", "equilibrium", "modes", "kinematics", "workspace")
+
+
+def _fits(wheel: Path) -> bool:
+    """Whether a wheel has kernels for this processor, made from these sources."""
+    with zipfile.ZipFile(wheel) as opened:
+        for level in levels():
+            name = f"sarrus/_kernels/{level.name}/index.json"
+            if name in opened.namelist():
+                return bool(json.loads(opened.read(name))["identity"] == identity(level.name))
+    return False
+
+
+@pytest.fixture(scope="module")
+def wheel() -> Path:
+    if named := os.environ.get("SARRUS_WHEEL"):
+        assert _fits(Path(named)), f"{named} has no kernels for this processor and these sources"
+        return Path(named)
+    found = sorted((ROOT / "dist").glob("*.whl"), key=lambda file: file.stat().st_mtime)
+    fitting = [file for file in found if _fits(file)]
+    if not fitting:
+        pytest.skip("there is no wheel with kernels of these sources; `make wheel` builds one")
+    return fitting[-1]
+
+
+@pytest.fixture(scope="module")
+def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An environment with the wheel, that finds all other packages where this one has them."""
+    folder = tmp_path_factory.mktemp("environment")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
+    places = sysconfig.get_paths(vars={"base": str(folder), "platbase": str(folder)})
+    pip = [sys.executable, "-m", "pip", "--python", f"{places['scripts']}/python", "install", "-q"]
+    subprocess.run([*pip, "--no-index", "--no-deps", str(wheel)], check=True, cwd=folder)
+    for place in {places["purelib"], places["platlib"]}:
+        (Path(place) / "others.pth").write_text(str(Path(np.__file__).parent.parent))
+    return Path(places["scripts"]) / "python"
+
+
+def _output(*command: str, home: Path, **settings: str) -> str:
+    """What a program prints that has nothing but its environment, an empty home and an empty cache."""
+    given = {name: os.environ[name] for name in ("PATH", "SYSTEMROOT") if name in os.environ}
+    given |= {
+        "HOME": str(home),
+        "USERPROFILE": str(home),
+        "SARRUS_CACHE_DIR": str(home / "cache"),
+        **settings,
+    }
+    done = subprocess.run(command, cwd=home, env=given, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr + done.stdout
+    return done.stdout
+
+
+def _compiled(home: Path) -> list[str]:
+    return [file.name for file in home.rglob("*.kernel")]
+
+
+def test_wheel_is_small(wheel: Path) -> None:
+    assert wheel.stat().st_size <= LARGEST
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_first_call_waits_for_no_compiler(name: str, python: Path, tmp_path: Path) -> None:
+    script = ROOT / "distribution" / "actions.py"
+    found = json.loads(_output(str(python), str(script), name, home=tmp_path))
+    assert found[1] - found[2] <= LONGEST
+    assert _compiled(tmp_path) == []
+
+
+def test_demo(python: Path, tmp_path: Path) -> None:
+    before = os.times()
+    _output(str(python.parent / "sarrus"), "demo", home=tmp_path)
+    after = os.times()
+    spent = after.children_user + after.children_system - before.children_user - before.children_system
+    assert spent <= DEMO
+    assert _compiled(tmp_path) == []
+
+
+def test_users_own_processor_is_compiled_for_without_kernels(python: Path, tmp_path: Path) -> None:
+    """Another target than the level's: the kernels of the wheel are not used, and results agree."""
+    program = (
+        "import sarrus as sr; from sarrus import mechanisms; "
+        "s = sr.System(sr.load(mechanisms.path('slider_crank'))); print(repr(float(abs(s.Phi_q(s.q0).data).sum())))"
+    )
+    first = _output(str(python), "-c", program, home=tmp_path)
+    assert _compiled(tmp_path) == []
+    settings = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    again = _output(str(python), "-c", program, home=tmp_path, **settings)
+    assert _compiled(tmp_path) != []
+    assert float(first) == pytest.approx(float(again), rel=1e-13)

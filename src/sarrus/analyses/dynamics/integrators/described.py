@@ -134,9 +134,10 @@ class DescribedStepper(AlphaStepper):
         self._keep(self.independence.rows)
         self._advance = link(alpha_loop.advance, **FUNCTIONS)
         self._entries = kernels_of(system, self.scheme)
-        own = [np.zeros(width) for width in (tables.n, tables.n, m, nq + m)]
-        self._memory = loop.Memory._make([*own, motion_work(system)])
         x, past = np.zeros(self._layout.size), max(later.exponent - 2, 0)
+        right = x[self._passed.right : self._passed.right + tables.n]
+        own = [np.zeros(width) for width in (tables.n, m, nq + m)]
+        self._memory = loop.Memory._make([right, *own, motion_work(system)])
         views = {name: x[own] for name, own in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
         self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)

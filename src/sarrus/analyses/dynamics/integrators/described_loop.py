@@ -39,6 +39,7 @@ from ..dense_output.sample_loop import solve_motion, velocity_defect
 from ..methods.program import (
     BASE,
     CHANGE,
+    EQUATIONS,
     ERROR,
     GUESS,
     MOMENTUM,
@@ -95,7 +96,7 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Right side and solution of Newton's method; the round-off of every equation of Φ; the removed defect (s, σ)."""
+    """Right side (a part of x) and solution of Newton's method; round-off of each equation of Φ; removed defect (s, σ)."""
 
     right: Array
     solution: Array
@@ -245,22 +246,12 @@ def residual(
     """All equations of a step, scaled; see `alpha_loop.residual` for the round-off of Φ that is left out."""
     x, right = state.x, memory.right
     call_operators(scheme, entries, b, t, h, x)
-    right[:] = 0.0
-    for n in range(len(scheme.sums)):
-        row, of, count = int(scheme.sums[n, 0]), int(scheme.sums[n, 1]), int(scheme.sums[n, 2])
-        total, term, sign = right[row : row + count], x[of : of + count], scheme.sums[n, 3]
-        for k in range(len(total)):
-            total[k] += sign * term[k]
-    for n in range(len(scheme.equations)):
-        row, count, scale = scheme.equations[n, 0], scheme.equations[n, 1], state.r[scheme.equations[n, 2]]
-        total = right[row : row + count]
-        if ignored > 0.0 and scheme.equations[n, 3] == 1:
-            for k in range(len(total)):
-                gap, noise = total[k], ignored * memory.noise[k]
-                total[k] = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
-        if scale != 1.0:
-            for k in range(len(total)):
-                total[k] *= scale
+    apply(scheme, EQUATIONS, state)
+    for n in range(len(scheme.positions) if ignored > 0.0 else 0):
+        row, factor = scheme.positions[n, 0], ignored * abs(state.r[scheme.positions[n, 1]])
+        for k in range(len(memory.noise)):
+            gap, noise = right[row + k], factor * memory.noise[k]
+            right[row + k] = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
     for n in range(len(scheme.multipliers)):
         row, of = scheme.multipliers[n, 0], scheme.multipliers[n, 1]
         for k in range(len(left_out)):

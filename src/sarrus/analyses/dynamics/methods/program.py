@@ -21,10 +21,9 @@ from ....algebra import Array
 from ....system import System
 from ...equations.block_matrix import Numbers
 from .description import CONSTRAINTS, Affine, Description, Operation, Stage, combined
-from .equations import KINDS
 from .tables import DRIVERS, Tables, at_stage, structure_of
 
-STAGES, UPDATE, CHANGE, ERROR, GUESS, BASE = range(6)  # affine maps
+STAGES, UPDATE, CHANGE, ERROR, GUESS, BASE, EQUATIONS = range(7)  # affine maps
 RESIDUAL, MOMENTUM, FORCE, VELOCITY, GAMMA = range(5)  # groups of operators in the equations
 OF_EQUATIONS = 5  # how many these are
 PREDICTED = ("q", "v", "a", "lam")  # quantities of the stages that are known from the motion so far
@@ -62,16 +61,15 @@ class Program(NamedTuple):
     terms, bounds : (n, 5) of all maps: to, of, how many entries, register, base; where each map begins
     times : (stages,) parts of the step
     calls : (n, 9) operators of the equations: group, stage, places of q and two operands; of two outputs begin, end
-    sums : (n, 4) terms of the equations: row, place, how many entries, sign
-    equations : (n, 4): row, how many entries, register of the scale, whether it is the position
+    positions : (n, 2) equations of positions: row, register of the scale
     operators : (n, 13) those of the matrix; of four outputs, in their values
     constrained : (n, 2) places of values in rows of constraints, and the constraint
     multipliers : (n, 2) rows of constraints, and the unknowns that are zero where these are redundant
     forces : (n, 3) multipliers λ of the stages: place, unknowns that change them, register
     weights : (parts,) registers of the weights of the matrix's parts
-    n, unknowns, state, after, stages, change, moved, error, before : sizes and places in x: how many unknowns; the
-        unknowns, the states before and after the step, all stages, changes of the unknowns, of q₁ and v₁, the error,
-        the last step's unknowns
+    n, right, unknowns, state, after, stages, change, moved, error, before : sizes and places in x: how many unknowns;
+        the right side of Newton's method, the unknowns, the states before and after the step, all stages, changes of
+        the unknowns, of q₁ and v₁, the error, the last step's unknowns
     slope, lam_slope : where the rates of change of a and λ are
     exponent, constant : of the leading error
     estimated : whether the method gives an estimate of its error
@@ -85,14 +83,14 @@ class Program(NamedTuple):
     bounds: Array
     times: Array
     calls: Array
-    sums: Array
-    equations: Array
+    positions: Array
     operators: Array
     constrained: Array
     multipliers: Array
     forces: Array
     weights: Array
     n: int
+    right: int
     unknowns: int
     state: int
     after: int
@@ -160,8 +158,19 @@ class ProgramBuilder:
         self._nq, self._m = system.nq, system.m
         self.size, tables = 0, self.tables
         widest = max(system.nq, system.m)
-        names = ("state", "after", "unknowns", "before", "change", "stages", "moved", "error", "zero")
-        sizes = (tables.state_size, tables.state_size, tables.n, tables.n, tables.n, tables.stage_size, 2 * self._nq,
+        names = (
+            "state",
+            "after",
+            "unknowns",
+            "before",
+            "change",
+            "right",
+            "stages",
+            "moved",
+            "error",
+            "zero",
+        )
+        sizes = (tables.state_size, tables.state_size, *[tables.n] * 4, tables.stage_size, 2 * self._nq,
                  self._nq, widest)  # fmt: skip
         self.place = {name: self._take(size) for name, size in zip(names, sizes, strict=True)}
         self.place |= {"slope": self._take(self._nq), "lam_slope": self._take(self._m)}
@@ -287,11 +296,19 @@ class ProgramBuilder:
         return self.place[name] if name in ("slope", "lam_slope") else self.block("state", name)
 
     # --------------------------------------------------------------------------------------------------- equations
-    def _calls(self) -> tuple[list[list[int]], list[list[float]]]:
-        """Operators of the equations, and the terms that these are the sums of."""
-        calls, sums = list[list[int]](), list[list[float]]()
-        known = dict[tuple[int, int, str], int]()
-        for row, (kind, s, _) in zip(self.tables.equations, self.step.equations, strict=True):
+    def _calls(self) -> tuple[list[list[int]], list[list[int]]]:
+        """Operators of the equations, and the terms of these, scaled."""
+        calls, terms = list[list[int]](), list[list[int]]()
+        known, begun = dict[tuple[int, int, str], int](), set[int]()
+
+        def add(row: int, of: int, height: int, factor: Any) -> None:
+            to = self.place["right"] + row
+            terms.append(
+                [to, of, height, self.formulas.register(factor), to if row in begun else self.place["zero"]]
+            )
+            begun.add(row)
+
+        for row, (kind, s, scale) in zip(self.tables.equations, self.step.equations, strict=True):
             for group, output, sign in TERMS[kind]:
                 third, fourth = self._operands(group, kind)
                 key = group, s, third
@@ -301,10 +318,10 @@ class ProgramBuilder:
                     outputs = [self._taken(self._output_size(name)) for name in OUTPUTS[group]]
                     calls.append([group, s, *places, *_ends(outputs, 2)])
                 place = calls[known[key]][5 + 2 * OUTPUTS[group].index(output)]
-                sums.append([row, place, self._output_size(output), sign])
+                add(row, place, self._output_size(output), sign * scale)
             if kind == "kinematic":
-                sums.append([row, self.quantity(s, "rate"), self._nq, 1.0])
-        return calls, sums
+                add(row, self.quantity(s, "rate"), self._nq, scale)
+        return calls, terms
 
     def _output_size(self, name: str) -> int:
         return self._nq if name in OF_COORDINATES else self._m
@@ -317,12 +334,9 @@ class ProgramBuilder:
             return "a", ""
         return "v", "a"
 
-    def _equations(self) -> list[list[int]]:
+    def _positions(self) -> list[list[int]]:
         rows = zip(self.tables.equations, self.step.equations, strict=True)
-        return [
-            [row, self.tables.size(KINDS[kind].size), self.formulas.register(scale), kind == "position"]
-            for row, (kind, _, scale) in rows
-        ]
+        return [[row, self.formulas.register(scale)] for row, (kind, _, scale) in rows if kind == "position"]
 
     def _weights(self) -> list[int]:
         found = []
@@ -365,23 +379,20 @@ class ProgramBuilder:
         values = {name: (at, at + len(numbers.views[name])) for name, at in numbers.start.items()}
         error = self._map(self.place["error"], self.formulas.error, self._nq)
         base, stages = self._stages()
-        maps = [stages, self._update(), self._change(), error, self._guess(), base]
+        calls, equations = self._calls()
+        maps = [stages, self._update(), self._change(), error, self._guess(), base, equations]
         bounds = np.cumsum([0, *map(len, maps)])
         terms = _table((row for rows in maps for row in rows), 5)
-        calls, sums = self._calls()
-        equations, forces = _table(self._equations(), 4), _table(self._forces(), 3)
+        positions, forces = _table(self._positions(), 2), _table(self._forces(), 3)
         weights = np.array(self._weights(), np.int64)
         tape, constants, registers = self.formulas.tape(self.method.name)
-        terms[:, 3], equations[:, 2], forces[:, 2] = (
-            registers[terms[:, 3]],
-            registers[equations[:, 2]],
-            registers[forces[:, 2]],
-        )
+        terms[:, 3], forces[:, 2] = registers[terms[:, 3]], registers[forces[:, 2]]
+        positions[:, 1] = registers[positions[:, 1]]
         places = {name: self.place[name] for name in Program._fields if name in self.place}
         return Program(
             tape=tape, constants=constants, terms=terms, bounds=bounds, calls=_table(calls, 9),
             times=np.array([stage.time for stage in self.step.stages]),
-            sums=np.array(sums, dtype=float).reshape(-1, 4), equations=equations,
+            positions=positions,
             operators=_table(self._operators(values), 13), constrained=constrained,
             multipliers=_table(self._multipliers(), 2), forces=forces, weights=registers[weights], n=self.tables.n,
             exponent=exponent, constant=constant, estimated=bool(error), own_accelerations="a" in self.step.update,

@@ -96,7 +96,7 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Right side (a part of x) and solution of Newton's method; round-off of each equation of Φ; removed defect (s, σ)."""
+    """Right side (in x) and solution of Newton's method; round-off of each equation of Φ; the removed defect (s, σ)."""
 
     right: Array
     solution: Array

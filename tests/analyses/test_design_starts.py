@@ -173,7 +173,7 @@ def test_what_contradicts_a_start_is_refused() -> None:
         study(SYSTEM, {"spring.k": [4]}, "rod.x", analysis=Simulation(0.5, start=late))
     for wrong, message in (
         ({"rates": {"pin": "5 m/s"}}, "start: pin must be in rad/s, but is .5 m/s."),
-        ({"rates": {"pim": 5}}, "start: pendulum has no output 'pim'; choose from pin.angle"),
+        ({"rates": {"pim": 5}}, "start: pendulum has no output 'pim'. Choose from pin.angle"),
         ({"rates": {"pin": np.nan}}, "start: rates: pin must be a finite number"),
         ({"run": "nowhere"}, "nowhere"),
         ({"run": "x", "rates": {}}, "run and rates contradict each other"),

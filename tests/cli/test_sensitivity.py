@@ -133,7 +133,7 @@ def test_second_derivatives_from_a_file(tmp_path: Path, capsys: pytest.CaptureFi
     assert read_optimization_file(file, load).options == {"solver": "trust-constr", "second_order": True}
     file.write_text(BEST.replace("iterations: 20", "second_order: true"))
     assert main(["optimize", str(file), "-q"]) == 2
-    assert "SLSQP takes no second derivatives; take trust-constr or IPOPT" in capsys.readouterr().err
+    assert "SLSQP takes no second derivatives. Take trust-constr or IPOPT" in capsys.readouterr().err
 
 
 def test_parameters_from_measurements_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -148,21 +148,21 @@ WRONG = [
     (
         "minimize:",
         "minimise:",
-        "best.yaml:6: an optimization has no key 'minimise'; did you mean \"minimize\"?",
+        "best.yaml:6: an optimization has no key 'minimise'. Did you mean \"minimize\"?",
     ),
     ("spring.k:", "spring.kk:", "has no number 'spring.kk'"),
     ("{from: 5 N/m, to: 40}", "{from: 50, to: 40}", "best.yaml:4: parameters.spring.k: its limits must rise"),
     (
         "{from: 5 N/m, to: 40}",
         "{from: 5 kg, to: 40}",
-        "best.yaml:4: parameters.spring.k: spring.k expects N/m, but '5 kg' is in kg; give it in N/m",
+        "best.yaml:4: parameters.spring.k: spring.k expects N/m, but '5 kg' is in kg. Give it in N/m",
     ),
     (
         "to: 5, start: 2}",
         "to: 5, start: 9}",
         "best.yaml:5: parameters.spring.c: its start 9 is not between 0.5 and 5",
     ),
-    ("{from: 5 N/m, to: 40}", "{form: 5, to: 40}", "has no key 'form'; did you mean \"from\"?"),
+    ("{from: 5 N/m, to: 40}", "{form: 5, to: 40}", "has no key 'form'. Did you mean \"from\"?"),
     ("upper: -1.0", "uper: -1.0", "has no key 'uper'"),
     (", upper: -1.0", "", "needs a lower or an upper limit"),
     (

@@ -71,7 +71,7 @@ def test_the_shell_takes_rates_and_saved_runs(tmp_path: Path, capsys: pytest.Cap
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("rates.pim=1", "start: slider-crank has no output 'pim'; choose from pin."),
+        ("rates.pim=1", "start: slider-crank has no output 'pim'. Choose from pin."),
         ("rates.pin=1 m/s", "start: pin must be in rad/s"),
         ("spin=1", "start: there is no key 'spin'. Give rates, run or t"),
         ("run=nowhere", "nowhere"),
@@ -124,7 +124,7 @@ def test_the_limit_of_the_whole_has_its_name(
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        ("{rates: {pim: 1}}", "start: slider-crank has no output 'pim'; choose from pin."),
+        ("{rates: {pim: 1}}", "start: slider-crank has no output 'pim'. Choose from pin."),
         ("{run: nowhere}", "nowhere"),
         ("{t: 0.5}", "until must be a time in s after the start at 0.5"),
         ("5", "q must be"),

@@ -1,4 +1,4 @@
-"""A wrong URDF is refused by one sentence: file, line, part, what is wrong, remedy."""
+"""A wrong URDF is refused by one message: file, line, part, what is wrong, remedy."""
 
 from __future__ import annotations
 
@@ -52,22 +52,22 @@ DOCTYPE = '<!DOCTYPE robot [<!ENTITY a "x"><!ENTITY b "&a;&a;">]>\n<robot name="
 MIMIC = '<axis xyz="0 1 0"/><mimic joint="shulder"/>\n  </joint>\n</robot>'
 
 WRONG = {
-    "no end": Wrong("</robot>", "", 24, ("not well-formed", "fix it")),
+    "no end": Wrong("</robot>", "", 24, ("not well-formed", "Fix it")),
     "mismatch": Wrong(
         '</link>\n  <link name="lower"', '</lnk>\n  <link name="lower"', 9, ("mismatched tag",)
     ),
-    "entities": Wrong('<robot name="arm">', DOCTYPE, 1, ("document type", "remove")),
-    "xacro": Wrong('<link name="base"/>', "<xacro:arm/>", 2, ("macro", "expand")),
+    "entities": Wrong('<robot name="arm">', DOCTYPE, 1, ("document type", "Remove")),
+    "xacro": Wrong('<link name="base"/>', "<xacro:arm/>", 2, ("macro", "Expand")),
     "deep": Wrong('<link name="base"/>', "<a>" * 70 + "</a>" * 70, 2, ("deeper than 64",)),
-    "other root": Wrong('<robot name="arm">', "<sdf>", 1, ("<sdf>", "give a URDF")),
-    "link without name": Wrong('<link name="base"/>', "<link/>", 2, ("<link> has no name", "add it")),
-    "link twice": Wrong('<link name="lower">', '<link name="upper">', 10, ("twice", "line 3", "rename")),
+    "other root": Wrong('<robot name="arm">', "<sdf>", 1, ("<sdf>", "Give a URDF")),
+    "link without name": Wrong('<link name="base"/>', "<link/>", 2, ("<link> has no name", "Add it")),
+    "link twice": Wrong('<link name="lower">', '<link name="upper">', 10, ("twice", "line 3", "Rename")),
     "joint twice": Wrong('name="elbow"', 'name="shoulder"', 18, ("twice", "line 13")),
-    "unknown type": Wrong('"continuous"', '"continous"', 18, ("elbow", "unknown type", "did you mean")),
+    "unknown type": Wrong('"continuous"', '"continous"', 18, ("elbow", "unknown type", "Did you mean")),
     "no type": Wrong(' type="continuous"', "", 18, ("<joint> has no type",)),
-    "no parent": Wrong('<parent link="upper"/>', "", 18, ("elbow", "no <parent>", "add it")),
+    "no parent": Wrong('<parent link="upper"/>', "", 18, ("elbow", "no <parent>", "Add it")),
     "unknown link": Wrong(
-        '<parent link="upper"/>', '<parent link="uper"/>', 18, ("elbow", "no link", "did you mean")
+        '<parent link="upper"/>', '<parent link="uper"/>', 18, ("elbow", "no link", "Did you mean")
     ),
     "itself": Wrong('<parent link="upper"/>', '<parent link="lower"/>', 18, ("itself", "two different")),
     "two parents": Wrong(
@@ -90,13 +90,13 @@ WRONG = {
         '<axis xyz="0 1 0"/>\n    <limit', '<axis xyz="0 0 0"/>\n    <limit', 15, ("zero length",)
     ),
     "negative mass": Wrong('<mass value="2"/>', '<mass value="-2"/>', 6, ("negative", "-2")),
-    "no mass": Wrong('<mass value="2"/>', "", 4, ("no <mass>", "add it")),
-    "mass twice": Wrong('<mass value="1"/>', TWICE, 11, ("twice", "remove")),
-    "no izz": Wrong(' izz="0.1"/>\n    </inertial>', "/>\n    </inertial>", 7, ("no izz", "add it")),
+    "no mass": Wrong('<mass value="2"/>', "", 4, ("no <mass>", "Add it")),
+    "mass twice": Wrong('<mass value="1"/>', TWICE, 11, ("twice", "Remove")),
+    "no izz": Wrong(' izz="0.1"/>\n    </inertial>', "/>\n    </inertial>", 7, ("no izz", "Add it")),
     "misspelt attribute": Wrong(
-        '<mass value="2"/>', '<mass vlaue="2"/>', 6, ("vlaue", "did you mean", "value")
+        '<mass value="2"/>', '<mass vlaue="2"/>', 6, ("vlaue", "Did you mean", "value")
     ),
-    "misspelt element": Wrong("<limit lower", "<limits lower", 16, ("limits", "did you mean")),
+    "misspelt element": Wrong("<limit lower", "<limits lower", 16, ("limits", "Did you mean")),
     "flat inertia": Wrong(
         'izz="0.1"/>\n', 'izz="0"/>\n', 3, ("upper", "positive definite", 'inertia="given"')
     ),
@@ -108,7 +108,7 @@ WRONG = {
         ("lower", "has mass", 'lock=["elbow"]'),
     ),
     "mimics nobody": Wrong(
-        '<axis xyz="0 1 0"/>\n  </joint>\n</robot>', MIMIC, 18, ("shulder", "did you mean")
+        '<axis xyz="0 1 0"/>\n  </joint>\n</robot>', MIMIC, 18, ("shulder", "Did you mean")
     ),
     "mimics itself": Wrong(
         '<axis xyz="0 1 0"/>\n  </joint>\n</robot>',
@@ -176,12 +176,12 @@ def test_a_bomb_of_entities_is_refused_at_once(tmp_path: Path) -> None:
 WISHES = {
     "base": ({"base": "flying"}, "base must be one of fixed, floating"),
     "mimic": ({"mimic": "refuse"}, "mimic must be one of"),
-    "unknown joint": ({"q0": {"elbo": 1.0}}, 'did you mean "elbow"'),
+    "unknown joint": ({"q0": {"elbo": 1.0}}, 'Did you mean "elbow"'),
     "no number": ({"q0": {"elbow": "1"}}, "must be a number"),
     "base without base": ({"q0": {"base": [0] * 7}}, "no joint that moves"),
     "six numbers": ({"base": "floating", "q0": {"base": [0] * 6}}, "7"),
     "no turn": ({"base": "floating", "q0": {"base": [0] * 7}}, "zero length"),
-    "lock": ({"lock": ["elbo"]}, 'did you mean "elbow"'),
+    "lock": ({"lock": ["elbo"]}, 'Did you mean "elbow"'),
     "gravity": ({"gravity": (0, 9)}, "gravity"),
     "loops": ({"loops": "nowhere.yaml"}, "does not exist"),
 }

@@ -65,6 +65,6 @@ def test_a_constant_is_one_segment() -> None:
 )
 def test_a_wrong_table_is_refused(pairs: list[tuple[float, ...]], phrase: str) -> None:
     with pytest.raises(
-        ModelError, match=f"^curve: table .*{phrase}.*; give a table|^curve: table .*{phrase}.*; sort"
+        ModelError, match=f"^curve: table .*{phrase}.*. Give a table|^curve: table .*{phrase}.*. Sort"
     ):
         Curve.table(pairs)

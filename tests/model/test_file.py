@@ -212,7 +212,7 @@ def test_a_new_force_is_one_class(tmp_path: Path) -> None:
     command = [sys.executable, str(script), str(tmp_path / "m.yaml"), str(tmp_path / "bad.yaml")]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[0] == "PointForce (1,) ((0.0, 0.0, 0.0), (0.0, 9.0, 0.0)) gust wind"
-    assert 'force "gust": has no key "sped"; did you mean "speed"?' in done.stdout.splitlines()[1]
+    assert 'force "gust": has no key "sped". Did you mean "speed"?' in done.stdout.splitlines()[1]
 
 
 WIND = """
@@ -260,16 +260,16 @@ def test_importing_the_model_layer_loads_nothing_heavy() -> None:
 def test_python_models_are_refused_by_name_too() -> None:
     body = Body("rod", 1.0, (1, 1, 1))
     wrong = {
-        "model: gravity must have 3 numbers, but has 1; give three numbers in m/s²": Model(
+        "model: gravity must have 3 numbers, but has 1. Give three numbers in m/s²": Model(
             "m", [body], gravity=(1,)
         ),
-        "model: has no bodies; give at least one": Model("m", []),
-        'body "rod": the name "rod" is taken by another of the bodies; rename one of them': Model(
+        "model: has no bodies. Give at least one": Model("m", []),
+        'body "rod": the name "rod" is taken by another of the bodies. Rename one of them': Model(
             "m", [body, body]
         ),
-        'model: name must be a text on one line, but is "a\\nb"; name it': Model("a\nb", [body]),
-        'joint "rod": is a Body among the joints; list only Joint objects there': Model("m", [body], [body]),  # type: ignore[list-item]
-        'joint "": is a int among the joints; list only Joint objects there': Model("m", [body], [3]),  # type: ignore[list-item]
+        'model: name must be a text on one line, but is "a\\nb". Name it': Model("a\nb", [body]),
+        'joint "rod": is a Body among the joints. List only Joint objects there': Model("m", [body], [body]),  # type: ignore[list-item]
+        'joint "": is a int among the joints. List only Joint objects there': Model("m", [body], [3]),  # type: ignore[list-item]
     }
     for told, model in wrong.items():
         with pytest.raises(ModelError) as caught:
@@ -403,9 +403,9 @@ def driven() -> Model:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("joint: pin, motion: 2*pi*t", "joint: pni, motion: t", ':20: driver "motor": there is no joint "pni"; did'),
+        ("joint: pin, motion: 2*pi*t", "joint: pni, motion: t", ':20: driver "motor": there is no joint "pni". Did'),
         ("motion: 2*pi*t", "motion: 2*pi*x", ':20: driver "motor": motion '),
-        ("motion: 2*pi*t", "moton: 2*pi*t", ':20: driver "motor": has no key "moton"; did you mean "motion"?'),
+        ("motion: 2*pi*t", "moton: 2*pi*t", ':20: driver "motor": has no key "moton". Did you mean "motion"?'),
         ("motion: 2*pi*t", "motion: 2 m * t", ':20: driver "motor": motion '),
         ("motion: 2*pi*t", "motion: .nan", ':20: driver "motor": motion must be a finite number'),
         ("motion: 2*pi*t", "motion: [1, 2]", ':20: driver "motor": motion must be a number'),

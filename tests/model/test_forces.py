@@ -106,11 +106,11 @@ WRONG: list[tuple[Force, str]] = [
         RSDA("f", BODY, OTHER, point=(0, 0, 0), axis=(0, 0, 1), k=1, angle=np.nan),
         "angle must be a finite number",
     ),
-    (PointForce("f", FOOT, (0, 0, 1)), "acts on the ground, which does not move; name a body"),
+    (PointForce("f", FOOT, (0, 0, 1)), "acts on the ground, which does not move. Name a body"),
     (PointForce("f", TOP, (0, 1)), "force must have 3 numbers, but has 2"),
     (PointForce("f", TOP, (0, 0, 1), axes="local"), 'axes must be "global" or "body"'),  # type: ignore[arg-type]
     (Torque("f", ground, (0, 0, 1)), "acts on the ground"),
-    (Torque("f", Body("bodi", 1, (1, 1, 1)), (0, 0, 1)), 'no body "bodi"; did you mean "body"?'),
+    (Torque("f", Body("bodi", 1, (1, 1, 1)), (0, 0, 1)), 'no body "bodi". Did you mean "body"?'),
     (Tyre("f", TOP, k=1, c=1, radius=-1), "radius must be greater than 0"),
     (Tyre("f", FOOT, k=1, c=1, radius=1), "acts on the ground"),
     (PointForce("f", TOP, (0, [[0, 0], [0, 1]], 1)), "force must have rising x, but 0.0 follows 0.0"),

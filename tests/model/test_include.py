@@ -105,7 +105,7 @@ def test_one_parameter_of_a_group_can_be_given(given: str, tmp_path: Path) -> No
 
 
 WRONG = [
-    ("car", "y: track/2", "y.z: track/2", "car.yaml:4", 'gives the unknown parameter "y.z"; choose from y'),
+    ("car", "y: track/2", "y.z: track/2", "car.yaml:4", 'gives the unknown parameter "y.z". Choose from y'),
     (
         "wheel",
         "radius: r",
@@ -118,18 +118,18 @@ WRONG = [
         "mass: h_",
         "mas: h_",
         "wheel.yaml:9",
-        'body "left_wheel": has no key "mas"; did you mean "mass"',
+        'body "left_wheel": has no key "mas". Did you mean "mass"',
     ),
     (
         "wheel",
         "chassis, w",
         "chasis, w",
         "wheel.yaml:11",
-        'joint "left_axle": there is no body "chasis"; did you',
+        'joint "left_axle": there is no body "chasis". Did you',
     ),
     ("wheel", "radius: r", "radius: -r", "wheel.yaml:13", 'force "left_tyre": radius must be greater than 0'),
     ("wheel", "y: 1", "y: 1/0", "wheel.yaml:11", ""),
-    ("wheel", "bodies:", "bodie:", "wheel.yaml:8", 'model: has no key "bodie"; did you mean "bodies"?'),
+    ("wheel", "bodies:", "bodie:", "wheel.yaml:8", 'model: has no key "bodie". Did you mean "bodies"?'),
     ("wheel", "  y: 1\n", "  y: 1\n  y: 2\n", "wheel.yaml:6", 'parameter "y": the key "y" is given twice'),
     (
         "wheel",
@@ -143,7 +143,7 @@ WRONG = [
         "parts/hub.yaml",
         "parts/nut.yaml",
         "wheel.yaml:3",
-        'includes "nut.yaml", which is no file; check',
+        'includes "nut.yaml", which is no file. Check',
     ),
     (
         "wheel",
@@ -157,44 +157,44 @@ WRONG = [
         "d * 10",
         "e * 10",
         "hub.yaml:3",
-        'body "left_h_bolt": mass uses the unknown name "e"; choose from',
+        'body "left_h_bolt": mass uses the unknown name "e". Choose from',
     ),
     ("hub", "10 mm", "10 kg", "hub.yaml:3", 'body "left_h_bolt": mass expects kg, but "d * 10 kg/m" is in'),
-    ("hub", HUB, "", "hub.yaml", ": is empty; give at least"),
-    ("hub", HUB, "[]", "hub.yaml:1", "model: must be a mapping; give keys and values"),
-    ("hub", HUB, "bodies: [1]", "hub.yaml:1", "model: bodies must be a mapping; give keys and values"),
+    ("hub", HUB, "", "hub.yaml", ": is empty. Give at least"),
+    ("hub", HUB, "[]", "hub.yaml:1", "model: must be a mapping. Give keys and values"),
+    ("hub", HUB, "bodies: [1]", "hub.yaml:1", "model: bodies must be a mapping. Give keys and values"),
     ("hub", HUB, "a: [", "hub.yaml:1", "model: is not valid YAML"),
     (
         "car",
         "y: -track",
         "yy: -track",
         "car.yaml:5",
-        'model: gives the unknown parameter "yy"; did you mean "y"',
+        'model: gives the unknown parameter "yy". Did you mean "y"',
     ),
     (
         "car",
         "-track/2",
         "-trac/2",
         "car.yaml:5",
-        'parameter "right_y": uses the unknown name "trac"; did you',
+        'parameter "right_y": uses the unknown name "trac". Did you',
     ),
-    ("car", "right_", "left_", "car.yaml:5", 'model: brings a second body "left_wheel"; give it a prefix'),
+    ("car", "right_", "left_", "car.yaml:5", 'model: brings a second body "left_wheel". Give it a prefix'),
     ("car", "right_", "3_", "car.yaml:5", "include[1].prefix must be letters, digits and _, starting with a"),
     (
         "car",
         "prefix: right_",
         "prefx: right_",
         "car.yaml:5",
-        'include[1] has no key "prefx"; did you mean "prefix"',
+        'include[1] has no key "prefx". Did you mean "prefix"',
     ),
     (
         "car",
         "file: wheel.yaml, prefix: right_",
         "prefix: right_",
         "car.yaml:5",
-        "include[1].file is missing; add",
+        "include[1].file is missing. Add",
     ),
-    ("car", "bodies:", "bodies: 3\nx:", "car.yaml:6", "bodies must be a mapping; give keys and values"),
+    ("car", "bodies:", "bodies: 3\nx:", "car.yaml:6", "bodies must be a mapping. Give keys and values"),
 ]
 
 
@@ -221,7 +221,7 @@ def test_files_that_include_each_other_twice_are_no_bomb(tmp_path: Path) -> None
         (tmp_path / f"m{n}.yaml").write_text("name: bomb\n" + twice)
     (tmp_path / "m14.yaml").write_text("bodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n")
     began = time.perf_counter()
-    with pytest.raises(ModelError, match="includes more than 500 files or 16 levels; join some of them"):
+    with pytest.raises(ModelError, match=r"includes more than 500 files or 16 levels. Join some of them"):
         load(tmp_path / "m0.yaml")
     assert time.perf_counter() - began < 20
 
@@ -256,32 +256,32 @@ def test_aliases_and_merge_keys_are_copies(tmp_path: Path) -> None:
             "&m 2.0",
             "&m -2.0",
             3,
-            'body "a": mass must be greater than 0, but is -2.0; give the mass in kg (and',
+            'body "a": mass must be greater than 0, but is -2.0. Give the mass in kg (and',
         ),
-        ("*rod\n    mass: 3", "*rod\n    mas: 3", 7, 'body "c": has no key "mas"; did you mean "mass"?'),
+        ("*rod\n    mass: 3", "*rod\n    mas: 3", 7, 'body "c": has no key "mas". Did you mean "mass"?'),
         (
             "b: *rod",
             "b: *rd",
             4,
-            'body "b": uses the alias "*rd", but there is no anchor &rd above it; did you',
+            'body "b": uses the alias "*rd", but there is no anchor &rd above it. Did you',
         ),
         (
             "b: *rod",
             "b: &x [*x]",
             4,
-            'body "b": uses the alias "*x" inside of its own anchor; write the value',
+            'body "b": uses the alias "*x" inside of its own anchor. Write the value',
         ),
         (
             "<<: *rod\n    mass",
             "<<: 3\n    mass",
             6,
-            'body "c": has a merge key (<<) that is no mapping; give',
+            'body "c": has a merge key (<<) that is no mapping. Give',
         ),
         (
             "<<: *rod\n    mass",
             "<<: []\n    mass",
             6,
-            'body "c": has a merge key (<<) that is no mapping; give',
+            'body "c": has a merge key (<<) that is no mapping. Give',
         ),
         (
             "<<: *rod\n    mass",
@@ -293,9 +293,9 @@ def test_aliases_and_merge_keys_are_copies(tmp_path: Path) -> None:
             "<<: *rod\n    mass",
             "<<: *J\n    mass",
             6,
-            'body "c": has a merge key (<<) that is no mapping; give',
+            'body "c": has a merge key (<<) that is no mapping. Give',
         ),
-        ("mass: *m", "*m : 3", 11, 'body "e": has an alias (*) as key; write the key out'),
+        ("mass: *m", "*m : 3", 11, 'body "e": has an alias (*) as key. Write the key out'),
     ],
 )
 def test_wrong_aliases_are_refused(old: str, new: str, line: int, phrase: str, tmp_path: Path) -> None:

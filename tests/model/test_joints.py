@@ -285,8 +285,8 @@ def test_any_axis_has_perpendiculars(z: tuple[float, float, float]) -> None:
 
 
 WRONG = [
-    (Revolute("pin", ONE, TWO, point=POINT), "axis is missing; give point and axis in global axes"),
-    (Revolute("pin", ONE, TWO, axis=AXIS), "point is missing; give point and axis in global axes"),
+    (Revolute("pin", ONE, TWO, point=POINT), "axis is missing. Give point and axis in global axes"),
+    (Revolute("pin", ONE, TWO, axis=AXIS), "point is missing. Give point and axis in global axes"),
     (Revolute("pin", ONE, point=POINT, axis=AXIS), "its bodies are missing"),
     (Revolute("pin", ONE, ONE, point=POINT, axis=AXIS), 'connects "one" to itself'),
     (Revolute("pin", ONE, TWO, point=POINT, axis=(0, 0, 0)), "axis has zero length"),
@@ -306,28 +306,28 @@ WRONG = [
     (Revolute("pin", axis=AXIS, frame_i=ONE.frame(POINT), frame_j=TWO.frame(POINT)), "both axis and frames"),
     (
         Screw("pin", ONE, TWO, point=POINT, axis=AXIS, pitch=0),
-        "pitch must not be 0; give it in m, or use a revolute",
+        "pitch must not be 0. Give it in m, or use a revolute",
     ),
     (ParallelAxes("pin", ONE, TWO), "axis is missing"),
     (
         ConstantAngle("pin", ONE, TWO, axis_i=AXIS, axis_j=-AXIS),
-        "its axes are parallel; use a joint for parallel",
+        "its axes are parallel. Use a joint for parallel",
     ),
     (ConstantAngle("pin", ONE, TWO, axis_i=AXIS, axis_j=ACROSS, angle=0.0), "its axes are parallel"),
     (
         RevoluteSpherical("pin", ONE.point(0, 0, 0)),
-        "its ends are missing; give a point or a frame on each body",
+        "its ends are missing. Give a point or a frame on each body",
     ),
     (
         RevoluteSpherical("pin", ONE.point(0, 0, 0), TWO.point(0, 0, 0)),
-        "axis is missing; give points and axis",
+        "axis is missing. Give points and axis",
     ),
     (
         RevoluteRevolute("pin", ONE.point(0, 0, 0), ONE.point(0, 1, 0), axis_i=AXIS),
         'connects "one" to itself',
     ),
-    (Gear("pin", "a", "b", ratio=2), 'there is no joint "a"; '),
-    (Fixed("pin", ONE, TWO), "point is missing; give point in global axes, or a frame on each body"),
+    (Gear("pin", "a", "b", ratio=2), 'there is no joint "a". '),
+    (Fixed("pin", ONE, TWO), "point is missing. Give point in global axes, or a frame on each body"),
     (
         Fixed("pin", frame_i=ONE.frame(POINT, z=(0, 0, 0)), frame_j=TWO.frame(POINT)),
         "frame_i has zero length",
@@ -338,7 +338,7 @@ WRONG = [
     ),
     (
         Universal("pin", ONE, TWO, point=POINT, axis_i=AXIS),
-        "axis_j is missing; give point and axis_i and axis_j",
+        "axis_j is missing. Give point and axis_i and axis_j",
     ),
     (Universal("pin", ONE, TWO, point=POINT, axis_i=AXIS, axis_j=AXIS), "must be perpendicular"),
     (Spherical("pin", ONE, TWO), "point is missing"),
@@ -348,7 +348,7 @@ WRONG = [
     (Distance("pin", ONE.point(0, 0, 0), ground.point(0.3, -0.2, 1.0)), "its two points coincide"),
     (Distance("pin", ONE.point(0, 0, 0), ONE.point(1, 0, 0)), 'connects "one" to itself'),
     (Distance("pin", ONE.point(0, 0, 0), TWO.point(0, 0, 0), length=0.0), "length must be greater than 0"),
-    (Spherical("pin", ONE, Body("tow", 1.0, (1, 1, 1)), point=POINT), 'no body "tow"; did you mean "two"?'),
+    (Spherical("pin", ONE, Body("tow", 1.0, (1, 1, 1)), point=POINT), 'no body "tow". Did you mean "two"?'),
     (
         Revolute(
             "pin", frame_i=Frame(Point(ONE, POINT)), frame_j=Frame(Point(Body("x", 1, (1, 1, 1)), POINT))

@@ -78,21 +78,27 @@ FLOOR, PIN, RAIL, AIR, OIL = 'force "floor"', 'force "pin"', 'force "rail"', 'fo
 WHEEL, PUSH, TWIST, COIL = 'force "wheel"', 'force "push"', 'force "twist"', 'force "coil"'
 
 EDITS = [
-    Wrong("[1, 2, 3, 4, 5, 6]", "[1, 2, 3]", 10, MOUNT, "stiffness must have 6 entries, but has 3; give 6"),
+    Wrong("[1, 2, 3, 4, 5, 6]", "[1, 2, 3]", 10, MOUNT, "stiffness must have 6 entries, but has 3. Give 6"),
     Wrong(
         "[1, 2, 3, 4, 5, 6]",
         "[[1, 2, 3, 4, 5, 6]]",
         10,
         MOUNT,
-        "stiffness must have 6 entries, but has 1; give 6",
+        "stiffness must have 6 entries, but has 1. Give 6",
     ),
-    Wrong("[[1,0,0,0,0,0]", "[[1,0,0,0,0]", 11, MOUNT, "damping[0] must have 6 entries, but has 5; give 6"),
-    Wrong("    stiffness: [1, 2, 3, 4, 5, 6]\n", "", 6, MOUNT, "stiffness is missing; add it"),
-    Wrong("[0, 0, 9, 0, 0, 0]", "[0, 0, 9]", 12, MOUNT, "preload must have 6 entries, but has 3; give 6"),
+    Wrong("[[1,0,0,0,0,0]", "[[1,0,0,0,0]", 11, MOUNT, "damping[0] must have 6 entries, but has 5. Give 6"),
+    Wrong("    stiffness: [1, 2, 3, 4, 5, 6]\n", "", 6, MOUNT, "stiffness is missing. Add it"),
+    Wrong("[0, 0, 9, 0, 0, 0]", "[0, 0, 9]", 12, MOUNT, "preload must have 6 entries, but has 3. Give 6"),
     Wrong("[0, 0, 9, 0, 0, 0]", "[0, 0, x, 0, 0, 0]", 12, MOUNT, 'preload[2] must be a number, but is "x"'),
     Wrong("upper: 2.0", "upper: .nan", 18, ROPE, "upper must be a finite number, but is nan"),
-    Wrong("    upper: 2.0\n", "", 13, ROPE, "has no limit; give lower, upper or both"),
-    Wrong("exponent: 1.5", "exponent: 0.5", 17, ROPE, "exponent must be at least 1, but is 0.5; 1 is linear"),
+    Wrong("    upper: 2.0\n", "", 13, ROPE, "has no limit. Give lower, upper or both"),
+    Wrong(
+        "exponent: 1.5",
+        "exponent: 0.5",
+        17,
+        ROPE,
+        "exponent must be at least 1, but is 0.5. Give 1 for a linear",
+    ),
     Wrong(
         "stiffness: 1e5\n    exponent",
         "stiffness: 0\n    exponent",
@@ -112,44 +118,44 @@ EDITS = [
         "lower: 1.5",
         24,
         END,
-        "has a lower limit that is not below the upper one; exchange them",
+        "has a lower limit that is not below the upper one. Exchange them",
     ),
     Wrong(
-        "damping: 0.2", "damping: -0.2", 23, END, "damping must not be negative, but is -0.2; give it in s/m"
+        "damping: 0.2", "damping: -0.2", 23, END, "damping must not be negative, but is -0.2. Give it in s/m"
     ),
     Wrong(
         "damping: 0.2",
         "rounding: 0",
         23,
         END,
-        "rounding must be greater than 0, but is 0.0; give a small depth",
+        "rounding must be greater than 0, but is 0.0. Give a small depth",
     ),
-    Wrong("lower: 0.5}", "uper: 0.5}", 26, LATCH, 'has no key "uper"; did you mean "upper"?'),
+    Wrong("lower: 0.5}", "uper: 0.5}", 26, LATCH, 'has no key "uper". Did you mean "upper"?'),
     Wrong("body: ground, at: [0, 0, -1]", "body: a, at: [0, 0, -1]", 30, FLOOR, 'connects "a" to itself'),
     Wrong("z: [0, 0, 1]}", "z: [0, 0, 0]}", 30, FLOOR, "plane has zero length"),
     Wrong("radius: 0.1", "radius: -0.1", 32, FLOOR, "radius must not be negative, but is -0.1"),
-    Wrong("mu: 0.3\n", "mu: -1\n", 33, FLOOR, "mu must not be negative, but is -1.0; give the coefficient"),
+    Wrong("mu: 0.3\n", "mu: -1\n", 33, FLOOR, "mu must not be negative, but is -1.0. Give the coefficient"),
     Wrong(
-        "creep: 1e-3", "creep: 0", 34, FLOOR, "creep must be greater than 0, but is 0.0; give a small speed"
+        "creep: 1e-3", "creep: 0", 34, FLOOR, "creep must be greater than 0, but is 0.0. Give a small speed"
     ),
     Wrong(
         "radius: 0.01",
         "radius: 0",
         35,
         PIN,
-        "radius must be greater than 0, but is 0.0; give the pin's radius",
+        "radius must be greater than 0, but is 0.0. Give the pin's radius",
     ),
     Wrong(
         "load: 5, mu: 0.2}",
         "load: -5, mu: 0.2}",
         35,
         PIN,
-        "load must not be negative, but is -5.0; give the normal",
+        "load must not be negative, but is -5.0. Give the normal",
     ),
     Wrong("mu_static: 0.3", "mu_static: -0.3", 36, RAIL, "mu_static must not be negative, but is -0.3"),
     Wrong("mu_static: 0.3", "stribeck: 0", 36, RAIL, "stribeck must be greater than 0, but is 0.0"),
-    Wrong(", c: 0.3", ", c: -0.3", 37, AIR, "c must not be negative, but is -0.3; give it in N s²/m²"),
-    Wrong("wind: [1, 0, 0]", "wind: [1, 0]", 37, AIR, "wind must have 3 entries, but has 2; give 3"),
+    Wrong(", c: 0.3", ", c: -0.3", 37, AIR, "c must not be negative, but is -0.3. Give it in N s²/m²"),
+    Wrong("wind: [1, 0, 0]", "wind: [1, 0]", 37, AIR, "wind must have 3 entries, but has 2. Give 3"),
     Wrong(
         "body: a, at: [0, 0, 0]}, c: 0.4",
         "body: ground, at: [0, 0, 0]}, c: 0.4",
@@ -158,7 +164,7 @@ EDITS = [
         "acts on the ground, which does not move",
     ),
     Wrong("c_turn: 0.1", "c_turn: -0.1", 38, OIL, "c_turn must not be negative, but is -0.1"),
-    Wrong("k: 1000.0", "k: 0", 42, WHEEL, "k must be greater than 0, but is 0.0; give the stiffness in N/m"),
+    Wrong("k: 1000.0", "k: 0", 42, WHEEL, "k must be greater than 0, but is 0.0. Give the stiffness in N/m"),
     Wrong("[2, 0]]}", "[1, 0]]}", 45, WHEEL, "table must have rising x, but 1.0 follows 1.0"),
     Wrong("bump: 0.05", "bump: high", 46, WHEEL, 'bump must be a number, but is "high"'),
     Wrong(

@@ -33,7 +33,7 @@ def equations(plan: Blueprint) -> int:
 
 def test_the_mechanisms_are_these() -> None:
     assert mechanisms.names() == ("hmmwv", "slider_crank")
-    with pytest.raises(ModelError, match='no shipped mechanism "slider-crank"; did you mean "slider_crank"'):
+    with pytest.raises(ModelError, match=r'no shipped mechanism "slider-crank". Did you mean "slider_crank"'):
         mechanisms.path("slider-crank")
 
 

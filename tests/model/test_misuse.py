@@ -34,28 +34,28 @@ P: Any = (0.0, 0.0, 0.0)
 WRONG: list[tuple[Any, str]] = [
     (
         sr.Revolute("a", "ground", CRANK, point=P, axis=(0, 0, 1)),  # type: ignore[arg-type]
-        'joint "a": body_i must be a body, but is "ground"; give the Body object (or sarrus.ground)',
+        'joint "a": body_i must be a body, but is "ground". Give the Body object (or sarrus.ground)',
     ),
     (
         sr.Torque("t", "crank", torque=P),  # type: ignore[arg-type]
-        'force "t": body must be a body, but is "crank"; give the Body object (or sarrus.ground)',
+        'force "t": body must be a body, but is "crank". Give the Body object (or sarrus.ground)',
     ),
     (
         sr.TSDA("s", CRANK, ROD.point(1, 0, 0), k=1.0, length=1.0),  # type: ignore[arg-type]
-        'force "s": point_i must be a point of a body, but is a Body; give body.point(x, y, z)',
+        'force "s": point_i must be a point of a body, but is a Body. Give body.point(x, y, z)',
     ),
     (
         sr.TSDA("s", sr.Point("crank", P), ROD.point(1, 0, 0), k=1.0, length=1.0),  # type: ignore[arg-type]
-        'force "s": point_i must be on a body, but is "crank"; give the Body object (or sarrus.ground)',
+        'force "s": point_i must be on a body, but is "crank". Give the Body object (or sarrus.ground)',
     ),
     (
         Free(),
-        'force "mine": its element Torque (torque) takes 1 values (torque), but is given 0; give one for each',
+        'force "mine": its element Torque (torque) takes 1 values (torque), but is given 0. Give one for each',
     ),
-    (Free((1, 2)), "torque must have 3 numbers, but has 2; give 3 numbers"),
-    (Free("push"), 'torque must be a list of numbers, but is "push"; give 3 numbers'),
-    (Free(P, bodies=("crank", "rod")), "is for 1 bodies, but is given 2; name as many"),
-    (Free(P, bodies=("crunk",)), 'there is no body "crunk"; did you mean "crank"?'),
+    (Free((1, 2)), "torque must have 3 numbers, but has 2. Give 3 numbers"),
+    (Free("push"), 'torque must be a list of numbers, but is "push". Give 3 numbers'),
+    (Free(P, bodies=("crank", "rod")), "is for 1 bodies, but is given 2. Name as many"),
+    (Free(P, bodies=("crunk",)), 'there is no body "crunk". Did you mean "crank"?'),
 ]
 
 
@@ -71,14 +71,14 @@ def test_a_part_of_wrong_things_is_refused(part: Any, sentence: str) -> None:
 def test_a_part_alone_is_no_list() -> None:
     pin: Any = sr.Revolute("pin", sr.ground, CRANK, point=P, axis=(0, 0, 1))
     with pytest.raises(
-        sr.ModelError, match=r"joints must be a list, but is a Revolute; write \[...\] around it"
+        sr.ModelError, match=r"joints must be a list, but is a Revolute. Write \[...\] around it"
     ):
         sr.System(sr.Model("m", [CRANK], pin))
 
 
 def test_a_system_is_made_of_a_model() -> None:
     wrong: Any = "crank.yaml"
-    with pytest.raises(sr.ModelError, match=r'made of a Model, but this is "crank.yaml"; read a file with'):
+    with pytest.raises(sr.ModelError, match=r'made of a Model, but this is "crank.yaml". Read a file with'):
         sr.System(wrong)
 
 
@@ -90,7 +90,7 @@ def test_a_table_that_is_none_says_so_by_name() -> None:
 SAID = [
     (
         "k: {formula: 5 * l}",
-        'k has no key "formula"; choose from table, or give a number alone, without a key',
+        'k has no key "formula". Choose from table. Or give a number alone, without a key',
     ),
     ("k: 5, body: 1", 'has no key "body"'),
 ]

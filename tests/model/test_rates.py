@@ -61,14 +61,14 @@ def test_studies_begin_with_the_rates(tmp_path: Path) -> None:
     [
         (
             "{pn: 1}",
-            r'arm.yaml:8: .*there is no joint "pn" with an angle or a displacement; did you mean "pin"',
+            r'arm.yaml:8: .*there is no joint "pn" with an angle or a displacement. Did you mean "pin"',
         ),
         ("{sleeve: 1}", r"give sleeve.displacement or sleeve.angle|give sleeve.angle or sleeve.displacement"),
-        ("{pin: 3 m/s}", r"rates: pin is in m s\^-1; give it in rad/s"),
+        ("{pin: 3 m/s}", r"rates: pin is in m s\^-1. Give it in rad/s"),
         ("{sleeve.displacement: 30 rpm}", "give it in m/s"),
         ("{pin: .nan}", "pin"),
         ("[1, 2]", "rates"),
-        ("{pin: '2*${speed}'}", r"rates: pin depends on \"speed\"; give a number in rad/s"),
+        ("{pin: '2*${speed}'}", r"rates: pin depends on \"speed\". Give a number in rad/s"),
     ],
 )
 def test_wrong_rates_are_refused(tmp_path: Path, rates: str, told: str) -> None:

@@ -101,7 +101,7 @@ def test_other_files_are_read(kinds: None, tmp_path: Path) -> None:
 def test_the_type_is_refused_with_its_line(name: str, kinds: None, tmp_path: Path) -> None:
     with pytest.raises(ModelError) as caught:
         load(written(tmp_path, f"{BODIES}{PUSH}  blow: {{type: {name}, gust: 3}}\n"))
-    message = f'has the type "{name}", which model files cannot describe: {UNDESCRIBABLE[name][1]}; build it in Python'
+    message = f'has the type "{name}", which model files cannot describe: {UNDESCRIBABLE[name][1]}. Build it in Python'
     assert str(caught.value) == f'{tmp_path / "m.yaml"}:6: force "blow": {message}'
 
 
@@ -124,5 +124,5 @@ def test_a_field_may_have_any_name(kinds: None, tmp_path: Path) -> None:
     assert isinstance(force, Hidden)
     assert (force.copy, force.json, force.model_config, force.schema) == (8.0, 2.0, 8.0, [1.0, 2.0, 3.0])
     assert ("forces", "f", "copy") in model.expressions
-    with pytest.raises(ModelError, match='has no key "jsn"; did you mean "json"'):
+    with pytest.raises(ModelError, match=r'has no key "jsn". Did you mean "json"'):
         load(written(tmp_path, f"{BODIES}forces: {{f: {{type: hidden, copy: 1, jsn: 2}}}}\n"))

@@ -337,7 +337,7 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
         ({"iterations": 0}, "iterations must be 1 at least"),
         ({"bounds": {"spring.k": 3.0}}, r"the bounds of spring\.k are two numbers"),
         ({"bounds": {"spring.k": (1, 2, 3)}}, r"the bounds of spring\.k are two numbers"),
-        ({"second_order": True}, "L-BFGS-B takes no second derivatives; take trust-constr or IPOPT"),
+        ({"second_order": True}, "L-BFGS-B takes no second derivatives. Take trust-constr or IPOPT"),
     ],
 )
 def test_misuse_is_one_sentence(options: dict[str, object], sentence: str) -> None:

@@ -20,5 +20,5 @@ def test_an_unknown_output_of_a_part_is_compared_with_those_of_this_part() -> No
     spring = sr.TSDA("s", sr.ground.point(0, 0, 0), ball.point(0, 0, 0), k=1.0, c=0.0, length=1.0)
     pin = sr.Revolute("q", sr.ground, ball, point=(0, 0, 0), axis=(0, 0, 1))
     run = sr.simulate(sr.System(sr.Model("one", [ball], [pin], [spring])), until=0.1, store_steps=True)
-    with pytest.raises(sr.SarrusError, match=r"no output 's.pull'; choose from s\."):
+    with pytest.raises(sr.SarrusError, match=r"no output 's.pull'. Choose from s\."):
         sr.sensitivity(run, sr.Final("s.pull"), ["ball.mass"])

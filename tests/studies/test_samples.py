@@ -70,7 +70,7 @@ def test_what_a_file_may_say() -> None:
         ({"from": 2}, "give from and to"),
         ({"from": -1, "to": 1, "log": True}, "must be positive"),
         ({"from": 1, "to": 2, "count": 1}, "two values at least"),
-        ({"distribution": "normal"}, "there is no distribution 'normal'; did you mean"),
+        ({"distribution": "normal"}, "there is no distribution 'normal'. Did you mean"),
         ({"distribution": "norm", "lok": 1}, "lok"),
         ({"distribution": "norm", "scale": -1}, "has no values"),
         ({"distribution": "norm", "loc": 1, "scale": 1e308}, "some that are not finite"),
@@ -87,7 +87,7 @@ def test_wrong_parameters(given: object, told: str) -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"type": "sobel", "count": 8}, "there is no sample 'sobel'; did you mean"),
+        ({"type": "sobel", "count": 8}, "there is no sample 'sobel'. Did you mean"),
         ({"type": "sobol", "count": 100}, "take 128"),
         ({"type": "sobol"}, "needs a count"),
         ({"type": "grid", "count": 3}, "has no key 'count'"),

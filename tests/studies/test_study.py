@@ -132,11 +132,11 @@ def test_a_case_may_not_take_forever(model: Model) -> None:
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"parameters": {"spring.l": [1]}}, "has no number 'spring.l'; did you mean"),
+        ({"parameters": {"spring.l": [1]}}, "has no number 'spring.l'. Did you mean"),
         ({"parameters": {"spring.k": "five"}}, "parameter 'spring.k'"),
         ({"responses": {}}, "needs a response"),
         ({"analysis": {"type": "simulate"}}, "needs an end time"),
-        ({"analysis": {"type": "simulat"}}, "there is no analysis 'simulat'; did you mean"),
+        ({"analysis": {"type": "simulat"}}, "there is no analysis 'simulat'. Did you mean"),
         ({"analysis": {"type": "simulate", "until": 1, "method": "euler"}}, "there is no method 'euler'"),
         ({"analysis": {"type": "simulate", "until": 1, "method": "event"}}, "there is no method 'event'"),
         ({"workers": 0}, "workers must be 1 at least"),
@@ -180,7 +180,7 @@ def test_processes_give_the_same_numbers_in_order(model: Model) -> None:
 def test_a_case_that_kills_its_worker_is_the_only_one_that_fails(model: Model) -> None:
     asked = {"spring.k": [*range(5, 25)]}
     found = study(model, asked, {"k": "k"}, analysis=own.deadly, workers=2)
-    assert found.failures == {8: "its worker process died, twice; it may have run out of memory"}
+    assert found.failures == {8: "its worker process died, twice. Give it more memory."}
 
 
 def test_a_killed_worker_loses_nothing(model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -310,7 +310,7 @@ def test_the_table(model: Model, tmp_path: Path) -> None:
     assert rows[0] == "case,spring.k,k,success,message,seconds"
     assert rows[2].startswith("1,13.0,nan,False,ZeroDivisionError: thirteen,")
     with pytest.raises(
-        KeyError, match=r"no column 'l' in the study slider-crank; its columns are spring.k, k"
+        KeyError, match=r"no column 'l' in the study slider-crank. Its columns are spring.k, k"
     ):
         found["l"]
     axes = found.plot()
@@ -318,5 +318,5 @@ def test_the_table(model: Model, tmp_path: Path) -> None:
 
 
 def test_a_folder_without_a_study(tmp_path: Path) -> None:
-    with pytest.raises(SarrusError, match=f"holds no study; there is no readable {STUDY}"):
+    with pytest.raises(SarrusError, match=f"holds no study, for it has no readable {STUDY}"):
         open_study(tmp_path)

@@ -55,12 +55,12 @@ WRONG = [
     (
         "model: crank.yaml",
         "modell: crank.yaml",
-        "springs.yaml:2: a study has no key 'modell'; did you mean \"model\"?",
+        "springs.yaml:2: a study has no key 'modell'. Did you mean \"model\"?",
     ),
     (
         "rod.mass:",
         "rod.mas:",
-        "springs.yaml:3: study, parameters: slider-crank has no number 'rod.mas'; did you mean",
+        "springs.yaml:3: study, parameters: slider-crank has no number 'rod.mas'. Did you mean",
     ),
     ("[0.5, 2]", "[0.5, heavy]", "springs.yaml:5: study, parameters.rod.mass: 'heavy'"),
     (
@@ -74,7 +74,7 @@ WRONG = [
     (
         "alpha: -0.1",
         "alfa: -0.1",
-        "springs.yaml:9: study, analysis: the method hht has no key 'alfa'; did you mean",
+        "springs.yaml:9: study, analysis: the method hht has no key 'alfa'. Did you mean",
     ),
     ("model: crank.yaml", "model: none.yaml", "none.yaml: does not exist"),
     ("responses:\n", "", "springs.yaml: the file lacks the key 'responses'"),

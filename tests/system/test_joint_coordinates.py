@@ -131,7 +131,7 @@ def test_unknown_coordinates_are_refused() -> None:
         KeyError, match="no joint 'pni' with an angle or displacement; joints that have one: pin, sleeve"
     ):
         arm().joint("pni")
-    with pytest.raises(KeyError, match=r"no joint coordinate 'pin\.displacement'; there are pin\.angle"):
+    with pytest.raises(KeyError, match=r"no joint coordinate 'pin\.displacement'. Choose from pin\.angle"):
         arm().joint("pin").displacement(arm().q0)
 
 

@@ -117,7 +117,7 @@ def test_every_kind_of_file_gives_the_box(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("a.step", "", "meshes must end in .stl, .obj, .gltf, .glb, .dae; convert it"),
+        ("a.step", "", "meshes must end in .stl, .obj, .gltf, .glb, .dae. Convert it"),
         ("a.stl", "solid nothing\nendsolid", "is no mesh that can be read"),
         ("a.obj", "v 0 0 0\nf 1 2 9\n", "a face has corner 2, but there are 1"),
         ("a.dae", "<COLLADA>", "is no mesh that can be read"),
@@ -167,7 +167,7 @@ def test_a_shape_of_another_kind_is_refused_by_name() -> None:
 
 
 def test_a_missing_mesh_is_an_error_with_the_body() -> None:
-    with pytest.raises(sr.ModelError, match=r'body "rod".*none\.stl: does not exist; check the path'):
+    with pytest.raises(sr.ModelError, match=r'body "rod".*none\.stl: does not exist. Check the path'):
         sketch(with_shape(sr.Shape("none.stl")))
     with pytest.raises(sr.ModelError, match=r'body "rod".*color must be like "#3b76b5", but is "red"'):
         sketch(with_shape(sr.Shape("none.stl", color="red")))

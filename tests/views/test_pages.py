@@ -112,7 +112,7 @@ def test_runs_beside_each_other() -> None:
     assert [one["name"] for one in told["runs"]] == ["quick", "slow"]
     assert told["runs"][0]["color"] is None
     assert told["runs"][1]["color"].startswith("#")
-    with pytest.raises(ValueError, match="there are 2 runs, but 1 labels; give one for each"):
+    with pytest.raises(ValueError, match=r"there are 2 runs, but 1 labels. Give one for each"):
         run().animate("x.html", beside=(other,), labels=("quick",))
 
 
@@ -122,7 +122,7 @@ def test_traces_are_points_of_bodies() -> None:
     told = page(traces=("rod", slider.point(0.1, 0.2, 0.3))).told["runs"][0]
     assert told["traces"][0] == {"body": 2, "point": [0.0, 0.0, 0.0]}
     assert told["traces"][1] == {"body": 3, "point": [0.1, 0.2, 0.3]}
-    with pytest.raises(KeyError, match="no body 'rope' in slider-crank; its bodies are crank, rod, slider"):
+    with pytest.raises(KeyError, match=r"no body 'rope' in slider-crank. Its bodies are crank, rod, slider"):
         run().animate("x.html", traces=["rope"])
 
 
@@ -153,7 +153,7 @@ def test_misuse_is_told(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="does not know its system"):
         replace(run(), system=None).animate(tmp_path / "motion.html")
     empty = replace(run(), t=run().t[:0], q=run().q[:0], message="it broke")
-    with pytest.raises(ValueError, match="holds no states, so there is nothing to show; it broke"):
+    with pytest.raises(ValueError, match="holds no states, so there is nothing to show: it broke"):
         empty.animate(tmp_path / "motion.html")
     with pytest.raises(KeyError, match="no joint or driver 'pim'"):
         run().animate(tmp_path / "motion.html", reactions=["pim"])
@@ -169,7 +169,7 @@ def test_curves_are_outputs(tmp_path: Path) -> None:
         wanted = run().output(one["name"]).values
         assert parts.array(one["values"], 1)[:, 0] == pytest.approx(wanted, rel=1e-5, abs=1e-5)
     assert page(traces=("rod(0.1, 0, 0)",)).told["runs"][0]["traces"] == [{"body": 2, "point": [0.1, 0, 0]}]
-    with pytest.raises(KeyError, match=r"no output 'rod\.w'; did you mean"):
+    with pytest.raises(KeyError, match=r"no output 'rod\.w'. Did you mean"):
         run().animate("x.html", outputs=["rod.w"])
     with pytest.raises(ValueError, match="only pages show curves"):
         run().animate(tmp_path / "x.gif", outputs=["rod.x"])

@@ -101,7 +101,7 @@ def test_pictures_over_the_inputs(found: sr.InputSingularities) -> None:
         assert np.nanmax(abs(line)) <= np.pi
         step = np.diff(line, axis=0)
         assert np.nanmax(abs(step), initial=0) < 1
-    with pytest.raises(sr.SarrusError, match='there is no input "b1"; choose from'):
+    with pytest.raises(sr.SarrusError, match=r'there is no input "b1". Choose from'):
         found.plot(over="inputs", axes=["a1.angle", "b1"])
 
 

@@ -49,7 +49,7 @@ def test_kinds_of_curves_are_chosen(arm: sr.Workspace) -> None:
     axes = arm.plot(kinds=["barrier"], ghosts=0)
     assert len(axes.get_lines()) == len([curve for curve in arm.of_kind("barrier") if not curve.again])
     assert len(axes.get_legend().get_texts()) == 1
-    with pytest.raises(sr.SarrusError, match='no curves of kind "barriers"; did you mean'):
+    with pytest.raises(sr.SarrusError, match=r'no curves of kind "barriers". Did you mean'):
         arm.plot(kinds=["barriers"])
 
 
@@ -222,11 +222,11 @@ def test_fields_and_singular_positions_in_the_shell(
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--field", "conditioning"], "--field conditioning needs to know what drives it; add --inputs NAME"),
+        (["--field", "conditioning"], "--field conditioning needs to know what drives it. Add --inputs NAME"),
         (["--field", "turn"], "add --turn NAME"),
-        (["--turn", "x.rotation_z"], "--turn is for --field turn; add it"),
+        (["--turn", "x.rotation_z"], "--turn is for --field turn. Add it"),
         (["--singular", "x.png"], "add --inputs NAME"),
-        (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1; leave it out"),
+        (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1. Leave it out"),
         (["--output", "tool.x", "--curves", "outer"], "--curves is for two outputs, not 1"),
         (["--output", "tool.x", "--netcdf", "x.nc"], "--netcdf is for more than one output"),
         (["--field", "solutions", "--at=1,1"], "--at is for a picture without --field"),

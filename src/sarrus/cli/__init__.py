@@ -80,14 +80,14 @@ def _message(error: Exception) -> tuple[str, int]:
     if isinstance(error, SarrusError | ImportError):
         return str(error), WRONG
     if isinstance(error, MemoryError):
-        return "there is not enough memory; ask for fewer --steps, or take a smaller model", WRONG
+        return "there is not enough memory. Ask for fewer --steps, or take a smaller model.", WRONG
     if isinstance(error, OSError) and error.strerror:
         file = f"{error.filename}: " if error.filename else ""
-        return f"{file}{error.strerror.lower()}; check the path, its permissions and the space left", WRONG
+        return f"{file}{error.strerror.lower()}. Check the path, its permissions and the space left.", WRONG
     if isinstance(error, ValueError | OSError):
         return f"{error} (--debug shows where)", WRONG
     unexpected = f"unexpected {type(error).__name__}: {error}"
-    return f"{unexpected}; this is a defect of Sarrus, please report it with what --debug shows", DEFECT
+    return f"{unexpected}. This is a defect of Sarrus, please report it with what --debug shows.", DEFECT
 
 
 def _refuse(message: str, code: int) -> int:

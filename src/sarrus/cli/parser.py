@@ -52,7 +52,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the message, with a reference to the help."""
-        raise Misuse(f"{message.replace('argument ', '', 1)}; see {self.prog} --help")
+        raise Misuse(f"{message.replace('argument ', '', 1)}. See {self.prog} --help.")
 
 
 def build(wanted: Container[str]) -> Parser:

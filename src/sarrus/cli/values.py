@@ -98,8 +98,8 @@ def refuse_unwritable(files: Iterable[Path | None]) -> None:
         if file is None:
             continue
         if file.is_dir():
-            raise SarrusError(f"{file}: is a folder; name a file in it")
+            raise SarrusError(f"{file}: is a folder. Name a file in it.")
         if not file.parent.is_dir():
-            raise SarrusError(f"{file}: there is no folder {file.parent}; make it first")
+            raise SarrusError(f"{file}: there is no folder {file.parent}. Make it first.")
         if not os.access(file if file.exists() else file.parent, os.W_OK):
-            raise SarrusError(f"{file}: cannot be written; choose another place")
+            raise SarrusError(f"{file}: cannot be written. Choose another place.")

@@ -72,5 +72,5 @@ def _refuse_unknown(read: Callable[..., Model], options: Mapping[str, Any], file
     for name in options:
         if name not in known:
             raise ModelError(
-                f"is read without the option {name}; {suggest(name, known)}", part="file", where=file
+                f"is read without the option {name}. {suggest(name, known)}", part="file", where=file
             )

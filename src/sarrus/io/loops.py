@@ -58,10 +58,10 @@ def _entry(document: Document) -> Any:
 def _check_sections(document: Document) -> None:
     if not isinstance(document.data, Mapping):
         where = document.origin.where(())
-        raise ModelError("must be a mapping with the key joints; add it", part="file", where=where)
+        raise ModelError("must be a mapping with the key joints. Add it.", part="file", where=where)
     for key in document.data:
         if key not in SECTIONS:
-            message = f"a side file has no key {quote(key)}; {suggest(key, SECTIONS[:2])}"
+            message = f"a side file has no key {quote(key)}. {suggest(key, SECTIONS[:2])}"
             raise ModelError(message, part="file", where=document.origin.where((key,)))
 
 
@@ -83,5 +83,5 @@ def _check(robot: Robot, parts: list[Joint | Force], findings: Findings) -> None
     for part in parts:
         with findings.about("joints" if isinstance(part, Joint) else "forces", part.name):
             if part.name in taken:
-                raise ModelError(f"the name {quote(part.name)} is taken by a part of the robot; rename it")
+                raise ModelError(f"the name {quote(part.name)} is taken by a part of the robot. Rename it.")
             list(part.primitives(poses))

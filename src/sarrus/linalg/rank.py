@@ -148,5 +148,5 @@ def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]
         if not np.all(zero):
             return vectors[:, zero], float(values[~zero].min())
     raise ArithmeticError(
-        "more than 500 dependent equations in one mechanism; look for joints that were copied"
+        "more than 500 dependent equations in one mechanism. Look for joints that were copied."
     )

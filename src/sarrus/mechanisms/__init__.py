@@ -24,5 +24,5 @@ def path(name: str) -> Path:
         If there is no mechanism of this name.
     """
     if name not in names():
-        raise ModelError(f"there is no shipped mechanism {quote(name)}; {suggest(name, names())}")
+        raise ModelError(f"there is no shipped mechanism {quote(name)}. {suggest(name, names())}")
     return _FOLDER / f"{name}.yaml"

@@ -102,7 +102,7 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
     """
     joint, _, name = str(reference).partition(".")
     if joint not in known:
-        raise ModelError(f"there is no joint {quote(joint)}; {suggest(joint, known)}", field=field)
+        raise ModelError(f"there is no joint {quote(joint)}. {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]
     fit = [c for c in known[joint] if c.measure.element in WORDS and kind in (None, c.measure.element)]
     name = present_name(name, [c.name for c in fit])
@@ -114,4 +114,4 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
         raise ModelError(f"joint {quote(joint)} has no {word}. Its coordinates: {own}.", field=field)
     names = ", ".join(f"{joint}.{c.name}" for c in fit)
     which = f"no {word} {quote(name)}" if name else f"more than one {word}"
-    raise ModelError(f"joint {quote(joint)} has {which}; name one it has: {names}", field=field)
+    raise ModelError(f"joint {quote(joint)} has {which}. Name one it has: {names}", field=field)

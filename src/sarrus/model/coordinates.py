@@ -16,7 +16,7 @@ def number_of(body: str, bodies: Sequence[str], name: str) -> int:
         If there is no such body.
     """
     if body not in bodies:
-        raise KeyError(f"no body {body!r} in {name}; its bodies are {', '.join(bodies)}")
+        raise KeyError(f"no body {body!r} in {name}. Its bodies are {', '.join(bodies)}.")
     return list(bodies).index(body)
 
 

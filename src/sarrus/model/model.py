@@ -91,7 +91,7 @@ class Model:
             with findings.about("bodies", body.name):
                 shape: object = body.shape
                 if not isinstance(shape, Shape | None):
-                    message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}; give one"
+                    message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}. Give one."
                     raise ModelError(message, field="shape")
                 if body.shape is not None:
                     found.append(body.shape.look(body.name, self._folder(body.name)))

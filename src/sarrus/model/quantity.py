@@ -21,20 +21,20 @@ LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a numbe
 SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 
 
-def number(value: Any, field: str, remedy: str = "give one finite number") -> float:
+def number(value: Any, field: str, remedy: str = "Give one finite number.") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
     if isinstance(value, Traced):
         return value  # type: ignore[return-value]  # represents a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise ModelError(f"{field} must be a number, but is {show(value)}; {remedy}", field=field)
+        raise ModelError(f"{field} must be a number, but is {show(value)}. {remedy}", field=field)
     try:
         result = float(value)
     except OverflowError:
         result = float("inf")
     if not isfinite(result):
-        raise ModelError(f"{field} must be a finite number, but is {show(result)}; {remedy}", field=field)
+        raise ModelError(f"{field} must be a finite number, but is {show(result)}. {remedy}", field=field)
     if abs(result) > LARGEST:
-        raise ModelError(f"{field} is too large, it is {show(result)}; {remedy}", field=field)
+        raise ModelError(f"{field} is too large, it is {show(result)}. {remedy}", field=field)
     return result
 
 
@@ -42,7 +42,7 @@ def positive(value: Any, field: str, remedy: str) -> float:
     """Return ``value`` as a float greater than 0, or raise a ModelError about ``field``."""
     result = number(value, field, remedy)
     if result <= 0.0:
-        raise ModelError(f"{field} must be greater than 0, but is {show(result)}; {remedy}", field=field)
+        raise ModelError(f"{field} must be greater than 0, but is {show(result)}. {remedy}", field=field)
     return result
 
 
@@ -50,7 +50,7 @@ def not_negative(value: Any, field: str, remedy: str) -> float:
     """Return ``value`` as a float of at least 0, or raise a ModelError about ``field``."""
     result = number(value, field, remedy)
     if result < 0.0:
-        raise ModelError(f"{field} must not be negative, but is {show(result)}; {remedy}", field=field)
+        raise ModelError(f"{field} must not be negative, but is {show(result)}. {remedy}", field=field)
     return result
 
 
@@ -58,12 +58,12 @@ def numbers(value: Any, count: int, field: str, remedy: str) -> tuple[float, ...
     """Return ``value`` as ``count`` finite floats, or raise a ModelError about ``field``."""
     entries = _entries(value, field, remedy)
     if len(entries) != count:
-        message = f"{field} must have {count} numbers, but has {len(entries)}; {remedy}"
+        message = f"{field} must have {count} numbers, but has {len(entries)}. {remedy}"
         raise ModelError(message, field=field)
     return tuple(number(entry, field, remedy) for entry in entries)
 
 
-def vector(value: Any, field: str, remedy: str = "give three numbers [x, y, z]") -> Vec3:
+def vector(value: Any, field: str, remedy: str = "Give three numbers [x, y, z].") -> Vec3:
     """Return ``value`` as three finite floats, or raise a ModelError about ``field``."""
     x, y, z = numbers(value, 3, field, remedy)
     return x, y, z
@@ -74,7 +74,7 @@ def direction(value: Any, field: str) -> Array:
     given = np.array(vector(value, field))
     largest = float(np.max(np.abs(values_of(given))))
     if largest < SMALLEST_LENGTH:
-        message = f"{field} has zero length; give three numbers that are not all zero, for example [0, 0, 1]"
+        message = f"{field} has zero length. Give three numbers that are not all zero, for example [0, 0, 1]."
         raise ModelError(message, field=field)
     scaled = given / largest
     return np.asarray(scaled / np.linalg.norm(scaled))
@@ -104,5 +104,5 @@ def has_rows(value: Any) -> bool:
 
 def _entries(value: Any, field: str, remedy: str) -> list[Any]:
     if not is_list(value):
-        raise ModelError(f"{field} must be a list of numbers, but is {show(value)}; {remedy}", field=field)
+        raise ModelError(f"{field} must be a list of numbers, but is {show(value)}. {remedy}", field=field)
     return list(value)

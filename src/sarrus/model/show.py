@@ -33,15 +33,15 @@ def quote(text: str) -> str:
 
 
 def suggest(wrong: str, right: Iterable[str]) -> str:
-    """Return the question ``did you mean "…"?`` for a misspelt name, or the list of the right ones."""
+    """Return the question ``Did you mean "…"?`` for a misspelt name, or the list of the right ones."""
     wrong, names = str(wrong), [str(name) for name in right]
     near = _but_for_case(wrong, names) or get_close_matches(wrong, _alike(wrong, names), n=1)
     if near:
-        return f"did you mean {quote(near[0])}?"
+        return f"Did you mean {quote(near[0])}?"
     if not names:
-        return "remove it"
+        return "Remove it."
     listed = ", ".join(_one_line(name) for name in names[:MOST])
-    return f"choose from {listed}" + (", …" if len(names) > MOST else "")
+    return f"Choose from {listed}" + (", …" if len(names) > MOST else ".")
 
 
 def _but_for_case(wrong: str, names: list[str]) -> list[str]:

@@ -96,7 +96,7 @@ class Tape:
             op, args = self.entries[n]
             if n not in dots and any(arg in dots for arg in args):
                 if isinstance(op, Operation):
-                    raise TypeError("a function that is not recorded has no third derivatives")
+                    raise TypeError("a function that is not recorded has no third derivatives.")
                 still = op in ("absolute", "maximum")  # their slopes change at kinks only
                 own = [
                     self.values[k] if still or not self._moving[k] else Traced(self, k) for k in (n, *args)
@@ -398,7 +398,7 @@ class Traced:
     def __float__(self) -> float:
         raise TypeError(
             "a number that is differentiated cannot become a plain one: take NumPy's functions, such as np.sin, in the "
-            "place of math.sin, and return one number, no vector"
+            "place of math.sin, and return one number, no vector."
         )
 
     def __bool__(self) -> bool:
@@ -472,7 +472,7 @@ def own(
 
     def second(f: Any, *numbers: Any) -> tuple[tuple[Any, ...], ...]:
         if bends is None:
-            raise ValueError("second derivatives need those of your own function: o.own(..., bends=...)")
+            raise ValueError("second derivatives need those of your own function: o.own(..., bends=...).")
         return tuple(tuple(row) for row in bends(*numbers))
 
     places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
@@ -528,17 +528,17 @@ def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
         return bool(np.all(np.isfinite(inputs[0].value)))
     if name in JUMPS:
         raise TypeError(
-            f"numpy.{name} jumps and has no derivative; use a smooth function, or np.abs, np.maximum, np.minimum, "
-            "np.clip"
+            f"numpy.{name} jumps and has no derivative. Use a smooth function, or np.abs, np.maximum, np.minimum, "
+            "np.clip."
         )
-    raise TypeError(f"numpy.{name} has no derivative here; use arithmetic or another function")
+    raise TypeError(f"numpy.{name} has no derivative here. Use arithmetic or another function.")
 
 
 def _compared(a: Any, b: Any, ufunc: Any) -> Any:
     found = ufunc(value_of(a), value_of(b))
     if np.ndim(found):
         raise TypeError(
-            "a formula must not branch on what changes in time; use a smooth one, or np.maximum, np.minimum, np.abs, "
-            "np.clip in the place of if, max, min, np.where"
+            "a formula must not branch on what changes in time. Use a smooth one, or np.maximum, np.minimum, np.abs, "
+            "np.clip in the place of if, max, min, np.where."
         )
     return bool(found)

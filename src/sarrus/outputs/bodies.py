@@ -96,5 +96,5 @@ def placed(system: System, function: Function) -> Placed:
     element, names, values, label = function.primitive(poses)
     for body in names:
         if body not in number:
-            raise UnknownOutput(f"{function.label}: There is no body {quote(body)}; {suggest(body, number)}")
+            raise UnknownOutput(f"{function.label}: there is no body {quote(body)}. {suggest(body, number)}")
     return Placed(element, tuple(number[body] for body in names), values, function.label, label)

@@ -152,4 +152,4 @@ def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput
     parts = {one.split(".")[0] for one in names}
     near = [part] if part in parts else get_close_matches(part, parts, n=1)
     nearest = [one for one in names if one.split(".")[0] in near]
-    return UnknownOutput(f"{owner} has no output {name!r}; {suggest(name, nearest or names)}")
+    return UnknownOutput(f"{owner} has no output {name!r}. {suggest(name, nearest or names)}")

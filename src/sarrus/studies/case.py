@@ -50,7 +50,7 @@ class Task:
         except (pickle.PicklingError, AttributeError, TypeError) as wrong:
             message = f"this study cannot be sent to another process ({wrong})"
             raise SarrusError(
-                f"{message}; define its functions at the top of a module, or take workers=1"
+                f"{message}. Define its functions at the top of a module, or take workers=1."
             ) from None
 
     def outcome(self, values: Mapping[str, float]) -> Outcome:

@@ -141,7 +141,7 @@ def ask(
     _refuse_guesses(run, parameters)
     task = Task(source, run, responses_of(responses), time_limit)
     if not task.responses:
-        raise SarrusError("a study needs a response; give one such as max(slider.x)")
+        raise SarrusError("a study needs a response. Give one such as max(slider.x).")
     found = {key: _parameter(key, given) for key, given in parameters.items()}
     run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
@@ -196,7 +196,7 @@ def carry_out(
     except (KeyboardInterrupt, TimeLimit) as end:
         status = "stopped" if isinstance(end, KeyboardInterrupt) else "time limit"
         why = "stopped by the user" if isinstance(end, KeyboardInterrupt) else str(end)
-        ended += [f"{asked.name}: {why}; {len(done)} of {len(asked.cases)} cases are done."]
+        ended += [f"{asked.name}: {why}. {len(done)} of {len(asked.cases)} cases are done."]
     except NotSavedError as wrong:
         status = NOT_SAVED
         ended += [f"{wrong} Then the same call continues with the cases that are left."]

@@ -77,7 +77,7 @@ def refuse_other_units(model: Model, name: str, given: Any) -> None:
         if not fits(powers, unit):
             expected = "a plain number" if unit == "1" else unit
             message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
-            raise SarrusError(f"{message}; give it in {expected}, or leave the unit away")
+            raise SarrusError(f"{message}. Give it in {expected}, or leave the unit away.")
 
 
 def unit_of_number(model: Model, name: str) -> str:
@@ -141,10 +141,10 @@ class Entries:
             raise self.refused("the file is a mapping with the keys " + ", ".join(keys))
         for key in data:
             if key not in keys:
-                raise self.refused(f"{self.what} has no key {key!r}; {suggest(str(key), keys)}", key)
+                raise self.refused(f"{self.what} has no key {key!r}. {suggest(str(key), keys)}", key)
         for key in needed:
             if key not in data:
-                raise self.refused(f"the file lacks the key {key!r}; give it")
+                raise self.refused(f"the file lacks the key {key!r}. Give it.")
 
     def check_kind(self, key: str, kind: type, wanted: str) -> None:
         """Refuse an entry of another kind."""

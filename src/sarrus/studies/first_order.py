@@ -99,7 +99,7 @@ def uncertainty(
         For what cannot be meant, and if the run fails or does not end within the time limit.
     """
     if not isinstance(analysis, Simulation):
-        raise SarrusError("uncertainty is propagated through a Simulation; for other analyses use study")
+        raise SarrusError("uncertainty is propagated through a Simulation. For other analyses use study.")
     asked = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
     announce(asked.start_warnings())
     return uncertainty_of(asked, progress, time_limit)
@@ -111,7 +111,9 @@ def uncertainty_of(
     """The same for a study that was checked."""
     run = asked.task.run
     if not isinstance(run, Simulation):
-        raise SarrusError("uncertainty is propagated through a simulation; this study has another analysis")
+        raise SarrusError(
+            "uncertainty is propagated through a simulation. Use simulate as the analysis of this study."
+        )
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
@@ -128,7 +130,7 @@ def uncertainty_of(
     gradient = sensitivity(motion, outer.parts, list(names))
     if gradient.undefined:
         raise SarrusError(
-            f"{gradient.undefined[0]} alone cannot vary: there is no derivative by it, see Gradient.undefined"
+            f"{gradient.undefined[0]} alone cannot vary: there is no derivative by it. See Gradient.undefined."
         )
     values, slopes = outer.linear(gradient.values)
     return Uncertainty(names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1])

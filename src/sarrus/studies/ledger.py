@@ -132,7 +132,7 @@ def read_study(folder: Path) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(read_file(place))
         written, own = found.pop("checksum", None), found.pop("format", None)
     except NoSavedDataError:
-        message = f"{folder}: holds no study; there is no readable {STUDY} in it."
+        message = f"{folder}: holds no study, for it has no readable {STUDY}. Check the path."
         raise NoSavedDataError(f"{message} Give the folder of a study.") from None
     except (ValueError, AttributeError, TypeError) as wrong:
         raise wrong if isinstance(wrong, SarrusError) else damaged(place) from None
@@ -217,7 +217,7 @@ def _refuse_other(folder: Path, stored: Mapping[str, Any], facts: Mapping[str, A
     for name in SAME:
         if stored.get(name) != here[name]:
             raise SarrusError(
-                f"{folder}: holds a study with another {name}; choose another folder, or remove it"
+                f"{folder}: holds a study with another {name}. Choose another folder, or remove it."
             )
 
 

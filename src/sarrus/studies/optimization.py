@@ -126,11 +126,11 @@ def _check(file: Entries) -> None:
     file.check_keys(KEYS, ("model", "parameters", "analysis"))
     data = file.document.data
     if ("minimize" in data) == ("fit" in data):
-        raise file.refused("give minimize or fit, and not both")
+        raise file.refused("one of minimize and fit is needed. Give one of them.")
     other = "fit" if "minimize" in data else "minimize"
     for key in ONLY[other]:
         if key in data:
-            raise file.refused(f"{key!r} belongs to {other!r}; leave it out", key)
+            raise file.refused(f"{key!r} belongs to {other!r}. Leave it out.", key)
     file.check_kind("model", str, "the name of a file")
     file.check_kind("name", str, "a text")
     for key in ("parameters", "constraints"):
@@ -141,7 +141,7 @@ def _check(file: Entries) -> None:
 def _simulation(given: Any, folder: Path) -> Simulation:
     run = run_of(given, folder)
     if not isinstance(run, Simulation):
-        raise SarrusError("derivatives are those of a simulation; give {type: simulate, until: ...}")
+        raise SarrusError("derivatives are those of a simulation. Give {type: simulate, until: ...}.")
     return run
 
 
@@ -150,7 +150,7 @@ def _known(mapping: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
         raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}")
     for key in mapping:
         if key not in keys:
-            raise SarrusError(f"{what} has no key {key!r}; {suggest(str(key), keys)}")
+            raise SarrusError(f"{what} has no key {key!r}. {suggest(str(key), keys)}")
     return mapping
 
 
@@ -169,7 +169,7 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
 def _within(name: str, given: Any, *, until: float, begin: float) -> Within:
     mapping = _known(given, ("of", "lower", "upper"), "a constraint")
     if "of" not in mapping:
-        raise SarrusError("a constraint lacks its formula; give of")
+        raise SarrusError("a constraint lacks its formula. Add the key of.")
     limits = {key: number(mapping[key]) for key in ("lower", "upper") if key in mapping}
     return Within(differentiable(Response(str(name), str(mapping["of"])), until, begin), **limits)
 
@@ -178,7 +178,7 @@ def _misfit(given: Any, folder: Path) -> Misfit:
     mapping = _known(given, ("of", "file", "time", "column", "sigma"), "a measurement")
     for key in ("of", "file", "sigma"):
         if key not in mapping:
-            raise SarrusError(f"a measurement lacks the key {key!r}; give it")
+            raise SarrusError(f"a measurement lacks the key {key!r}. Add it.")
     output = str(mapping["of"])
     rows = _columns(
         folder / str(mapping["file"]),
@@ -197,12 +197,12 @@ def _columns(path: Path, *names: str) -> list[list[float]]:
         with path.open(newline="", encoding="utf-8") as file:
             table = list(csv.DictReader(file))
     except OSError:
-        raise SarrusError(f"{path}: cannot be read; check the path") from None
+        raise SarrusError(f"{path}: cannot be read. Check the path.") from None
     known = list(table[0]) if table else []
     for name in names:
         if name not in known:
             raise SarrusError(
-                f"{path}: has no column {name!r}; {suggest(name, known) if known else 'it is empty'}"
+                f"{path}: has no column {name!r}. {suggest(name, known) if known else 'It is empty.'}"
             )
     found = [[_cell(path, row[name]) for row in table] for name in names]
     return found
@@ -214,13 +214,13 @@ def _cell(path: Path, text: str) -> float:
     except (TypeError, ValueError):
         value = float("nan")
     if not isfinite(value):
-        raise SarrusError(f"{path}: holds {text!r}, which is no number")
+        raise SarrusError(f"{path}: holds {text!r}, which is no number.")
     return value
 
 
 def _solver(given: Any) -> str:
     if not isinstance(given, str) or given not in SOLVERS:
-        raise SarrusError(f"there is no solver {given!r}; {suggest(str(given), SOLVERS)}")
+        raise SarrusError(f"there is no solver {given!r}. {suggest(str(given), SOLVERS)}")
     return str(given)
 
 

@@ -108,7 +108,7 @@ class Distribution:
     def __post_init__(self) -> None:
         if not np.all(np.isfinite(self.at(PROBABILITIES))):
             wrong = "has no values, or some that are not finite"
-            raise SarrusError(f"the distribution {self.name} with {dict(self.arguments)} {wrong}; {_SCIPY}")
+            raise SarrusError(f"the distribution {self.name} with {dict(self.arguments)} {wrong}. {_SCIPY}")
 
     def grid(self) -> Array:
         """Quantiles."""
@@ -131,17 +131,17 @@ class Distribution:
 
         known = [name for name in dir(stats) if hasattr(getattr(stats, name), "ppf")]
         if self.name not in known:
-            raise SarrusError(f"there is no distribution {self.name!r}; {suggest(self.name, known)}")
+            raise SarrusError(f"there is no distribution {self.name!r}. {suggest(self.name, known)}")
         try:
             return getattr(stats, self.name)(**self.arguments)
         except TypeError as wrong:
             raise SarrusError(
-                f"the distribution {self.name}: {str(wrong).split(') ')[-1]}; {_SCIPY}"
+                f"the distribution {self.name}: {str(wrong).split(') ')[-1]}. {_SCIPY}"
             ) from None
 
 
 LARGEST = 2**31 - 1  # of a seed, and of what is counted
-_SCIPY = "see scipy.stats for its arguments"
+_SCIPY = "See scipy.stats for its arguments."
 
 
 def parameter_of(given: Any) -> Parameter:
@@ -171,7 +171,7 @@ def _of_mapping(given: dict[str, Any]) -> Parameter:
         return Distribution(name, {key: number(value) for key, value in given.items()}, **count)
     if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
         message = f"its keys are {', '.join(given) or 'none'}"
-        raise SarrusError(f"{message}; give from and to (and count, log), or distribution and its arguments")
+        raise SarrusError(f"{message}. Give from and to (and count, log), or distribution and its arguments.")
     log = given.get("log", False)
     if not isinstance(log, bool):
         raise SarrusError(f"log must be true or false, but is {show(log)}")
@@ -185,18 +185,20 @@ def number(given: Any) -> float:
     except ModelError as wrong:
         raise SarrusError(f"{given!r} {wrong.message}") from None
     if isinstance(found, bool) or not isinstance(found, int | float | np.number):
-        raise SarrusError(f"a number is expected, but {show(given)} is given; write it as in 1.5e-3 or 20 mm")
+        raise SarrusError(
+            f"a number is expected, but {show(given)} is given. Write it as in 1.5e-3 or 20 mm."
+        )
     try:
         return float(found)
     except OverflowError:
-        raise SarrusError(f"a finite number is expected, but {show(given)} is given") from None
+        raise SarrusError(f"a finite number is expected, but {show(given)} is given.") from None
 
 
 def seconds(given: Any) -> float:
     """A time that is greater than 0, in s."""
     found = number(given)
     if not found > 0:
-        raise SarrusError(f"a time greater than 0 s is expected, but {show(given)} is given")
+        raise SarrusError(f"a time greater than 0 s is expected, but {show(given)} is given.")
     return found
 
 

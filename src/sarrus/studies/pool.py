@@ -28,8 +28,8 @@ Jobs = dict[int, Values]
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 SCRIPT = b"__main__"  # in a packed task: it holds a function of the user's script
 GUARD = (
-    'a study with functions of a script starts processes that read the script again; put it under "if __name__ == '
-    '"__main__":", or take workers=1'
+    'a study with functions of a script starts processes that read the script again. Put it under "if __name__ == '
+    '"__main__":", or take workers=1.'
 )
 AT_ONCE = 1000  # cases handed to an executor of the user's, which has a queue of its own
 PAUSE = 0.5  # s between two looks at the clock while cases run elsewhere
@@ -67,7 +67,7 @@ def run_in(executor: Executor, task: Task, jobs: Jobs, write: Write, tick: Tick)
             write(case, _outcome(task, done))
     if left:
         raise SarrusError(
-            f"the executor broke with {len(left)} cases left; give a new one to go on with them"
+            f"the executor broke with {len(left)} cases left. Give a new one to go on with them."
         )
 
 
@@ -93,7 +93,7 @@ def run_in_processes(task: Task, jobs: Jobs, write: Write, workers: int, tick: T
         while suspects:
             dead = _until_death(task, packed, {case: left[case] for case in suspects}, note, 1, 1, tick)
             for case in dead:
-                note(case, _lost(task, "its worker process died, twice; it may have run out of memory"))
+                note(case, _lost(task, "its worker process died, twice. Give it more memory."))
             suspects = [case for case in suspects if case in left]
 
 
@@ -164,7 +164,7 @@ def _lost(task: Task, message: str) -> Outcome:
 def _refuse_interactive(packed: bytes) -> None:
     if SCRIPT in packed and not hasattr(sys.modules["__main__"], "__file__"):
         message = "a function of an interactive session cannot be sent to another process"
-        raise SarrusError(f"{message}; define it in a module, or take workers=1")
+        raise SarrusError(f"{message}. Define it in a module, or take workers=1.")
 
 
 def refuse_inside_start() -> None:

@@ -52,7 +52,7 @@ def reductions(t: Array) -> dict[str, Function]:
 
 
 def _no_partials(*args: Expression) -> tuple[Expression, ...]:
-    raise SarrusError("a reduction over time has no derivative as a formula; use sensitivity()")
+    raise SarrusError("a reduction over time has no derivative as a formula. Use sensitivity().")
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Response:
             found = self.of(result)
         number = float(np.ravel(found)[-1]) if np.size(found) else np.nan
         if not np.isfinite(number):
-            raise SarrusError(f"response {self.name!r} is {number}, no finite number")
+            raise SarrusError(f"response {self.name!r} is {number}, no finite number.")
         return number
 
 
@@ -156,7 +156,7 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
     """
     if not isinstance(response.of, str):
         raise SarrusError(
-            f"response {response.name!r} is a function, whose derivatives are unknown; give a formula"
+            f"response {response.name!r} is a function, whose derivatives are unknown. Give a formula."
         )
     inner: dict[str, Differentiable] = {}
     made: dict[Expression, Expression] = {}
@@ -173,7 +173,7 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
     whole, names = made[tree], made[tree].names()
     if not inner:
         raise SarrusError(
-            f"response {response.name!r} names no output of the motion; name one, such as max(slider.x)"
+            f"response {response.name!r} names no output of the motion. Name one, such as max(slider.x)."
         )
     return Combined(
         lambda *values: whole.value(dict(zip(names, values, strict=True))),
@@ -192,7 +192,7 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
     """A reduction as a formula of responses that can be differentiated."""
     word, of = node.function.name, node.args[0]
     if any(isinstance(one, Call) and one.function.partials is _no_partials for one in of.nodes()):
-        raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here")
+        raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here.")
     span, g = Number(until - begin), _function(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)

@@ -311,7 +311,7 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
     if folder is not None and isinstance(begin, Mapping) and "run" in begin:
         options["start"] = {**begin, "run": str(folder / str(begin["run"]))}
     if kind not in KINDS:
-        raise SarrusError(f"there is no analysis {kind!r}; {suggest(str(kind), KINDS)}")
+        raise SarrusError(f"there is no analysis {kind!r}. {suggest(str(kind), KINDS)}")
     run: Run = _built(
         KINDS[kind], f"the analysis {kind}", {str(name): value for name, value in options.items()}
     )
@@ -323,7 +323,7 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
     known = {one.name: one for one in fields(kind)}
     for name, value in options.items():
         if name not in known:
-            raise SarrusError(f"{what} has no key {name!r}; {suggest(name, known)}")
+            raise SarrusError(f"{what} has no key {name!r}. {suggest(name, known)}")
         if name == "method":
             options[name] = _method(value)
         elif name == "start":
@@ -335,7 +335,7 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
         else:
             options[name] = number(value)
     if "until" in known and "until" not in options:
-        raise SarrusError(f"{what} needs an end time; give until in s")
+        raise SarrusError(f"{what} needs an end time. Give until in s.")
     return kind(**options)
 
 
@@ -349,7 +349,7 @@ def _method(given: Any) -> Any:
     options = dict(given) if isinstance(given, Mapping) else {"type": given}
     kind = str(options.pop("type", "radau")).lower()
     if kind not in METHODS:
-        raise SarrusError(f"there is no method {kind!r}; {suggest(kind, METHODS)}")
+        raise SarrusError(f"there is no method {kind!r}. {suggest(kind, METHODS)}")
     return _built(METHODS[kind], f"the method {kind}", options)
 
 
@@ -374,7 +374,7 @@ def _watch(until: float) -> Callable[[float], None]:
 
     def watch(reached: float) -> None:
         if time.monotonic() > until:
-            raise TooLong(f"took longer than it may, it had reached t = {reached:.6g} s; raise time_limit")
+            raise TooLong(f"took longer than it may, it had reached t = {reached:.6g} s. Raise time_limit.")
 
     return watch
 
@@ -414,13 +414,13 @@ def _modal(found: Modes, name: str) -> float:
     assert match is not None
     values, place = getattr(found, COLUMNS[match["word"]]), int(match["place"])
     if not 0 < place <= len(values):
-        raise SarrusError(f"there is no {name}; {found.name} has {len(values)} modes, the first is mode1")
+        raise SarrusError(f"{found.name} has no {name}. Choose from mode1 to mode{len(values)}.")
     return float(values[place - 1])
 
 
 def _entry(found: Mapping[str, Any], name: str) -> float:
     if name not in found:
         raise SarrusError(
-            f"the function returned no {name!r}; {suggest(name, found) if found else 'return a mapping'}"
+            f"the function returned no {name!r}. {suggest(name, found) if found else 'Return a mapping.'}"
         )
     return float(found[name])

@@ -36,7 +36,7 @@ MOST = 1_000_000  # cases
 
 def _refuse_many(cases: int) -> None:
     if cases > MOST:
-        raise SarrusError(f"a study has at most {MOST:,} cases, but these are {cases:,}; take fewer values")
+        raise SarrusError(f"a study has at most {MOST:,} cases, but these are {cases:,}. Take fewer values.")
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Sobol(Spread):
         super().__post_init__()
         if self.count & (self.count - 1):
             nearest = 2 ** round(float(np.log2(self.count)))
-            raise SarrusError(f"a Sobol sample has a power of 2 cases, not {self.count}; take {nearest}")
+            raise SarrusError(f"a Sobol sample has a power of 2 cases, not {self.count}. Take {nearest}.")
 
     def points(self, width: int) -> Array:
         """SciPy's Sobol sequence."""
@@ -148,7 +148,7 @@ def sample_of(given: Any) -> Sample:
         return given
     options = {"type": given or "grid"} if given is None or isinstance(given, str) else given
     if not isinstance(options, Mapping):
-        raise SarrusError(f"a sample is a mapping with a type, but is {given!r}; give one as in Sobol(64)")
+        raise SarrusError(f"a sample is a mapping with a type, but is {given!r}. Give one as in Sobol(64).")
     entries = {str(key): value for key, value in options.items()}
     kind = entries.pop("type", "grid")
     return _made(str(kind), entries)
@@ -157,13 +157,15 @@ def sample_of(given: Any) -> Sample:
 def _made(kind: str, entries: dict[str, Any]) -> Sample:
     known = {"grid": set[str](), "listed": {"rows"}} | {name: {"count", "seed"} for name in SPREADS}
     if kind not in known:
-        raise SarrusError(f"there is no sample {kind!r}; {suggest(kind, known)}")
+        raise SarrusError(f"there is no sample {kind!r}. {suggest(kind, known)}")
     if entries.keys() - known[kind]:
         wrong = sorted(entries.keys() - known[kind])[0]
-        raise SarrusError(f"the sample {kind} has no key {wrong!r}; it takes {sorted(known[kind]) or 'none'}")
+        raise SarrusError(
+            f"the sample {kind} has no key {wrong!r}. Choose from {', '.join(sorted(known[kind])) or 'none'}."
+        )
     if kind in SPREADS:
         if "count" not in entries:
-            raise SarrusError(f"the sample {kind} needs a count; give the number of cases")
+            raise SarrusError(f"the sample {kind} needs a count. Give the number of cases.")
         seed = whole(entries.get("seed", 0), "a seed", 0)
         return SPREADS[kind](whole(entries["count"], "the count of a sample"), seed)
     return Listed(_rows(entries.get("rows", ()))) if kind == "listed" else Grid()
@@ -171,5 +173,5 @@ def _made(kind: str, entries: dict[str, Any]) -> Sample:
 
 def _rows(given: Any) -> tuple[tuple[float, ...], ...]:
     if not isinstance(given, Sequence) or not all(isinstance(row, Sequence) for row in given):
-        raise SarrusError("the sample listed needs rows of numbers, one for each parameter")
+        raise SarrusError("the sample listed needs rows of numbers, one for each parameter.")
     return tuple(tuple(number(value) for value in row) for row in given)

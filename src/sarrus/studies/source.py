@@ -68,10 +68,10 @@ class Source:
             if name in self.model.parameters and not self.files:
                 message = f"{name!r} is a parameter of a file that {system.name} no longer follows"
                 raise SarrusError(
-                    f"{message}; study the model as it was loaded, or change its numbers directly"
+                    f"{message}. Study the model as it was loaded, or change its numbers directly."
                 )
             if name not in known:
-                raise SarrusError(f"{system.name} has no number {name!r}; {suggest(name, known)}")
+                raise SarrusError(f"{system.name} has no number {name!r}. {suggest(name, known)}")
 
     def made(self, values: Mapping[str, float]) -> tuple[System, Start]:
         """The system of a case, and its guess."""

@@ -65,7 +65,9 @@ class StudyTable(Result):
         """
         names = (*self.parameters, *self.responses)
         if name not in names:
-            raise KeyError(f"no column {name!r} in the study {self.name}; its columns are {', '.join(names)}")
+            raise KeyError(
+                f"no column {name!r} in the study {self.name}. Its columns are {', '.join(names)}."
+            )
         both = np.column_stack([self.values, self.found])
         return np.asarray(both[:, names.index(name)])
 

@@ -88,12 +88,12 @@ def dask_executor(address: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError:
-        raise SarrusError("a Dask cluster needs Dask; install it with: pip install 'sarrus[dask]'") from None
+        raise SarrusError("a Dask cluster needs Dask. Install it with: pip install 'sarrus[dask]'.") from None
     try:
         client: Any = Client(address, timeout=WAIT, set_as_default=False)
     except (OSError, ValueError) as wrong:
         message = f"no Dask scheduler answers at {address} ({type(wrong).__name__})"
-        raise SarrusError(f"{message}; start one with: dask scheduler") from None
+        raise SarrusError(f"{message}. Start one with: dask scheduler.") from None
     with client:
         _wait_for_workers(client, address)
         yield client.get_executor(pure=False)
@@ -104,4 +104,4 @@ def _wait_for_workers(client: Any, address: str) -> None:
         client.wait_for_workers(1, timeout=WAIT)
     except TimeoutError:
         message = f"the Dask scheduler at {address} has no worker"
-        raise SarrusError(f"{message}; start some with: dask worker {address}") from None
+        raise SarrusError(f"{message}. Start some with: dask worker {address}.") from None

@@ -39,7 +39,7 @@ def frames(run: Trajectory, most: int = MOST) -> Frames:
         If the run holds no state.
     """
     if not len(run.t):
-        raise ValueError(f"{run.name}: the run holds no states, so there is nothing to show; {run.message}")
+        raise ValueError(f"{run.name}: the run holds no states, so there is nothing to show: {run.message}")
     if len(run.t) == 1 or run.t[-1] <= run.t[0]:
         return Frames(run.t[:1], run.q[:1], run.v[:1])
     t = np.linspace(run.t[0], run.t[-1], max(2, most))
@@ -191,7 +191,7 @@ def _chosen(system: System, wanted: Sequence[str] | bool | None) -> Sequence[str
         return names if (len(names) <= FEW if wanted is None else wanted) else []
     for name in wanted:
         if name not in names:
-            raise KeyError(f"no joint or driver {name!r} in {system.name}; it has {', '.join(names)}")
+            raise KeyError(f"no joint or driver {name!r} in {system.name}. Choose from {', '.join(names)}.")
     return wanted
 
 

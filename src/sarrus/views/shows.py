@@ -144,7 +144,7 @@ def animate(
     runs = [run, *beside]
     titles = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
     if len(titles) != len(runs):
-        raise ValueError(f"there are {len(runs)} runs, but {len(titles)} labels; give one for each")
+        raise ValueError(f"there are {len(runs)} runs, but {len(titles)} labels. Give one for each.")
     wanted = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
     shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, titles, strict=True)]
     shown = [

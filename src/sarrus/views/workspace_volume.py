@@ -172,7 +172,7 @@ def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
         text = (
             f"the outputs {', '.join(found.outputs)} are no coordinates x, y and z, or nothing can be reached"
         )
-        raise SarrusError(f"{found.name}: {text}; draw its slices with plot instead")
+        raise SarrusError(f"{found.name}: {text}. Draw its slices with plot instead.")
     parts = []
     for n, cause in enumerate(found.causes):
         mine = found.triangles[found.cause_of == n]

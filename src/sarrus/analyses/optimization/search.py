@@ -64,7 +64,7 @@ class Variables:
             for name in given or {}:
                 if name not in self.names:
                     raise ValueError(
-                        f"{what} for {name!r}, which is no design variable; {suggest(name, self.names)}"
+                        f"{what} for {name!r}, which is no design variable. {suggest(name, self.names)}"
                     )
         self.limits = np.array([_limit(name, (bounds or {}).get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])

@@ -63,7 +63,7 @@ def solver_of(
     if constrained and chosen == "L-BFGS-B":
         raise ValueError("L-BFGS-B takes no constraints; take SLSQP, trust-constr or IPOPT")
     if second_order and chosen not in CURVED:
-        raise ValueError(f"{chosen} takes no second derivatives; take {' or '.join(CURVED)}")
+        raise ValueError(f"{chosen} takes no second derivatives. Take {' or '.join(CURVED)}")
     if chosen == "IPOPT":
         return lambda search, iterations, tolerance: by_ipopt(search, iterations, tolerance, second_order)
     return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance, second_order)

@@ -66,7 +66,7 @@ class JointSpace:
         theta = self.zero()
         for name, value in values.items():
             if name not in self.coordinates_of:
-                raise ModelError(f"there is no joint {quote(name)}; {suggest(name, self.coordinates_of)}")
+                raise ModelError(f"there is no joint {quote(name)}. {suggest(name, self.coordinates_of)}")
             theta[self.coordinates_of[name]] = value
         return theta
 

@@ -72,7 +72,7 @@ def _folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
-        raise SarrusError(f"{folder}: is a file, not a folder; choose another --output") from None
+        raise SarrusError(f"{folder}: is a file, not a folder. Choose another --output.") from None
     refuse_unwritable([folder / "slider_crank_motion.png"])
     return folder
 

@@ -44,7 +44,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.csv, chosen.figure if chosen.reaction else None])
     system = System(model_file.read(chosen))
     if chosen.reaction and chosen.reaction not in system.rows:
-        raise SarrusError(f"no joint or driver {chosen.reaction!r}; there are {', '.join(system.rows)}")
+        raise SarrusError(f"no joint or driver {chosen.reaction!r}. Choose from {', '.join(system.rows)}.")
     for name in chosen.columns:
         find_output(system, name)
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:

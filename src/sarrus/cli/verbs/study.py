@@ -90,7 +90,7 @@ def _refuse_unknown(response: str | None, known: list[str]) -> None:
     from ...model.errors import SarrusError
 
     if response is not None and response not in known:
-        raise SarrusError(f"--plot: there is no response {response!r}; there are {', '.join(known)}")
+        raise SarrusError(f"--plot: there is no response {response!r}. Choose from {', '.join(known)}.")
 
 
 def _executor(address: str | None) -> AbstractContextManager[Any]:

@@ -63,7 +63,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.output])
     if chosen.output and chosen.output.suffix.lower() in FILMS and not chosen.until:
-        raise SarrusError(f"{chosen.output}: a film needs a motion; give its duration with --until")
+        raise SarrusError(f"{chosen.output}: a film needs a motion. Give its duration with --until.")
     for option in ("plot", "trace"):
         if getattr(chosen, option) and not chosen.until:
             raise SarrusError(f"--{option} needs a motion. Give its duration with --until.")

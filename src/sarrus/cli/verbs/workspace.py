@@ -55,7 +55,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=_limit,
         metavar="NAME=LOW,HIGH",
-        help="limits, e.g. pin=-60deg,60deg or slide=,0.4; by default those of a robot description",
+        help="limits, e.g. pin=-60deg,60deg or slide=,0.4; by default those of a robot description.",
     )
     parser.add_argument(
         "--fix", nargs="+", default=[], type=_fixed, metavar="NAME=VALUE", help="functions that keep a value"
@@ -148,18 +148,18 @@ def _refuse_options(chosen: argparse.Namespace) -> None:
     }
     given = [option for option, value in planar.items() if value]
     if given and len(chosen.output) != 2:
-        raise SarrusError(f"{given[0]} is for two outputs, not {len(chosen.output)}; leave it out")
+        raise SarrusError(f"{given[0]} is for two outputs, not {len(chosen.output)}. Leave it out.")
     _refuse_ignored(chosen)
     if chosen.singular and not chosen.inputs:
-        raise SarrusError("--singular needs to know what drives the mechanism; add --inputs NAME ...")
+        raise SarrusError("--singular needs to know what drives the mechanism. Add --inputs NAME ...")
     if chosen.turn and chosen.field != "turn":
-        raise SarrusError("--turn is for --field turn; add it")
+        raise SarrusError("--turn is for --field turn. Add it.")
     if chosen.field == "turn" and not chosen.turn:
         raise SarrusError(
-            "--field turn needs the name of a rotation; add --turn NAME, e.g. --turn platform.rotation_z"
+            "--field turn needs the name of a rotation. Add --turn NAME, e.g. --turn platform.rotation_z."
         )
     if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
-        raise SarrusError(f"--field {chosen.field} needs to know what drives it; add --inputs NAME ...")
+        raise SarrusError(f"--field {chosen.field} needs to know what drives it. Add --inputs NAME ...")
 
 
 def _refuse_ignored(chosen: argparse.Namespace) -> None:
@@ -168,15 +168,15 @@ def _refuse_ignored(chosen: argparse.Namespace) -> None:
 
     if chosen.field and (chosen.at or chosen.curves):
         option = "--at" if chosen.at else "--curves"
-        raise SarrusError(f"{option} is for a picture without --field; leave one of them out")
+        raise SarrusError(f"{option} is for a picture without --field. Leave one of them out.")
     if chosen.inputs and not chosen.field and not chosen.singular:
-        raise SarrusError("--inputs is for --field and --singular; add one of them")
+        raise SarrusError("--inputs is for --field and --singular. Add one of them.")
     if chosen.view and len(chosen.output) == 2:
-        raise SarrusError("--view is for three outputs, not 2; leave it out")
+        raise SarrusError("--view is for three outputs, not 2. Leave it out.")
     written = {"--csv": chosen.csv, "--netcdf": chosen.netcdf, "--view": chosen.view}
     given = [option for option, value in written.items() if value]
     if given and len(chosen.output) == 1:
-        raise SarrusError(f"{given[0]} is for more than one output; leave it out")
+        raise SarrusError(f"{given[0]} is for more than one output. Leave it out.")
 
 
 class Clock:

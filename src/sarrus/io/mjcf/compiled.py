@@ -22,7 +22,7 @@ def mujoco() -> Any:
     try:
         return import_module("mujoco")
     except ImportError:
-        message = 'reading MJCF needs the package mujoco; install it, pip install "sarrus[mjcf]"'
+        message = 'reading MJCF needs the package mujoco. Install it, pip install "sarrus[mjcf]".'
         raise ImportError(message) from None
 
 
@@ -35,7 +35,7 @@ def compiled(path: Path) -> Any:
         If there is no such file, or MuJoCo cannot read it.
     """
     if not path.is_file():
-        raise ModelError("does not exist, or is no file; check the path", where=str(path))
+        raise ModelError("does not exist, or is no file. Check the path.", where=str(path))
     check_counts(path)
     try:
         return mujoco().MjModel.from_xml_path(str(path))
@@ -51,4 +51,4 @@ def name_of(named: Any, word: str) -> str:
 def _refusal(path: Path, message: str) -> ModelError:
     line = re.search(r"line (\d+)", message)
     where = f"{path}:{line[1]}" if line else str(path)
-    return ModelError(f"cannot be read by MuJoCo, {message.rstrip('.')}; fix it", part="file", where=where)
+    return ModelError(f"cannot be read by MuJoCo, {message.rstrip('.')}. Fix it.", part="file", where=where)

@@ -67,7 +67,7 @@ class _Counter:
         raise self._refusal("declares a document type, which could define entities")
 
     def _refusal(self, message: str) -> ModelError:
-        message = f"{message}; take it out, or make the file smaller"
+        message = f"{message}. Take it out, or make the file smaller."
         return ModelError(message, part="file", where=self._place())
 
     def _place(self) -> str:

@@ -69,7 +69,7 @@ def load_mjcf(
 
 def _description(read: Any, path: Path) -> Description:
     if read.nflex:
-        raise ModelError("has flexible bodies; take them out of the file", part="file", where=str(path))
+        raise ModelError("has flexible bodies. Take them out of the file.", part="file", where=str(path))
     links = links_of(read)
     return Description(
         name=path.stem,

@@ -55,11 +55,11 @@ def mimics_of(compiled: Any, file: str) -> dict[str, Mimic]:
 def _refuse_others(compiled: Any, k: int, file: str) -> None:
     kind, message = int(compiled.eq_type[k]), ""
     if kind > JOINT:
-        message = "is neither connect, weld nor joint; take it out of the file"
+        message = "is neither connect, weld nor joint. Take it out of the file."
     elif kind == JOINT and compiled.eq_obj2id[k] < 0:
-        message = "holds one joint; take it out of the file and use lock"
+        message = "holds one joint. Take it out of the file and use lock."
     elif kind == JOINT and any(compiled.eq_data[k, 2:5]):
-        message = "is no linear relation of two joints; take it out of the file"
+        message = "is no linear relation of two joints. Take it out of the file."
     if message:
         raise ModelError(message, part=f"equality {quote(_name(compiled, k))}", where=file)
 

@@ -34,8 +34,8 @@ def bodies_of(
     """
     if not merged.edges:
         urdf = description.file.lower().endswith(".urdf")
-        remedy = 'import it with base="floating", or give it' if urdf else "give a body"
-        message = f"nothing in it moves; {remedy} a joint that moves"
+        remedy = 'Import it with base="floating", or give it' if urdf else "Give a body"
+        message = f"nothing in it moves. {remedy} a joint that moves."
         raise ModelError(message, part="robot", where=description.file)
     kind = Body if inertia == "check" else GivenBody
     bodies = []
@@ -45,7 +45,7 @@ def bodies_of(
             body = _body(kind, name, _inertial(merged, edge), poses[name])
             body.mass_properties()
         except ModelError as error:
-            remedy = ', or take it as it is: inertia="given"' if error.field == "inertia" else ""
+            remedy = ' Or take it as it is: inertia="given".' if error.field == "inertia" else ""
             part, where = f"link {quote(link.name)}", description.where(link.line)
             raise ModelError(error.message + remedy, part=part, field=error.field, where=where) from None
         bodies.append(body)
@@ -59,8 +59,8 @@ def _body(kind: type[Body], name: str, inertial: Inertial, pose: Pose) -> Body:
 def _inertial(merged: Merged, edge: Edge) -> Inertial:
     inertial = merged.inertials.get(edge.child)
     if inertial is None or inertial.mass == 0:
-        remedy = f"give it an inertial, or stop the joint that moves it, lock=[{quote(edge.name)}]"
-        raise ModelError(f"moves, but neither it nor what is fixed to it has mass; {remedy}", field="mass")
+        remedy = f"Give it an inertial, or stop the joint that moves it, lock=[{quote(edge.name)}]."
+        raise ModelError(f"moves, but neither it nor what is fixed to it has mass. {remedy}", field="mass")
     return inertial
 
 
@@ -79,7 +79,7 @@ class GivenBody(Body):
         ModelError
             If a principal moment is negative or no number: some rotation would have a negative kinetic energy.
         """
-        mass = positive(self.mass, "mass", "give the mass in kg")
+        mass = positive(self.mass, "mass", "Give the mass in kg.")
         J = np.array(self.inertia, dtype=float)
         _check_not_negative(J)
         xx, yy, zz, xy, xz, yz = (float(J[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))

@@ -57,7 +57,7 @@ def build(description: Description, options: ImportOptions) -> Robot:
 def _floating(description: Description) -> Description:
     """Return the description with the ground as its root, on which the former root moves freely."""
     if any(edge.name == BASE for edge in description.edges):
-        message = f"has the name of the motion of a floating root; rename joint {quote(BASE)}"
+        message = f"has the name of the motion of a floating root. Rename joint {quote(BASE)}."
         raise ModelError(message, part=f"joint {quote(BASE)}", where=description.file)
     edge = Edge(
         BASE, WORLD, description.root, GROUND_POSE, (Free(BASE),), description.links[description.root].line

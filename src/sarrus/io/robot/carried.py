@@ -97,7 +97,7 @@ def look_of(visual: Visual, links: Mapping[str, Carried], origin: Origin | None)
     wrong = (
         ""
         if file is None or _allowed(file, visual.file, folder)
-        else f"{file}: is outside of the model's folder; {REMEDY}"
+        else f"{file}: is outside of the model's folder. {REMEDY}"
     )
     color = "#" + "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in visual.color[:3])
     pose = compose(link.place, visual.pose)

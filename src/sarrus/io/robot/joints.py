@@ -134,7 +134,7 @@ def _none(hinge: Hinge, motions: Motions) -> None:
 def _refused(hinge: Hinge, motions: Motions) -> Joint:
     names = ", ".join(motion.name for motion in motions)
     message = f"no joint leaves just the motions {names} between two bodies"
-    raise ModelError(f"{message}; put a body with a small mass between them")
+    raise ModelError(f"{message}. Put a body with a small mass between them.")
 
 
 def _rotations(motions: Motions) -> list[Turn]:

@@ -69,7 +69,7 @@ def stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
 def _behind(stop: Pose, motion: Motion) -> Motion:
     converted = motion.expressed_in(stop)
     if converted is None:
-        message = "can be locked only together with the joints after it; lock them all, or none"
+        message = "can be locked only together with the joints after it. Lock them all, or none."
         raise ModelError(message, part=f"joint {quote(motion.name)}")
     return converted
 

@@ -64,9 +64,9 @@ def _place(
     found = coordinate_of(edge.motions, motion)
     if found is None:
         message = f"cannot follow: {quote(motion)} is one of several motions between two bodies"
-        remedy = 'put a body with a small mass between them, or import it with mimic="free" or mimic="lock"'
+        remedy = 'Put a body with a small mass between them, or import it with mimic="free" or mimic="lock".'
         raise ModelError(
-            f"{message}; {remedy}", part=f"joint {quote(name)}", where=description.where(edge.line)
+            f"{message}. {remedy}", part=f"joint {quote(name)}", where=description.where(edge.line)
         )
     return f"{joints[edge.name]}.{found[0]}", found[1]
 

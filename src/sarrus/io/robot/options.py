@@ -37,7 +37,7 @@ class ImportOptions:
             given = getattr(self, name)
             if given not in right:
                 message = (
-                    f"{name} must be one of {', '.join(right)}, but is {show(given)}; choose one of them"
+                    f"{name} must be one of {', '.join(right)}, but is {show(given)}. Choose another one."
                 )
                 raise ModelError(message, part="import", field=name)
 
@@ -47,7 +47,7 @@ def known(name: str, names: Iterable[str], field: str) -> str:
     right = list(names)
     if name not in right:
         message = f"{field} names {quote(str(name))}, but no joint that moves has this name"
-        raise ModelError(f"{message}; {suggest(str(name), right)}", field=field)
+        raise ModelError(f"{message}. {suggest(str(name), right)}", field=field)
     return name
 
 
@@ -61,13 +61,13 @@ def values_of(given: Mapping[str, Any], motions: Mapping[str, Motion], field: st
 def _values(motion: Motion, value: Any, field: str) -> Array:
     label = f"{field} of {quote(motion.name)}"
     if motion.width == 1:
-        return np.array([number(value, label, "give an angle in rad or a displacement in m")])
+        return np.array([number(value, label, "Give an angle in rad or a displacement in m.")])
     values = np.array(
-        numbers(value, motion.width, label, f"give {motion.width} numbers, {_ORDER[motion.width]}")
+        numbers(value, motion.width, label, f"Give {motion.width} numbers, {_ORDER[motion.width]}.")
     )
     if not np.linalg.norm(values[-4:]):
         raise ModelError(
-            f"{label} has Euler parameters of zero length; give [1, 0, 0, 0] for no turn", field=field
+            f"{label} has Euler parameters of zero length. Give [1, 0, 0, 0] for no turn.", field=field
         )
     return values
 

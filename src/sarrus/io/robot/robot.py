@@ -49,7 +49,7 @@ class Robot(TreeModel):
             If there is no such link.
         """
         if name not in self.links:
-            message = f"there is no link {quote(name)}; {suggest(name, self.links)}"
+            message = f"there is no link {quote(name)}. {suggest(name, self.links)}"
             raise ModelError(message, part=f"model {quote(self.name)}")
         return self.links[name]
 

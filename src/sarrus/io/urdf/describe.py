@@ -50,21 +50,21 @@ def describe(path: Path, gravity: Vec3) -> Description:
 
 def _check_root(root: Element, reader: Reader) -> None:
     if root.tag != "robot":
-        raise reader.refusal(f"the file is a <{root.tag}>, not a <robot>; give a URDF file", root.line)
+        raise reader.refusal(f"the file is a <{root.tag}>, not a <robot>. Give a URDF file.", root.line)
     reader.check(root, ("name", "version"), CHILDREN)
     links = sum(1 for _ in root.all("link"))
     if links > MOST_LINKS:
-        message = f"has {links:,} links, more than {MOST_LINKS:,}; split it, or build it in Python"
+        message = f"has {links:,} links, more than {MOST_LINKS:,}. Split it, or build it in Python."
         raise reader.refusal(message, root.line)
     if not links:
-        raise reader.refusal("has no links; give at least one", root.line)
+        raise reader.refusal("has no links. Give at least one.", root.line)
 
 
 def _edge(part: Part, name: str, links: Mapping[str, Link]) -> Edge:
     edge = read_joint(part.element, name, part.reader)
     for end in (edge.parent, edge.child):
         if end not in links:
-            raise part.reader.refusal(f"there is no link {quote(end)}; {suggest(end, links)}", edge.line)
+            raise part.reader.refusal(f"there is no link {quote(end)}. {suggest(end, links)}", edge.line)
     return edge
 
 

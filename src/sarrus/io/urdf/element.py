@@ -42,7 +42,7 @@ def read_xml(path: Path) -> Element:
     """
     content = read_bytes(path)
     if not content.strip():
-        raise ModelError("is empty; give a robot with at least one link", part="file", where=str(path))
+        raise ModelError("is empty. Give a robot with at least one link.", part="file", where=str(path))
     return _Reader(str(path)).root(content)
 
 
@@ -61,11 +61,11 @@ class _Reader:
         try:
             self.parser.Parse(content, True)
         except expat.ExpatError as error:
-            raise self._refusal(f"is not well-formed XML, {_reason(error)}; fix it", error.lineno) from None
+            raise self._refusal(f"is not well-formed XML, {_reason(error)}. Fix it.", error.lineno) from None
         except ModelError:
             raise
         except (LookupError, ValueError) as error:
-            raise self._refusal(f"cannot be decoded, {error}; save it as UTF-8", 1) from None
+            raise self._refusal(f"cannot be decoded, {error}. Save it as UTF-8.", 1) from None
         assert self.done is not None
         return self.done
 
@@ -73,13 +73,13 @@ class _Reader:
         line = self.parser.CurrentLineNumber
         element = Element(tag, attributes, line)
         if tag.startswith("xacro:"):
-            message = f"has the macro <{tag}>; expand it first, xacro robot.urdf.xacro > robot.urdf"
+            message = f"has the macro <{tag}>. Expand it first, xacro robot.urdf.xacro > robot.urdf."
             raise self._refusal(message, line)
         self.count += 1
         if self.count > MOST:
-            raise self._refusal(f"has more than {MOST:,} elements; split it, or build it in Python", line)
+            raise self._refusal(f"has more than {MOST:,} elements. Split it, or build it in Python.", line)
         if len(self.open) == DEEPEST:
-            message = f"is nested deeper than {DEEPEST} levels at {quote(tag)}; remove levels"
+            message = f"is nested deeper than {DEEPEST} levels at {quote(tag)}. Remove levels."
             raise self._refusal(message, line)
         if self.open:
             self.open[-1].children.append(element)
@@ -89,7 +89,7 @@ class _Reader:
         self.done = self.open.pop()
 
     def _doctype(self, *declared: object) -> None:
-        message = "declares a document type, which could define entities; remove the line with <!DOCTYPE"
+        message = "declares a document type, which could define entities. Remove the line with <!DOCTYPE."
         raise self._refusal(message, self.parser.CurrentLineNumber)
 
     def _refusal(self, message: str, line: int) -> ModelError:

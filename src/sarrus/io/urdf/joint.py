@@ -35,7 +35,7 @@ def read_joint(element: Element, name: str, reader: Reader) -> Edge:
     reader.check(element, ("name", "type"), CHILDREN)
     parent, child = _link_of(element, "parent", reader), _link_of(element, "child", reader)
     if parent == child:
-        message = f"connects link {quote(parent)} to itself; name two different links"
+        message = f"connects link {quote(parent)} to itself. Name two different links."
         raise reader.refusal(message, element.line)
     motions = _motions(element, name, reader)
     return Edge(name, parent, child, reader.pose(element), motions, element.line)
@@ -56,7 +56,7 @@ def _link_of(element: Element, tag: str, reader: Reader) -> str:
 def _motions(element: Element, name: str, reader: Reader) -> tuple[Motion, ...]:
     kind = reader.text(element, "type")
     if kind not in KINDS:
-        message = f"has the unknown type {quote(kind)}; {suggest(kind, KINDS)}"
+        message = f"has the unknown type {quote(kind)}. {suggest(kind, KINDS)}"
         raise reader.refusal(message, element.line)
     axis = reader.one(element, "axis") if kind not in WITHOUT_AXIS else None
     return KINDS[kind](name, reader.direction(axis, X))
@@ -112,7 +112,7 @@ def _read(part: Part) -> Mimic | None:
 def _check_leader(leader: str, leaders: Collection[str], line: int, reader: Reader) -> None:
     if leader not in leaders:
         message = f"<mimic> names {quote(leader)}, which is no joint that rotates or slides"
-        raise reader.refusal(f"{message}; {suggest(leader, leaders)}", line)
+        raise reader.refusal(f"{message}. {suggest(leader, leaders)}", line)
 
 
 def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Reader) -> None:
@@ -120,8 +120,8 @@ def _check_circle(name: str, mimics: Mapping[str, Mimic], line: int, reader: Rea
     while at in mimics:
         at, steps = mimics[at].joint, steps + 1
         if at == name:
-            message = f"<mimic> leads from {quote(name)} back to it; let one of these joints follow none"
+            message = f"<mimic> leads from {quote(name)} back to it. Let one of these joints follow none."
             raise reader.refusal(message, line)
         if steps > LONGEST:
-            message = f"<mimic> leads through more than {LONGEST} joints; let it follow the last of them"
+            message = f"<mimic> leads through more than {LONGEST} joints. Let it follow the last of them."
             raise reader.refusal(message, line)

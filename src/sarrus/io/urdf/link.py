@@ -51,7 +51,7 @@ def _inertial(element: Element, reader: Reader) -> Inertial:
     reader.check(mass, ("value",))
     value = reader.number(mass, "value")
     if value < 0:
-        raise reader.refusal(f"<mass> must not be negative, but is {value:g}; give it in kg", mass.line)
+        raise reader.refusal(f"<mass> must not be negative, but is {value:g}. Give it in kg.", mass.line)
     frame = reader.pose(element)
     inertia = reader.needed(element, "inertia", '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>')
     return _turned(value, _tensor(inertia, reader), frame)

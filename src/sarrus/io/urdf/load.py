@@ -82,6 +82,6 @@ def load_urdf(
     ModelError
         For anything that is wrong, in one message with file, line, part and remedy.
     """
-    description = describe(Path(path), vector(gravity, "gravity", "give three numbers in m/s²"))
+    description = describe(Path(path), vector(gravity, "gravity", "Give three numbers in m/s²."))
     options = ImportOptions(base, q0 or {}, lock, mimic, inertia, keep_fixed)
     return close(build(description, options), loops)

@@ -51,7 +51,7 @@ class Reader:
         """Return the only child with a tag, or None."""
         found = list(element.all(tag))
         if len(found) > 1:
-            message = f"has <{tag}> twice, the first time on line {found[0].line}; remove one of them"
+            message = f"has <{tag}> twice, the first time on line {found[0].line}. Remove one of them."
             raise self.refusal(message, found[1].line)
         return found[0] if found else None
 
@@ -59,14 +59,14 @@ class Reader:
         """Return the only child with a tag; it must be there."""
         found = self.one(element, tag)
         if found is None:
-            raise self.refusal(f"<{element.tag}> has no <{tag}>; add it, as in {example}", element.line)
+            raise self.refusal(f"<{element.tag}> has no <{tag}>. Add it, as in {example}.", element.line)
         return found
 
     def text(self, element: Element, attribute: str) -> str:
         """Return an attribute that must be there and not be empty."""
         value = element.attributes.get(attribute, "").strip()
         if not value:
-            message = f'<{element.tag}> has no {attribute}; add it, as in {attribute}="..."'
+            message = f'<{element.tag}> has no {attribute}. Add it, as in {attribute}="...".'
             raise self.refusal(message, element.line)
         return value
 
@@ -110,7 +110,7 @@ class Reader:
         label = f"<{element.tag}> {attribute}"
         if len(words) != count:
             wanted = "1 number" if count == 1 else f"{count} numbers with spaces between"
-            message = f"{label} must be {wanted}, but is {quote(text)}; correct it"
+            message = f"{label} must be {wanted}, but is {quote(text)}. Correct it."
             raise self.refusal(message, element.line)
         return [self._number(word, label, element.line) for word in words]
 
@@ -118,14 +118,14 @@ class Reader:
         try:
             value = float(word) if "_" not in word else float("_")
         except ValueError:
-            message = f"{label} must be a number, but is {quote(word)}; write it as in 1.5e-3"
+            message = f"{label} must be a number, but is {quote(word)}. Write it as in 1.5e-3."
             raise self.refusal(message, line) from None
         with self.placed(line):
             return number(value, label)
 
     def _spelling(self, message: str, given: str, known: Sequence[str], line: int) -> None:
         if given not in known and get_close_matches(given, known, n=1, cutoff=0.75):
-            raise self.refusal(f"{message} {quote(given)}; {suggest(given, known)}", line)
+            raise self.refusal(f"{message} {quote(given)}. {suggest(given, known)}", line)
 
 
 class Part(NamedTuple):
@@ -143,6 +143,6 @@ def named(root: Element, tag: str, reader: Reader) -> dict[str, Part]:
         if name in found:
             first = found[name].element.line
             message = f"the {tag} {quote(name)} is there twice, the first time on line {first}"
-            raise reader.refusal(f"{message}; rename one of them", element.line)
+            raise reader.refusal(f"{message}. Rename one of them.", element.line)
         found[name] = Part(element, Reader(reader.file, f"{tag} {quote(name)}"))
     return found

@@ -16,16 +16,16 @@ def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> 
         if edge.child in above:
             other = above[edge.child]
             message = f"link {quote(edge.child)} is already the child of joint {quote(other.name)}"
-            remedy = "a URDF is a tree, close the loop with a joint in a loops file"
-            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}; {remedy}", edge.line)
+            remedy = "Close the loop with a joint in a loops file: a URDF is a tree."
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}. {remedy}", edge.line)
         above[edge.child] = edge
     roots = [link for link in links.values() if link.name not in above]
     if not roots:
-        message = "every link is the child of a joint, so none is the root; let one link be no child"
+        message = "every link is the child of a joint, so none is the root. Let one link be no child."
         raise Reader(file, "robot").refusal(message, 1)
     if len(roots) > 1:
         names = " and ".join(quote(link.name) for link in roots[:2])
-        message = f"{names} both are no child of a joint; connect all links into one tree"
+        message = f"{names} both are no child of a joint. Connect all links into one tree."
         raise Reader(file, "robot").refusal(message, roots[1].line)
     return roots[0].name
 
@@ -49,5 +49,5 @@ def _refuse_circle(edges: Mapping[str, Edge], order: list[Edge], root: str, file
     for edge in edges.values():
         if edge.name not in reached:
             message = f"hangs in a circle of joints that does not reach the root {quote(root)}"
-            remedy = "let one of them have its parent in the tree"
-            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}; {remedy}", edge.line)
+            remedy = "Let one of them have its parent in the tree."
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}. {remedy}", edge.line)

@@ -80,6 +80,6 @@ class Body(Solid):
 
     def mass_properties(self) -> MassProperties:
         """Return the checked mass, inertia and centre of mass."""
-        mass = positive(self.mass, "mass", "give the mass in kg")
+        mass = positive(self.mass, "mass", "Give the mass in kg.")
         center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
         return MassProperties(mass, inertia_entries(self.inertia), vector(center, "center_of_mass"))

@@ -18,7 +18,7 @@ Inertia6: TypeAlias = tuple[float, float, float, float, float, float]
 
 ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 TOLERANCE = 1e-9  # [-] relative, for numbers that were rounded in a data sheet
-_FORMS = "give 3 principal moments, {xx, yy, zz, xy, xz, yz}, or a symmetric 3x3 matrix, in kg m²"
+_FORMS = "Give 3 principal moments, {xx, yy, zz, xy, xz, yz}, or a symmetric 3x3 matrix, in kg m²."
 
 
 def inertia_entries(inertia: Any) -> Inertia6:
@@ -50,10 +50,10 @@ def _matrix(inertia: Any) -> Array:
 def _from_entries(given: Mapping[str, float]) -> Array:
     for key in given:
         if key not in ENTRIES:
-            raise ModelError(f"inertia has no entry {quote(key)}; {suggest(key, ENTRIES)}", field="inertia")
+            raise ModelError(f"inertia has no entry {quote(key)}. {suggest(key, ENTRIES)}", field="inertia")
     for key in ENTRIES[:3]:
         if key not in given:
-            raise ModelError(f"inertia lacks the entry {key}; {_FORMS}", field="inertia")
+            raise ModelError(f"inertia lacks the entry {key}. {_FORMS}", field="inertia")
     xx, yy, zz, xy, xz, yz = (number(given.get(key, 0.0), "inertia", _FORMS) for key in ENTRIES)
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
@@ -61,15 +61,15 @@ def _from_entries(given: Mapping[str, float]) -> Array:
 def _check_symmetric(J: Array) -> None:
     if np.max(np.abs(J - J.T)) > TOLERANCE * np.max(np.abs(J)):
         message = "inertia must be symmetric, but its entries above and below the diagonal differ"
-        raise ModelError(f"{message}; {_FORMS}", field="inertia")
+        raise ModelError(f"{message}. {_FORMS}", field="inertia")
 
 
 def _check_principal(moments: list[float]) -> None:
     least, middle, largest = moments
     message = f"its principal moments are {least:.6g}, {middle:.6g}, {largest:.6g}"
     if least <= 0 or not np.isfinite(largest):
-        remedy = "give a full body's inertia about its centre of mass in kg m²"
-        raise ModelError(f"inertia must be positive definite, but {message}; {remedy}", field="inertia")
+        remedy = "Give a full body's inertia about its centre of mass in kg m²."
+        raise ModelError(f"inertia must be positive definite, but {message}. {remedy}", field="inertia")
     if least + middle < largest * (1 - TOLERANCE):
-        remedy = "check the numbers, no mass distribution has one moment above the sum of the others"
-        raise ModelError(f"inertia breaks the triangle inequality, {message}; {remedy}", field="inertia")
+        remedy = "Check the numbers, no mass distribution has one moment above the sum of the others."
+        raise ModelError(f"inertia breaks the triangle inequality, {message}. {remedy}", field="inertia")

@@ -44,7 +44,9 @@ class Shape:
 
     def look(self, body: str, folder: Path) -> Look:
         """Return it as it is drawn; raise a ModelError if its numbers are wrong."""
-        scale = positive(self.scale, "scale", "give what the mesh's numbers are multiplied by to give metres")
+        scale = positive(
+            self.scale, "scale", "Give what the mesh's numbers are multiplied by to give metres."
+        )
         p = euler_parameters(self.orientation)
         place = Pose(np.array(vector(self.position, "position")), p, matrix(p))
         return Look(body, "mesh", (scale, scale, scale), place, folder / self.file, _color(self.color))
@@ -70,13 +72,13 @@ def _color(color: str) -> str:
     good = len(color) == 7 and color[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in color[1:])
     if color and not good:
         raise ModelError(
-            f'color must be like "#3b76b5", but is "{color}"; give red, green and blue', field="color"
+            f'color must be like "#3b76b5", but is "{color}". Give red, green and blue.', field="color"
         )
     return color
 
 
 VARIABLE = "SARRUS_MESH_PATH"  # folders with meshes, beside those of the model
-REMEDY = f"move it there, or list its folder in the environment variable {VARIABLE}"
+REMEDY = f"Move it there, or list its folder in the environment variable {VARIABLE}."
 
 
 def listed(*variables: str) -> list[Path]:

@@ -22,11 +22,11 @@ def check_name(name: object) -> None:
     """Raise a ModelError if ``name`` is not a name that a path like ``rod.mass`` can hold."""
     if not matches(NAME, name):
         message = f"its name must be letters, digits, _ and -, starting with a letter, but is {show(name)}"
-        raise ModelError(f"{message}; rename it")
+        raise ModelError(f"{message}. Rename it.")
 
 
 def find(name: str, known: Mapping[str, Value], field: str) -> Value:
     """Return ``known[name]`` for a body's name, or raise a ModelError with a suggestion."""
     if name not in known:
-        raise ModelError(f"there is no body {quote(name)}; {suggest(name, known)}", field=field)
+        raise ModelError(f"there is no body {quote(name)}. {suggest(name, known)}", field=field)
     return known[name]

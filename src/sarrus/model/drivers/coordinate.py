@@ -39,7 +39,7 @@ class CoordinateDriver(Driver):
         refuse_ground(self.body.name, "body")
         find(self.body.name, poses, "body")
         if self.coordinate not in NAMES:
-            message = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}; choose one"
+            message = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}. Choose one."
             raise ModelError(message, field="coordinate")
         form = [float(name == self.coordinate) for name in NAMES]
         values = (tuple(form[:3]), form[3], tuple(form[4:]), *motion_of(self.motion, "motion"))

@@ -39,7 +39,7 @@ class PointDriver(Driver):
             name: path for name, path in (("x", self.x), ("y", self.y), ("z", self.z)) if path is not None
         }
         if not paths:
-            raise ModelError("has no path; give at least one of x, y and z", field="x")
+            raise ModelError("has no path. Give at least one of x, y and z.", field="x")
         for name, path in paths.items():
             values = (AXES[name], ORIGIN, at.s, *motion_of(path, name))
             yield Primitive(elements.DisplacementDriver, (GROUND, at.body), values, name)

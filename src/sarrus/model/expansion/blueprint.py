@@ -95,12 +95,12 @@ def _section(owner: str, model: Model) -> str:
 
 def _check_bodies(element: type[Element], bodies: tuple[str, ...], index: dict[str, int]) -> None:
     if len(bodies) != element.bodies:
-        raise ModelError(f"is for {element.bodies} bodies, but is given {len(bodies)}; name as many")
+        raise ModelError(f"is for {element.bodies} bodies, but is given {len(bodies)}. Name as many.")
     given: tuple[Any, ...] = bodies
     for name in given:
         if not isinstance(name, str):
             message = f"its bodies must be names, but one is {show(name)}"
-            raise ModelError(f"{message}; give body.name for a Body", field="bodies")
+            raise ModelError(f"{message}. Give body.name for a Body.", field="bodies")
         find(name, index, "bodies")
 
 
@@ -108,17 +108,17 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
     kinds = {name: kind for name, kind in element.fields.items() if kind != "Time"}
     if len(values) != len(kinds):
         message = f"takes {len(kinds)} values ({', '.join(kinds)}), but is given {len(values)}"
-        raise ModelError(f"{message}; give one for each")
+        raise ModelError(f"{message}. Give one for each.")
     for (name, kind), value in zip(kinds.items(), values, strict=True):
         if kind == "Curve":
             if not callable(getattr(value, "numbers", None)):
                 raise ModelError(
-                    f"needs a curve for {name}, but is given {show(value)}; give a Curve", field=name
+                    f"needs a curve for {name}, but is given {show(value)}. Give a Curve.", field=name
                 )
         elif WIDTHS[kind] == 1:
             number(value, name)
         else:
-            numbers(value, WIDTHS[kind], name, f"give {WIDTHS[kind]} numbers")
+            numbers(value, WIDTHS[kind], name, f"Give {WIDTHS[kind]} numbers.")
 
 
 def _coordinates(bodies: tuple[BodyState, ...]) -> Array:

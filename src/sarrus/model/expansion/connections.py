@@ -14,9 +14,9 @@ from ..geometry.solid import Solid
 from ..show import show
 
 WANTED: dict[type, tuple[str, str]] = {
-    Solid: ("a body", "give the Body object (or sarrus.ground)"),
-    Point: ("a point of a body", "give body.point(x, y, z)"),
-    Frame: ("a frame of a body", "give body.frame(point, z=...)"),
+    Solid: ("a body", "the Body object (or sarrus.ground)"),
+    Point: ("a point of a body", "body.point(x, y, z)"),
+    Frame: ("a frame of a body", "body.frame(point, z=...)"),
 }
 
 
@@ -28,7 +28,9 @@ def check_connections(part: Any) -> None:
             wanted = [WANTED[kind] for kind in kinds if kind in WANTED]
             message = " or ".join(words for words, _ in wanted)
             remedy = " or ".join(words for _, words in wanted)
-            raise ModelError(f"{field} must be {message}, but is {kind_of(value)}; {remedy}", field=field)
+            raise ModelError(
+                f"{field} must be {message}, but is {kind_of(value)}. Give {remedy}.", field=field
+            )
 
 
 @cache

@@ -62,7 +62,7 @@ def expand(model: Model) -> Expanded:
     """
     if not isinstance(model, Model):
         raise ModelError(
-            f"a system is made of a Model, but this is {show(model)}; read a file with sarrus.load(path)"
+            f"a system is made of a Model, but this is {show(model)}. Read a file with sarrus.load(path)."
         )
     _check_lists(model)
     _check_names(model)
@@ -100,7 +100,7 @@ def _check_lists(model: Model) -> None:
         with findings.about():
             given: Any = parts
             if not isinstance(given, Collection) or isinstance(given, str | Mapping):
-                message = f"{section} must be a list, but is {kind_of(given)}; write [...] around it"
+                message = f"{section} must be a list, but is {kind_of(given)}. Write [...] around it."
                 raise ModelError(message, field=section)
     findings.raise_first()
 
@@ -108,21 +108,21 @@ def _check_lists(model: Model) -> None:
 def _check_title(model: Model) -> None:
     title: Any = model.name
     if not (isinstance(title, str) and title.strip() and title.isprintable()):
-        raise ModelError(f"name must be a text on one line, but is {show(title)}; name it", field="name")
+        raise ModelError(f"name must be a text on one line, but is {show(title)}. Name it.", field="name")
     if not model.bodies:
-        raise ModelError("has no bodies; give at least one", field="bodies")
+        raise ModelError("has no bodies. Give at least one.", field="bodies")
 
 
 def _check_kind(part: Any, section: str) -> None:
     kind = KINDS[section]
     if not isinstance(part, kind):
-        message = f"is a {type(part).__name__} among the {section}; list only {kind.__name__} objects there"
+        message = f"is a {type(part).__name__} among the {section}. List only {kind.__name__} objects there."
         raise ModelError(message)
 
 
 def _check_new(name: str, seen: dict[str, str], section: str) -> None:
     if name in seen:
-        raise ModelError(f"the name {quote(name)} is taken by {seen[name]}; rename one of them")
+        raise ModelError(f"the name {quote(name)} is taken by {seen[name]}. Rename one of them.")
     seen[name] = f"another of the {section}"
 
 
@@ -130,7 +130,7 @@ def _gravity(model: Model) -> Vec3:
     findings = Findings(model.origin)
     gravity = ORIGIN
     with findings.about():
-        gravity = vector(model.gravity, "gravity", "give three numbers in m/s²")
+        gravity = vector(model.gravity, "gravity", "Give three numbers in m/s².")
     findings.raise_first()
     return gravity
 

@@ -32,12 +32,12 @@ def check_rates(model: Model, known: Known, findings: Findings) -> None:
     for name, value in given.items() if isinstance(given, Mapping) else ():
         with findings.about(SECTION, str(name)):
             label_of(str(name), labels)
-            number(value, SECTION, "give a rate in rad/s or m/s")
+            number(value, SECTION, "Give a rate in rad/s or m/s.")
 
 
 def _check_mapping(given: Any) -> None:
     if not isinstance(given, Mapping):
-        message = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}; write one'
+        message = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}. Write one.'
         raise ModelError(message, field=SECTION)
 
 
@@ -57,10 +57,10 @@ def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Ori
         unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
         with findings.about(SECTION, name):
             if tree.names():
-                message = f"rates: {name} depends on {quote(tree.names()[0])}; give a number in {unit}"
+                message = f"rates: {name} depends on {quote(tree.names()[0])}. Give a number in {unit}."
                 raise ModelError(message, field=SECTION)
             if not fits(found := unit_of(tree, {}), unit):
-                message = f"rates: {name} is in {unit_text(found or {})}; give it in {unit}"
+                message = f"rates: {name} is in {unit_text(found or {})}. Give it in {unit}."
                 raise ModelError(message, field=SECTION)
     findings.raise_first()
 
@@ -75,10 +75,10 @@ def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:
     """
     joint, _, label = name.partition(".")
     if joint not in labels:
-        known = suggest(joint, labels) if labels else "no joint has one"
-        raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a displacement; {known}")
+        known = suggest(joint, labels) if labels else "No joint has one."
+        raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a displacement. {known}")
     label = present_name(label, labels[joint])
     if label in labels[joint] or (not label and len(labels[joint]) == 1):
         return label or labels[joint][0]
     offered = " or ".join(f"{joint}.{own}" for own in labels[joint])
-    raise ModelError(f"rates: the joint {quote(joint)} has no single rate {quote(name)}; give {offered}")
+    raise ModelError(f"rates: the joint {quote(joint)} has no single rate {quote(name)}. Give {offered}.")

@@ -54,9 +54,9 @@ def check_unit(
     message = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
     if variables and (tonne := TONNE.search(text)):
         raise ModelError(
-            f"{message}; t after {quote(tonne[1])} is read as a tonne; write {quote(tonne[1] + ' * t')}"
+            f"{message}, for t after {quote(tonne[1])} is read as a tonne. Write {quote(tonne[1] + ' * t')}."
         )
-    raise ModelError(f"{message}; give it in {expected}, or leave the unit away")
+    raise ModelError(f"{message}. Give it in {expected}, or leave the unit away.")
 
 
 def check_function_unit(

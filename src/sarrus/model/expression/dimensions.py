@@ -97,7 +97,7 @@ def _common(node: Call, args: list[Powers]) -> Powers:
             return a or b
         if _without_angle(a) != _without_angle(b):
             message = f"{quote(str(node))} puts together {unit_text(a)} and {unit_text(b)}"
-            raise ModelError(f"holds a formula in which {message}; convert one of them")
+            raise ModelError(f"holds a formula in which {message}. Convert one of them.")
         return a
 
     return reduce(joined, args)
@@ -106,7 +106,7 @@ def _common(node: Call, args: list[Powers]) -> Powers:
 def _pure(node: Call, arg: Powers) -> Powers:
     if arg and _without_angle(arg):
         message = f"{quote(str(node))} takes a plain number or an angle, but is given {unit_text(arg)}"
-        raise ModelError(f"holds a formula in which {message}; divide by a unit")
+        raise ModelError(f"holds a formula in which {message}. Divide by a unit.")
     return {}
 
 

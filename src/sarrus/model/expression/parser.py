@@ -50,7 +50,7 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     known = tuple(map(str, variables))
     for name in tree.names():
         if name not in known:
-            raise ModelError(f"has the unknown name {quote(name)}; {suggest(name, known)}")
+            raise ModelError(f"has the unknown name {quote(name)}. {suggest(name, known)}")
     return tree
 
 
@@ -92,7 +92,7 @@ class _Parser:
             raise self._wrong(f"{quote(sign)} is missing")
 
     def _wrong(self, reason: str) -> ModelError:
-        return ModelError(f"holds a formula in which {reason}; check {quote(self.text)}")
+        return ModelError(f"holds a formula in which {reason}. Check {quote(self.text)}.")
 
     def _sum(self) -> Expression:
         result = self._product()
@@ -109,7 +109,7 @@ class _Parser:
     def _unary(self) -> Expression:
         self.depth += 1
         if self.depth > DEEPEST:
-            raise ModelError(f"holds a formula of more than {DEEPEST} levels of brackets; use parameters")
+            raise ModelError(f"holds a formula of more than {DEEPEST} levels of brackets. Use parameters.")
         sign = self._taken("+", "-")
         inner = self._unary() if sign else self._power()
         self.depth -= 1
@@ -199,8 +199,8 @@ class _Parser:
             return Call(own, tuple(args))
         if name not in FUNCTIONS:
             known = (*FUNCTIONS, *self.functions)
-            message = f"calls {name} with {len(args)} arguments; give it {own.counts[0]}" if own else ""
-            raise ModelError(message or f"calls the unknown function {quote(name)}; {suggest(name, known)}")
+            message = f"calls {name} with {len(args)} arguments. Give it {own.counts[0]}." if own else ""
+            raise ModelError(message or f"calls the unknown function {quote(name)}. {suggest(name, known)}")
         return _called(name, args)
 
 
@@ -212,6 +212,6 @@ def _called(name: str, args: list[Expression]) -> Expression:
             result = call(name, result, arg)
         return result
     if len(args) not in function.counts:
-        message = f"calls {name} with {len(args)} arguments; give it {function.counts[0]}"
+        message = f"calls {name} with {len(args)} arguments. Give it {function.counts[0]}."
         raise ModelError(message)
     return Call(function, tuple(args))

@@ -37,12 +37,12 @@ def tokens(text: str) -> list[Token]:
         If there is a sign that no formula has.
     """
     if len(text) > LONGEST:
-        raise ModelError(f"holds a formula of more than {LONGEST} characters; split it into parameters")
+        raise ModelError(f"holds a formula of more than {LONGEST} characters. Split it into parameters.")
     found, at = [], _spaced(text, 0)
     while at < len(text):
         match = TOKEN.match(text, at)
         if match is None:
-            raise ModelError(f"holds {quote(text[at])}, which no formula has; check {quote(text)}")
+            raise ModelError(f"holds {quote(text[at])}, which no formula has. Check {quote(text)}.")
         found.append(Token(str(match.lastgroup), match[str(match.lastgroup)], at, match.end()))
         at = _spaced(text, match.end())
     return [*found, Token("end", "", at, at)]

@@ -223,7 +223,7 @@ class Name(Expression):
 
     def _value(self, env: Mapping[str, Any], values: Values) -> Any:
         if self.name not in env:
-            raise ModelError(f"{quote(self.name)} has no value; give it one")
+            raise ModelError(f"{quote(self.name)} has no value. Give it one.")
         return env[self.name]
 
     def _derivative(self, name: str, found: Mapping[Expression, Expression]) -> Expression:
@@ -251,7 +251,7 @@ class Call(Expression):
             raise self._refusal("has no real value there") from None
 
     def _refusal(self, reason: str) -> ModelError:
-        return ModelError(f"holds {quote(str(self))}, which {reason}; change its numbers")
+        return ModelError(f"holds {quote(str(self))}, which {reason}. Change its numbers.")
 
     def _derivative(self, name: str, found: Mapping[Expression, Expression]) -> Expression:
         result: Expression = Number(0.0)

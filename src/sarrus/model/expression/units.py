@@ -66,7 +66,7 @@ def powers_of(symbol: str) -> dict[str, float]:
     return powers
 
 
-SPACES = ", or put spaces around the sign before it if it is a name, as in 2 m * w"
+SPACES = " Or put spaces around the sign before it if it is a name, as in 2 m * w."
 
 
 @cache
@@ -80,11 +80,11 @@ def look_up(name: str) -> Unit:
     """
     registry = _registry()
     if name not in SPELT and not registry.parse_unit_name(name):
-        hint = "" if "did you mean" in (near := suggest(name, COMMON)) else SPACES
-        raise ModelError(f"has the unknown unit {quote(name)}; {near}{hint}")
+        hint = "" if "Did you mean" in (near := suggest(name, COMMON)) else SPACES
+        raise ModelError(f"has the unknown unit {quote(name)}. {near}{hint}")
     one, zero = (registry.Quantity(float(n), SPELT.get(name, name)).to_base_units() for n in (1, 0))
     if zero.magnitude != 0:
-        raise ModelError(f"has the unit {quote(name)}, which does not start at zero; convert it")
+        raise ModelError(f"has the unit {quote(name)}, which does not start at zero. Convert it.")
     powers = {BASE.get(base, base): int(power) for base, power in one.unit_items()}
     return Unit(float(one.magnitude), tuple(powers.items()))
 

@@ -27,7 +27,7 @@ class Entry(BaseModel):
             known = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
                 if key not in known:
-                    raise invalid(f"has no key {quote(key)}; {suggest(key, known)}{cls.instead}", key)
+                    raise invalid(f"has no key {quote(key)}. {suggest(key, known)}{cls.instead}", key)
         return data
 
 

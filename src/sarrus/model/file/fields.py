@@ -84,7 +84,7 @@ class PointEntry(Entry):
     @model_validator(mode="after")
     def _one_of_two(self) -> PointEntry:
         if len(self.model_fields_set & {"at", "everywhere"}) != 1:
-            raise invalid("must have one of the keys at and global; give at for body axes")
+            raise invalid("must have one of the keys at and global. Give at for body axes.")
         return self
 
     def build(self, solids: Solids) -> Any:
@@ -107,7 +107,7 @@ class FrameEntry(PointEntry):
 class TableEntry(Entry):
     """A curve through pairs [x, y]."""
 
-    instead: ClassVar[str] = ", or give a number alone, without a key"
+    instead: ClassVar[str] = " Or give a number alone, without a key."
 
     table: list[list[float]]
 
@@ -200,7 +200,7 @@ def _table_in(unit: str, over: str) -> Any:
 
 def _two(value: Any) -> Any:
     if isinstance(value, list) and len(value) != 2:
-        raise invalid(f"must have 2 entries, but has {len(value)}; give 2")
+        raise invalid(f"must have 2 entries, but has {len(value)}. Give 2.")
     return value
 
 
@@ -242,9 +242,9 @@ def _mesh_file(name: str) -> str:
     """Refuse a mesh file outside of the folder that the model file is in."""
     path = Path(os.path.normpath(name))
     if not name:
-        raise invalid("must name a mesh file; give one, as in file: rod.stl")
+        raise invalid("must name a mesh file. Give one, as in file: rod.stl.")
     if (path.is_absolute() or ".." in path.parts) and not inside(path, listed(VARIABLE)):
-        raise invalid(f"{quote(name)} is outside of the model's folder; {REMEDY}")
+        raise invalid(f"{quote(name)} is outside of the model's folder. {REMEDY}")
     return name
 
 

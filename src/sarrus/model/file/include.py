@@ -26,7 +26,7 @@ MOST_ENTRIES = 1_000_000  # of all files together
 def _prefix(text: str) -> str:
     if text and not matches(NAME, text):
         raise invalid(
-            f"must be letters, digits and _, starting with a letter, but is {quote(text)}; change it"
+            f"must be letters, digits and _, starting with a letter, but is {quote(text)}. Change it."
         )
     return text
 
@@ -89,7 +89,7 @@ class _Gatherer:
         read_one = read(FilePath(document.origin.file).parent / entry.file)
         self.entries += len(read_one.origin.lines)
         if self.entries > MOST_ENTRIES:
-            message = f"includes more than {MOST_ENTRIES:,} entries; build such a model in Python"
+            message = f"includes more than {MOST_ENTRIES:,} entries. Build such a model in Python."
             raise _wrong(document, at, message)
         part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
         scope.names |= {entry.prefix + name for name in inner.names}
@@ -100,13 +100,13 @@ class _Gatherer:
         self.count += 1
         if path.resolve() in chain:
             names = " includes ".join(file.name for file in (*chain[chain.index(path.resolve()) :], path))
-            raise _wrong(document, at, f"includes itself, {names}; remove one of the includes")
+            raise _wrong(document, at, f"includes itself, {names}. Remove one of the includes.")
         if len(chain) >= DEEPEST or self.count > MOST:
             raise _wrong(
-                document, at, f"includes more than {MOST} files or {DEEPEST} levels; join some of them"
+                document, at, f"includes more than {MOST} files or {DEEPEST} levels. Join some of them."
             )
         if not path.is_file():
-            raise _wrong(document, at, f"includes {quote(path.name)}, which is no file; check the path")
+            raise _wrong(document, at, f"includes {quote(path.name)}, which is no file. Check the path.")
 
 
 def _entries(document: Document) -> list[IncludeEntry]:
@@ -126,13 +126,15 @@ def _checked(document: Document) -> Document:
 
     file = document.origin.file
     if not isinstance(document.data, dict):
-        raise refusal("must be a mapping; give keys and values, as in key: value", file, 1)
+        raise refusal("must be a mapping. Give keys and values, as in key: value.", file, 1)
     known = [field.alias or name for name, field in layout().model_fields.items()]
     for key, value in document.data.items():
         if key not in known:
-            raise _wrong(document, (key,), f"has no key {quote(key)}; {suggest(key, known)}")
+            raise _wrong(document, (key,), f"has no key {quote(key)}. {suggest(key, known)}")
         if key in SECTIONS and not isinstance(value, dict):
-            raise _wrong(document, (key,), f"{key} must be a mapping; give keys and values, as in key: value")
+            raise _wrong(
+                document, (key,), f"{key} must be a mapping. Give keys and values, as in key: value."
+            )
     return document
 
 
@@ -170,7 +172,7 @@ def _join(whole: Document, part: Document, document: Document, at: Path) -> None
         for name, value in _section(part.data, section).items():
             if name in _section(whole.data, section):
                 named = f"rate of {quote(name)}" if section == RATES else part_name((section, name))
-                message = f"brings a second {named}; give it a prefix, or remove one of them"
+                message = f"brings a second {named}. Give it a prefix, or remove one of them."
                 raise _wrong(document, at, message)
             whole.data.setdefault(section, {})[name] = value
     lines = {path: line for path, line in part.origin.lines.items() if len(path) > 1 and path[0] in SECTIONS}
@@ -188,7 +190,7 @@ def _override(
         path = f"{inner.prefix}{place[0]}", *place[1:]
         holder = own.get(path[0]) if path[1:] else own
         if not isinstance(holder, dict) or isinstance(holder.get(path[-1], {}), dict):
-            message = f"gives the unknown parameter {quote(name)}; {suggest(name, _names(own, inner.prefix))}"
+            message = f"gives the unknown parameter {quote(name)}. {suggest(name, _names(own, inner.prefix))}"
             raise _wrong(document, (*at, "parameters", name), message)
         holder[path[-1]] = scoped(value, scope)
         part.origin.lines["parameters", *path] = document.origin.line((*at, "parameters", *place))

@@ -82,9 +82,9 @@ def _check_names(given: dict[str, Any]) -> dict[str, Any]:
             message = (
                 f"has the name {quote(name)}, which must be letters, digits and _, starting with a letter"
             )
-            raise invalid(f"{message}; rename it", name)
+            raise invalid(f"{message}. Rename it.", name)
         if name in TAKEN:
-            raise invalid(f"has the name {quote(name)}, which has a meaning of its own; rename it", name)
+            raise invalid(f"has the name {quote(name)}, which has a meaning of its own. Rename it.", name)
     return given
 
 

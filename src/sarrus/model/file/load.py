@@ -101,7 +101,7 @@ def exchange(document: Document, new: Mapping[str, float | str]) -> None:
         holder = holder.get(group) if group else holder
         if not isinstance(holder, dict) or inner not in holder:
             known = holder if isinstance(holder, dict) else ()
-            raise ModelError(f"there is no parameter {quote(name)}; {suggest(name, known)}", part="model")
+            raise ModelError(f"there is no parameter {quote(name)}. {suggest(name, known)}", part="model")
         holder[inner] = value if isinstance(value, str) else number(value, name)
 
 

@@ -24,7 +24,7 @@ from .text.scalar import NUMBER
 MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another
 AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
-FORMS = "write it as in 1.5e-3, 20 mm or 2*${l}"
+FORMS = "Write it as in 1.5e-3, 20 mm or 2*${l}."
 
 
 class Computed(float):
@@ -82,13 +82,13 @@ class Numbers:
         name, points = full_name(text, text), self._section("points")
         if name not in points:
             given = f"has the unknown point {quote(text)}"
-            raise ModelError(f"{given}; {self._hint(name, lambda: points, 'points')}")
+            raise ModelError(f"{given}. {self._hint(name, lambda: points, 'points')}")
         return points[name]
 
     def tree(self, text: str, *variables: str) -> Expression:
         """Return the formula of a text under the full names, all of which have values then."""
         if NUMBER.fullmatch(text):
-            raise ModelError(f"must be a number, but is {quote(text)}; write it without quotes")
+            raise ModelError(f"must be a number, but is {quote(text)}. Write it without quotes.")
         tree = parse(text)
         full = {name: Name(full_name(text, name)) for name in tree.names() if name not in variables}
         for name in full.values():
@@ -108,9 +108,9 @@ class Numbers:
             return
         if name in self.open:
             circle = " needs ".join(quote(one) for one in (*self.open[self.open.index(name) :], name))
-            raise ModelError(f"holds formulas that go in a circle, {circle}; give one of them a number")
+            raise ModelError(f"holds formulas that go in a circle, {circle}. Give one of them a number.")
         if len(self.open) >= LONGEST_CHAIN:
-            raise ModelError(f"needs a chain of more than {LONGEST_CHAIN} names; give one of them a number")
+            raise ModelError(f"needs a chain of more than {LONGEST_CHAIN} names. Give one of them a number.")
         raw, unit = self._definition(name, text, variables)
         self.open.append(name)
         try:
@@ -140,7 +140,7 @@ class Numbers:
             if raw is not None:
                 message = f"uses {quote(name)}, which is {show(raw)} and no number"
                 wrong = Echo if home.section == "parameters" else ModelError
-                raise wrong(f"{message}; name one of its numbers, as in {name}.x")
+                raise wrong(f"{message}. Name one of its numbers, as in {name}.x.")
         raise self._unknown(name, text, variables)
 
     def _homes(self, name: str) -> Iterator[Home]:
@@ -179,15 +179,15 @@ class Numbers:
         hint = self._hint(
             name, lambda: [*variables, *self._parameter_names(), *self._part_numbers()], "parameters"
         )
-        if text.strip() == name and "." not in name and "did you mean" not in hint:
-            return ModelError(f"must be a number, but is {quote(text)}; {FORMS}")
-        return ModelError(f"uses the unknown name {quote(name)}; {hint}")
+        if text.strip() == name and "." not in name and "Did you mean" not in hint:
+            return ModelError(f"must be a number, but is {quote(text)}. {FORMS}")
+        return ModelError(f"uses the unknown name {quote(name)}. {hint}")
 
     def _hint(self, name: str, known: Callable[[], Iterable[str]], section: str) -> str:
         """Return which name may be meant, for the first unknown ones of a file."""
         self.hints += 1
         names = [*known()] if self.hints <= MOST_HINTS else []
-        return suggest(name, names) if names else f"define it under {section}"
+        return suggest(name, names) if names else f"Define it under {section}."
 
     def _section(self, section: str) -> dict[str, Any]:
         found = self.data.get(section)
@@ -217,5 +217,5 @@ def _finite(value: Any, text: str) -> float:
     except OverflowError:
         number = float("inf")
     if not isfinite(number):
-        raise ModelError(f"must be a finite number, but {quote(text)} is {show(number)}; change its numbers")
+        raise ModelError(f"must be a finite number, but {quote(text)} is {show(number)}. Change its numbers.")
     return number

@@ -48,19 +48,19 @@ def _key(finding: dict[str, Any]) -> str:
 def _message(finding: dict[str, Any], field: str) -> str:
     kind, ctx, value = finding["type"], finding.get("ctx", {}), finding["input"]
     if kind == "list_type":
-        return _wrong("a list", LISTS.get(field, "write it in brackets, as in [0, 0, 1]"))(ctx, value)
+        return _wrong("a list", LISTS.get(field, "Write it in brackets, as in [0, 0, 1]."))(ctx, value)
     text_of = MESSAGES.get(kind)
-    return text_of(ctx, value) if text_of else f"{finding['msg'].lower()}, but is {show(value)}; correct it"
+    return text_of(ctx, value) if text_of else f"{finding['msg'].lower()}, but is {show(value)}. Correct it."
 
 
 def _wrong(expected: str, remedy: str) -> Callable[[dict[str, Any], Any], str]:
-    return lambda ctx, value: f"must be {expected}, but is {show(value)}; {remedy}"
+    return lambda ctx, value: f"must be {expected}, but is {show(value)}. {remedy}"
 
 
 def _length(ctx: dict[str, Any], value: Any) -> str:
     wanted = ctx.get("min_length", ctx.get("max_length"))
     least = "at least " if "min_length" in ctx and wanted == 2 and not _fixed(value) else ""
-    return f"must have {least}{wanted} entries, but has {len(value)}; give {least}{wanted}"
+    return f"must have {least}{wanted} entries, but has {len(value)}. Give {least}{wanted}."
 
 
 def _fixed(value: Any) -> bool:
@@ -69,15 +69,15 @@ def _fixed(value: Any) -> bool:
 
 def _literal(ctx: dict[str, Any], value: Any) -> str:
     right = [word.strip(" '") for word in str(ctx["expected"]).replace(" or ", ", ").split(",")]
-    return f"must be one of {', '.join(right)}, but is {show(value)}; {suggest(str(value), right)}"
+    return f"must be one of {', '.join(right)}, but is {show(value)}. {suggest(str(value), right)}"
 
 
 def _tag(ctx: dict[str, Any], value: Any) -> str:
     right = [word.strip(" '") for word in str(ctx["expected_tags"]).split(",")]
     given = str(ctx["tag"])
     meant = [kind for kind in MEANT.get(given.lower().replace(" ", "_"), ()) if kind in right]
-    hint = f"did you mean {' or '.join(map(quote, meant))}?" if meant else suggest(given, right)
-    return f"has the unknown type {quote(given)}; {hint}"
+    hint = f"Did you mean {' or '.join(map(quote, meant))}?" if meant else suggest(given, right)
+    return f"has the unknown type {quote(given)}. {hint}"
 
 
 MEANT = {  # the types of joints, drivers and forces by other names that they have
@@ -107,21 +107,21 @@ MEANT = {  # the types of joints, drivers and forces by other names that they ha
     ),
 }
 LISTS = {  # how a list is written, where three numbers are not the only form
-    "inertia": "write it in brackets, as in [1, 1, 1] for the principal moments, or {xx: 1, yy: 1, zz: 1}",
-    "orientation": "write Euler parameters as [1, 0, 0, 0], a rotation as {axis: [0, 0, 1], angle: 1.57} or "
-    "{angles: [0, 0, 1.57], sequence: xyz}, or three rows of a matrix",
-    "bodies": "write two names in brackets, as in [ground, rod]",
-    "points": "write two points in brackets, as in [{body: ground, at: [0, 0, 0]}, {body: rod, at: [1, 0, 0]}]",
+    "inertia": "Write it in brackets, as in [1, 1, 1] for the principal moments, or {xx: 1, yy: 1, zz: 1}.",
+    "orientation": "Write Euler parameters as [1, 0, 0, 0], a rotation as {axis: [0, 0, 1], angle: 1.57} or "
+    "{angles: [0, 0, 1.57], sequence: xyz}, or three rows of a matrix.",
+    "bodies": "Write two names in brackets, as in [ground, rod].",
+    "points": "Write two points in brackets, as in [{body: ground, at: [0, 0, 0]}, {body: rod, at: [1, 0, 0]}].",
 }
-_mapping = _wrong("a mapping", "give keys and values, as in key: value")
+_mapping = _wrong("a mapping", "Give keys and values, as in key: value.")
 
 MESSAGES: dict[str, Callable[[dict[str, Any], Any], str]] = {
     "invalid": lambda ctx, value: str(ctx["message"]),
     "echo": lambda ctx, value: str(ctx["message"]),
-    "missing": lambda ctx, value: "is missing; add it",
+    "missing": lambda ctx, value: "is missing. Add it.",
     "float_type": _wrong("a number", FORMS),
-    "finite_number": _wrong("a finite number", "check its size and unit"),
-    "string_type": _wrong("a text", "put it in quotes if it looks like a number"),
+    "finite_number": _wrong("a finite number", "Check its size and unit."),
+    "string_type": _wrong("a text", "Put it in quotes if it looks like a number."),
     "mapping_type": _mapping,
     "dict_type": _mapping,
     "model_type": _mapping,
@@ -130,5 +130,5 @@ MESSAGES: dict[str, Callable[[dict[str, Any], Any], str]] = {
     "too_long": _length,
     "literal_error": _literal,
     "union_tag_invalid": _tag,
-    "union_tag_not_found": lambda ctx, value: "type is missing; add it, as in type: revolute",
+    "union_tag_not_found": lambda ctx, value: "type is missing. Add it, as in type: revolute.",
 }

@@ -46,14 +46,15 @@ class ContactLaw:
 
     def contact(self) -> tuple[float, float, float, float]:
         """Return the checked numbers in the elements' order."""
-        stiffness = positive(self.stiffness, "stiffness", "give the stiffness in N/m")
+        stiffness = positive(self.stiffness, "stiffness", "Give the stiffness in N/m.")
         exponent = number(self.exponent, "exponent")
         if exponent < 1.0:
             raise ModelError(
-                f"exponent must be at least 1, but is {show(exponent)}; 1 is linear", field="exponent"
+                f"exponent must be at least 1, but is {show(exponent)}. Give 1 for a linear law.",
+                field="exponent",
             )
-        damping = not_negative(self.damping, "damping", "give it in s/m")
-        return stiffness, exponent, damping, positive(self.rounding, "rounding", "give a small depth")
+        damping = not_negative(self.damping, "damping", "Give it in s/m.")
+        return stiffness, exponent, damping, positive(self.rounding, "rounding", "Give a small depth.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +85,9 @@ class SphereContact(ContactLaw, Force):
         """Yield the contact."""
         center, plane = self.center.resolve(poses, "center"), self.plane.resolve(poses, "plane")
         refuse_same_body(center.body, plane.body, "plane")
-        radius = not_negative(self.radius, "radius", "give the radius in m, or 0 for a point")
-        mu = not_negative(self.mu, "mu", "give the coefficient of friction")
-        creep = positive(self.creep, "creep", "give a small speed in m/s")
+        radius = not_negative(self.radius, "radius", "Give the radius in m, or 0 for a point.")
+        mu = not_negative(self.mu, "mu", "Give the coefficient of friction.")
+        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
         values = (center.s, plane.s, plane.h, radius, *self.contact(), mu, creep)
         yield Primitive(elements.SphereContact, (center.body, plane.body), values, "contact")
 
@@ -103,10 +104,10 @@ class Limits:
         given = [(name, getattr(self, name), sign) for name, sign in (("lower", -1.0), ("upper", 1.0))]
         found = [(name, number(value, name), sign) for name, value, sign in given if value is not None]
         if not found:
-            raise ModelError("has no limit; give lower, upper or both", field="lower")
+            raise ModelError("has no limit. Give lower, upper or both.", field="lower")
         if len(found) == 2 and found[0][1] >= found[1][1]:
             raise ModelError(
-                "has a lower limit that is not below the upper one; exchange them", field="lower"
+                "has a lower limit that is not below the upper one. Exchange them.", field="lower"
             )
         yield from found
 

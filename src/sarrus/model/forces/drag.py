@@ -40,8 +40,8 @@ class Drag(Force):
         """Yield the drag."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
-        c = not_negative(self.c, "c", "give it in N s²/m²")
-        creep = positive(self.creep, "creep", "give a small speed in m/s")
+        c = not_negative(self.c, "c", "Give it in N s²/m².")
+        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
         values = (point.s, c, vector(self.wind, "wind"), creep)
         yield Primitive(elements.Drag, (point.body,), values, "drag")
 
@@ -69,7 +69,7 @@ class ViscousDrag(Force):
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         c, c_turn = (
-            not_negative(self.c, "c", "give it in N s/m"),
-            not_negative(self.c_turn, "c_turn", "give N m s/rad"),
+            not_negative(self.c, "c", "Give it in N s/m."),
+            not_negative(self.c_turn, "c_turn", "Give N m s/rad."),
         )
         yield Primitive(elements.ViscousDrag, (point.body,), (point.s, c, c_turn), "drag")

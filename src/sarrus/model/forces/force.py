@@ -35,7 +35,7 @@ class Force(ABC):
 def refuse_ground(body: str, field: str) -> None:
     """Raise a ModelError if a load on one body is put on the ground."""
     if body == GROUND:
-        raise ModelError("acts on the ground, which does not move; name a body of the model", field=field)
+        raise ModelError("acts on the ground, which does not move. Name a body of the model.", field=field)
 
 
 def choose(axes: object, *, of_global: type[Element], of_body: type[Element]) -> type[Element]:
@@ -44,4 +44,4 @@ def choose(axes: object, *, of_global: type[Element], of_body: type[Element]) ->
         return of_global
     if axes == "body":
         return of_body
-    raise ModelError(f'axes must be "global" or "body", but is {axes!r}; choose one of them', field="axes")
+    raise ModelError(f'axes must be "global" or "body", but is {axes!r}. Choose one of them.', field="axes")

@@ -44,17 +44,17 @@ class DryFriction:
 
     def friction(self) -> tuple[float, ...]:
         """Return the checked numbers in the elements' order."""
-        mu = not_negative(self.mu, "mu", "give the coefficient of friction")
+        mu = not_negative(self.mu, "mu", "Give the coefficient of friction.")
         mu_static = (
-            mu if self.mu_static is None else not_negative(self.mu_static, "mu_static", "give a coefficient")
+            mu if self.mu_static is None else not_negative(self.mu_static, "mu_static", "Give a coefficient.")
         )
         return (
-            not_negative(self.load, "load", "give the normal load in N"),
+            not_negative(self.load, "load", "Give the normal load in N."),
             mu,
             mu_static,
-            positive(self.stribeck, "stribeck", "give a speed in m/s"),
-            positive(self.creep, "creep", "give a small speed in m/s"),
-            not_negative(self.viscous, "viscous", "give it in N s/m"),
+            positive(self.stribeck, "stribeck", "Give a speed in m/s."),
+            positive(self.creep, "creep", "Give a small speed in m/s."),
+            not_negative(self.viscous, "viscous", "Give it in N s/m."),
         )
 
 
@@ -67,7 +67,7 @@ class AngleFriction(DryFriction, AboutAxis, Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the friction."""
         i, j = self.frames(poses)
-        radius = positive(self.radius, "radius", "give the pin's radius in m")
+        radius = positive(self.radius, "radius", "Give the pin's radius in m.")
         yield Primitive(elements.AngleFriction, (i.body, j.body), (i.h, radius, *self.friction()), "friction")
 
 

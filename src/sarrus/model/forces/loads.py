@@ -41,7 +41,7 @@ def history(load: Any, factor: Any, field: str) -> History:
         return _by_factor(vector(load, field), factor)
     if varies(factor):
         message = (
-            f"has both a factor and components of its {field} that vary in time; leave one of them constant"
+            f"has both a factor and components of its {field} that vary in time. Leave one of them constant."
         )
         raise ModelError(message, field="factor")
     parts, size = [scaled(part, field, "t") for part in load], number(factor, "factor")

@@ -14,8 +14,8 @@ from ..tape import values_of
 Vector6: TypeAlias = Sequence[float] | tuple[float, ...]
 Matrix6: TypeAlias = Sequence[float] | Sequence[Sequence[float]]
 ROUND_OFF = 1e-9  # [-] of eigenvalues of a matrix with a diagonal of ones
-_SIX = "give six numbers, three translations and then three rotations"
-_MATRIX = "give six numbers for the diagonal, or six rows of six"
+_SIX = "Give six numbers, three translations and then three rotations."
+_MATRIX = "Give six numbers for the diagonal, or six rows of six."
 
 
 def vector6(value: Any, field: str) -> tuple[float, ...]:
@@ -40,8 +40,8 @@ def dissipative6(value: Any, field: str) -> tuple[float, ...]:
     coupled = np.any(abs(symmetric[own == 0]) > 0)
     if np.any(own < 0) or coupled or least < -ROUND_OFF:
         raise ModelError(
-            f"{field} is negative in some direction; give numbers of at least 0, or a matrix without negative "
-            "eigenvalues. What drives a motion is an own force",
+            f"{field} is negative in some direction. Give numbers of at least 0, or a matrix without negative "
+            "eigenvalues. Model what drives a motion by a force of its own.",
             field=field,
         )
     return entries

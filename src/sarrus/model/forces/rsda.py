@@ -55,7 +55,7 @@ class RSDA(AboutAxis, Force):
         (k, kappa), (c, chi), (torque, phi) = (scaled(*law) for law in laws)
         refuse_negative(k, "k")
         refuse_negative(c, "c")
-        free, start = number(self.angle, "angle", "give radians"), angle(i, j, poses).start
+        free, start = number(self.angle, "angle", "Give radians."), angle(i, j, poses).start
         values = (i.f, i.g, i.h, j.f, j.h, k, c, free, torque)
         if any(varies(value) for value, *_ in laws):
             curved = (*values, kappa, chi, phi, start)

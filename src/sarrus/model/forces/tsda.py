@@ -51,7 +51,7 @@ class TSDA(Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the linear TSDA, or the nonlinear one if a law is a curve."""
         i, j = points_apart(self.point_i, self.point_j, poses)
-        length = not_negative(self.length, "length", "give the free length in m")
+        length = not_negative(self.length, "length", "Give the free length in m.")
         laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.force, "force", "t"))
         (k, kappa), (c, chi), (force, phi) = (scaled(*law) for law in laws)
         refuse_negative(k, "k")

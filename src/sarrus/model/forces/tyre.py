@@ -44,9 +44,9 @@ class Tyre(Force):
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         road = number(self.road, "road")
-        k = positive(self.k, "k", "give the stiffness in N/m")
-        c = not_negative(self.c, "c", "give the damping in N s/m")
-        radius = positive(self.radius, "radius", "give the unloaded radius in m")
+        k = positive(self.k, "k", "Give the stiffness in N/m.")
+        c = not_negative(self.c, "c", "Give the damping in N s/m.")
+        radius = positive(self.radius, "radius", "Give the unloaded radius in m.")
         yield Primitive(elements.Tyre, (point.body,), (point.s, k, c, radius, road), "tyre")
 
 
@@ -83,10 +83,10 @@ class RoadTyre(Force):
         """Yield the tyre."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
-        k = positive(self.k, "k", "give the stiffness in N/m")
-        c = not_negative(self.c, "c", "give the damping in N s/m")
-        radius = positive(self.radius, "radius", "give the unloaded radius in m")
-        width = positive(self.rounding, "rounding", "give a small length in m")
+        k = positive(self.k, "k", "Give the stiffness in N/m.")
+        c = not_negative(self.c, "c", "Give the damping in N s/m.")
+        radius = positive(self.radius, "radius", "Give the unloaded radius in m.")
+        width = positive(self.rounding, "rounding", "Give a small length in m.")
         (height, profile), (rise, bump) = _height(self.road, "road", "x"), _height(self.bump, "bump", "t")
         values = (point.s, k, c, radius, height + rise, width, profile, bump)
         yield Primitive(elements.RoadTyre, (point.body,), values, "tyre")

@@ -40,8 +40,8 @@ class Frame:
         """Return the frame in body axes; errors are about ``field``, or ``axis`` for its directions."""
         if not isinstance(self.point, Point):
             raise ModelError(
-                f"{field} is a frame at {show(self.point)}, which is no point; give body.frame((x, y, z)), with "
-                "directions x=, z= if they are wanted",
+                f"{field} is a frame at {show(self.point)}, which is no point. Give body.frame((x, y, z)), with "
+                "directions x=, z= if they are wanted.",
                 field=field,
             )
         origin = self.point.resolve(poses, field)
@@ -70,6 +70,6 @@ def _across(f: Array, h: Array, field: str) -> Array:
         message = (
             f"{field} has axes x and z that are not perpendicular, the cosine between them is {slope:.6g}"
         )
-        raise ModelError(f"{message}; leave x out, or make it perpendicular to z", field=field)
+        raise ModelError(f"{message}. Leave x out, or make it perpendicular to z.", field=field)
     across: Array = f - slope * h
     return across / np.linalg.norm(across)

@@ -104,4 +104,4 @@ class Length(Function):
 
 def check_axis(axis: str) -> None:
     if axis not in get_args(AxisName):
-        raise ModelError(f"axis must be x, y or z, but is {axis!r}; choose one", field="axis")
+        raise ModelError(f"axis must be x, y or z, but is {axis!r}. Choose one.", field="axis")

@@ -18,8 +18,8 @@ from ..tape import values_of
 from . import rotation
 
 TOLERANCE = 1e-6  # [-] how far rounded input may be from a rotation
-_FOUR = "give four numbers [e0, e1, e2, e3] whose squares add up to 1"
-_NINE = "give three rows of three numbers, or four Euler parameters"
+_FOUR = "Give four numbers [e0, e1, e2, e3] whose squares add up to 1."
+_NINE = "Give three rows of three numbers, or four Euler parameters."
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def _from_parameters(value: Any) -> Array:
     p = np.array(numbers(value, 4, "orientation", _FOUR))
     length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
     if abs(length - 1) > TOLERANCE:
-        message = f"orientation must be unit Euler parameters, but their length is {length:.9g}; {_FOUR}"
+        message = f"orientation must be unit Euler parameters, but their length is {length:.9g}. {_FOUR}"
         raise ModelError(message, field="orientation")
     return np.asarray(p / length)
 
@@ -75,10 +75,10 @@ def _from_matrix(value: Any) -> Array:
     given = values_of(A)
     if np.max(np.abs(given.T @ given - np.eye(3))) > TOLERANCE:
         message = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
-        raise ModelError(f"{message}; {_NINE}", field="orientation")
+        raise ModelError(f"{message}. {_NINE}", field="orientation")
     if np.linalg.det(given) < 0:
         message = "orientation must be a right-handed rotation matrix, but its determinant is -1"
-        raise ModelError(f"{message}; turn one column round", field="orientation")
+        raise ModelError(f"{message}. Reverse one column.", field="orientation")
     return rotation.parameters(A)
 
 
@@ -99,7 +99,7 @@ def _sequence(given: Any) -> str:
     repeats = any(a == b for a, b in pairwise(letters))
     if len(letters) != 3 or set(letters) - set("xyz") or repeats:
         message = f'orientation sequence must be three axes like "xyz" or "zxz", but is {show(given)}'
-        raise ModelError(f"{message}; no axis may follow itself", field="orientation")
+        raise ModelError(f"{message}. Let no axis follow itself.", field="orientation")
     return letters
 
 

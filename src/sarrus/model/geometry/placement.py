@@ -38,7 +38,7 @@ def points_apart(point_i: Point, point_j: Point, poses: Poses) -> Points:
     refuse_same_body(points.i.body, points.j.body, "point_j")
     apart = points.j.position(poses) - points.i.position(poses)
     if np.linalg.norm(apart) < SMALLEST_LENGTH:
-        message = "has zero length, its two points coincide in the initial pose; move one of them"
+        message = "has zero length, its two points coincide in the initial pose. Move one of them."
         raise ModelError(message, field="point_i")
     return points
 
@@ -113,7 +113,7 @@ def _all_given(needed: Mapping[str, Vector | None]) -> Vector:
     for field, value in needed.items():
         if value is None:
             message = (
-                f"{field} is missing; give {' and '.join(needed)} in global axes, or a frame on each body"
+                f"{field} is missing. Give {' and '.join(needed)} in global axes, or a frame on each body."
             )
             raise ModelError(message)
     point = needed["point"]
@@ -123,7 +123,7 @@ def _all_given(needed: Mapping[str, Vector | None]) -> Vector:
 
 def _given(part: HasFrames, poses: Poses) -> Frames:
     if part.frame_i is None or part.frame_j is None:
-        raise ModelError("one of its two frames is missing; give a frame on each body", field="frame_i")
+        raise ModelError("one of its two frames is missing. Give a frame on each body.", field="frame_i")
     frames = Frames(part.frame_i.resolve(poses, "frame_i"), part.frame_j.resolve(poses, "frame_j"))
     refuse_other_body(part.body_i, frames.i.body, "frame_i")
     refuse_other_body(part.body_j, frames.j.body, "frame_j")
@@ -133,20 +133,22 @@ def _given(part: HasFrames, poses: Poses) -> Frames:
 def two_bodies(body_i: Solid | None, body_j: Solid | None) -> tuple[Solid, Solid]:
     """Return both bodies, or raise a ModelError if one is missing."""
     if body_i is None or body_j is None:
-        raise ModelError("its bodies are missing; name the two bodies it connects", field="body_i")
+        raise ModelError("its bodies are missing. Name the two bodies it connects.", field="body_i")
     return body_i, body_j
 
 
 def refuse_same_body(body_i: str, body_j: str, field: str) -> None:
     """Raise a ModelError if a part connects a body to itself."""
     if body_i == body_j:
-        raise ModelError(f"connects {quote(body_i)} to itself; name two different bodies", field=field)
+        raise ModelError(f"connects {quote(body_i)} to itself. Name two different bodies.", field=field)
 
 
 def refuse_other_body(named: Solid | None, found: str, field: str) -> None:
     """Raise a ModelError if a point or frame is not on the body that the part names."""
     if named is not None and named.name != found:
-        message = f"{field} is on {quote(found)}, but the body named is {quote(named.name)}; name one of them"
+        message = (
+            f"{field} is on {quote(found)}, but the body named is {quote(named.name)}. Name one of them."
+        )
         raise ModelError(message, field=field)
 
 
@@ -154,4 +156,4 @@ def refuse_both(given: Mapping[str, object], others: str) -> None:
     """Raise a ModelError if a part is placed in two ways at once."""
     for field, value in given.items():
         if value is not None:
-            raise ModelError(f"has both {field} and {others}; leave one of them out", field=field)
+            raise ModelError(f"has both {field} and {others}. Leave one of them out.", field=field)

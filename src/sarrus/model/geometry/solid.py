@@ -70,5 +70,5 @@ ground = Ground()
 def refuse_no_solid(value: object, field: str) -> None:
     """Raise a ModelError if a value is neither a body nor the ground, such as a body's name."""
     if not isinstance(value, Solid):
-        message = f"{field} must be on a body, but is {show(value)}; give the Body object (or sarrus.ground)"
+        message = f"{field} must be on a body, but is {show(value)}. Give the Body object (or sarrus.ground)."
         raise ModelError(message, field=field)

@@ -62,9 +62,9 @@ def cosine_of(angle: float | None, field: str, i: LocalFrame, j: LocalFrame, pos
     ModelError
         If the axes are parallel, which one equation cannot prescribe.
     """
-    value = cosine(i, j, poses) if angle is None else cos(number(angle, field, "give radians"))
+    value = cosine(i, j, poses) if angle is None else cos(number(angle, field, "Give radians."))
     if abs(value) > 1 - PARALLEL:
-        raise ModelError("its axes are parallel; use a joint for parallel axes", field=field)
+        raise ModelError("its axes are parallel. Use a joint for parallel axes.", field=field)
     return value
 
 

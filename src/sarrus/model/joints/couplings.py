@@ -39,7 +39,7 @@ def ratio_of(value: object, field: str = "ratio") -> float:
     """Return a ratio that is not 0."""
     ratio = number(value, field)
     if not ratio:
-        raise ModelError(f"{field} must not be 0; give the second coordinate over the first", field=field)
+        raise ModelError(f"{field} must not be 0. Give the second coordinate over the first.", field=field)
     return ratio
 
 

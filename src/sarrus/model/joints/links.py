@@ -39,12 +39,12 @@ class Link:
         if self.frame_i is not None or self.frame_j is not None:
             if self.frame_i is None or self.frame_j is None:
                 raise ModelError(
-                    "one of its two frames is missing; give a frame on each body", field="frame_i"
+                    "one of its two frames is missing. Give a frame on each body.", field="frame_i"
                 )
             refuse_both({"point_i": self.point_i, "point_j": self.point_j, fields[0]: axis_i}, "frames")
             frames = Frames(self.frame_i.resolve(poses, "frame_i"), self.frame_j.resolve(poses, "frame_j"))
         elif self.point_i is None or self.point_j is None:
-            raise ModelError("its ends are missing; give a point or a frame on each body", field="point_i")
+            raise ModelError("its ends are missing. Give a point or a frame on each body.", field="point_i")
         else:
             i, j = self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j")
             frames = Frames(_end(i, axis_i, fields[0], poses), _end(j, axis_j, fields[1], poses))
@@ -56,15 +56,15 @@ class Link:
         apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
         initial = plain(np.linalg.norm(apart))
         if self.length is None and initial < SMALLEST_LENGTH:
-            raise ModelError("its two ends coincide; move one of them", field="point_i")
-        length = initial if self.length is None else positive(self.length, "length", "give the length in m")
+            raise ModelError("its two ends coincide. Move one of them.", field="point_i")
+        length = initial if self.length is None else positive(self.length, "length", "Give the length in m.")
         return Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, length), "distance")
 
 
 def _end(point: LocalPoint, axis: Vector | None, field: str, poses: Poses) -> LocalFrame:
     if axis is None:
         raise ModelError(
-            f"{field} is missing; give points and {field} in global axes, or a frame on each body"
+            f"{field} is missing. Give points and {field} in global axes, or a frame on each body."
         )
     axes = poses[point.body].A.T @ frame_axes(None, axis, field)
     return LocalFrame(*point, triple(axes[:, 0]), triple(axes[:, 1]), triple(axes[:, 2]))
@@ -85,9 +85,9 @@ class Distance(Joint):
         refuse_same_body(i.body, j.body, "point_j")
         apart = plain(np.linalg.norm(j.position(poses) - i.position(poses)))
         if apart < SMALLEST_LENGTH:
-            message = "its two points coincide; move one of them, or use a spherical joint"
+            message = "its two points coincide. Move one of them, or use a spherical joint."
             raise ModelError(message, field="point_i")
-        length = apart if self.length is None else positive(self.length, "length", "give the length in m")
+        length = apart if self.length is None else positive(self.length, "length", "Give the length in m.")
         yield Primitive(elements.Distance, (i.body, j.body), (i.s, j.s, length), "distance")
 
 

@@ -27,9 +27,9 @@ class Screw(Cylindrical):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the primitives of a cylindrical joint, and the screw."""
-        pitch = number(self.pitch, "pitch", "give the displacement in m per revolution")
+        pitch = number(self.pitch, "pitch", "Give the displacement in m per revolution.")
         if not pitch:
-            raise ModelError("pitch must not be 0; give it in m, or use a revolute joint", field="pitch")
+            raise ModelError("pitch must not be 0. Give it in m, or use a revolute joint.", field="pitch")
         yield from super().primitives(poses)
         i, j = self.frames(poses)
         values = (i.f, i.g, i.h, j.f, i.s, j.s, pitch / (2 * pi), 0.0, 0.0)

@@ -39,14 +39,14 @@ class Spherical(Joint):
     def _made(self, poses: Poses) -> Points:
         body_i, body_j = two_bodies(self.body_i, self.body_j)
         if self.point is None:
-            raise ModelError("point is missing; give a point in global axes, or a point on each body")
+            raise ModelError("point is missing. Give a point in global axes, or a point on each body.")
         i, j = (Point(body, self.point, "global").resolve(poses, "point") for body in (body_i, body_j))
         return Points(i, j)
 
     def _given(self, poses: Poses) -> Points:
         refuse_both({"point": self.point}, "points")
         if self.point_i is None or self.point_j is None:
-            raise ModelError("one of its two points is missing; give a point on each body", field="point_i")
+            raise ModelError("one of its two points is missing. Give a point on each body.", field="point_i")
         points = Points(self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j"))
         refuse_other_body(self.body_i, points.i.body, "point_i")
         refuse_other_body(self.body_j, points.j.body, "point_j")

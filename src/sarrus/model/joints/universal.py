@@ -62,7 +62,7 @@ def _check_cross(h_i: Array, h_j: Array) -> None:
     cosine = plain(h_i @ h_j)
     if abs(cosine) > PERPENDICULAR:
         message = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
-        raise ModelError(f"{message}; turn one of them", field="axis_i")
+        raise ModelError(f"{message}. Turn one of them.", field="axis_i")
 
 
 def _along(i: LocalFrame, j: LocalFrame, poses: Poses) -> LocalFrame:

@@ -19,7 +19,7 @@ from ..tape import Traced
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
-_PAIRS = "give a table of at least two pairs [x, y] with rising x"
+_PAIRS = "Give a table of at least two pairs [x, y] with rising x."
 
 
 @dataclass(frozen=True)
@@ -163,13 +163,14 @@ class Formula:
             found, again = program(self.function), program(self.function)
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             raise ModelError(
-                f"{field} cannot be used as a formula: {error}; or give a table", field=field
+                f"{field} cannot be used as a formula: {str(error).rstrip('.')}. Or give a table.",
+                field=field,
             ) from None
         if not np.all(np.isfinite(found)):
-            raise ModelError(f"{field} holds a number that is not finite; take it out", field=field)
+            raise ModelError(f"{field} holds a number that is not finite. Remove it.", field=field)
         if found != again:
             message = f"{field} is another function each time it is called, as with random numbers"
-            raise ModelError(f"{message}; draw the numbers first, and give a table of them", field=field)
+            raise ModelError(f"{message}. Draw the numbers first, and give a table of them.", field=field)
         return found
 
     def __call__(self, x: float) -> float:
@@ -208,15 +209,15 @@ def curve_of(value: Any, field: str) -> Curve | Formula:
 def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
     single = np.ndim(pairs) == 0 if isinstance(pairs, np.ndarray) else not isinstance(pairs, Iterable)
     if isinstance(pairs, (str, Mapping)) or single:
-        raise ModelError(f"{field} must be a list of pairs, but is {show(pairs)}; {_PAIRS}", field=field)
+        raise ModelError(f"{field} must be a list of pairs, but is {show(pairs)}. {_PAIRS}", field=field)
     rows = [numbers(pair, 2, field, _PAIRS) for pair in pairs]
     xs, ys = [row[0] for row in rows], [row[1] for row in rows]
     if len(rows) < 2:
-        raise ModelError(f"{field} must have at least two points, but has {len(rows)}; {_PAIRS}", field=field)
+        raise ModelError(f"{field} must have at least two points, but has {len(rows)}. {_PAIRS}", field=field)
     for before, after in pairwise(xs):
         if after <= before:
             message = f"{field} must have rising x, but {show(after)} follows {show(before)}"
-            raise ModelError(f"{message}; sort the pairs and remove repeated x", field=field)
+            raise ModelError(f"{message}. Sort the pairs and remove repeated x.", field=field)
     return xs, ys
 
 
@@ -231,7 +232,7 @@ def _spline(xs: list[float], ys: list[float], field: str) -> tuple[tuple[float, 
         with np.errstate(over="raise"):
             columns = np.asarray(CubicSpline(xs, ys, bc_type=ends).c).T
     except (FloatingPointError, ValueError):
-        raise ModelError(f"{field} has values of x too near to each other; {_PAIRS}", field=field) from None
+        raise ModelError(f"{field} has values of x too near to each other. {_PAIRS}", field=field) from None
     return tuple(xs), tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in columns)
 
 

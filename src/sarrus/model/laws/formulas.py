@@ -70,7 +70,7 @@ class Formulas:
         """
         if parameter not in self.parameters:
             raise ModelError(
-                f"there is no parameter {quote(parameter)}; {suggest(parameter, self.parameters)}"
+                f"there is no parameter {quote(parameter)}. {suggest(parameter, self.parameters)}"
             )
         values, rates = self.values(), self._rates(parameter)
         found = {path: _rate(tree, values, rates) for path, tree in self.expressions.items()}

@@ -63,7 +63,7 @@ def refuse_negative(factor: float, field: str) -> None:
     """
     if factor < 0:
         raise ModelError(
-            f"{field} must not be negative, but is {show(factor)}; for an unstable spring or a driven damper give a "
-            f"law, such as lambda x: {show(factor)}",
+            f"{field} must not be negative, but is {show(factor)}. For an unstable spring or a driven damper give a "
+            f"law, such as lambda x: {show(factor)}.",
             field=field,
         )

@@ -40,7 +40,7 @@ def motion_of(value: Motion, field: str) -> Law:
     if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
         return _checked(curve_of(given, field), field)
     return Law(
-        number(given, field, "give a number, a formula in t, a table or a function"), Curve.constant(1.0)
+        number(given, field, "Give a number, a formula in t, a table or a function."), Curve.constant(1.0)
     )
 
 
@@ -54,7 +54,7 @@ def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)
     if taken is not None:
         message = f"{field} {quote(text)}: {variable} counts as a unit, the tonne, in {quote(taken)}"
-        raise ModelError(f"{message}; write a space on each side of the sign before {variable}", field=field)
+        raise ModelError(f"{message}. Write a space on each side of the sign before {variable}.", field=field)
     return tree
 
 
@@ -62,9 +62,7 @@ def formula(tree: Expression, field: str, variable: str = VARIABLE) -> Law:
     """Return the law of a formula in a variable."""
     others = [name for name in tree.names() if name != variable]
     if others:
-        raise ModelError(
-            f"{field} depends on {quote(others[0])}; only {variable} may stand in it", field=field
-        )
+        raise ModelError(f"{field} depends on {quote(others[0])}. Use only {variable} in it.", field=field)
     if not tree.names():
         return Law(number(float(tree.value()), field), Curve.constant(1.0))
     return _checked(Formula(Tree(tree, variable)), field)

@@ -99,7 +99,7 @@ class StoredArray:
             return self[:][key]
         at += len(self) if at < 0 else 0
         if not 0 <= at < len(self):
-            raise IndexError(f"there is no row {row}; there are {len(self)}")
+            raise IndexError(f"there is no row {row}. There are {len(self)}")
         one = self._between(at, at + 1)[0]
         return np.asarray(one)[tuple(columns)] if columns else np.asarray(one)[()]
 

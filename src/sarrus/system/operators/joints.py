@@ -50,7 +50,7 @@ class JointCoordinates(ConstraintOperators):
         """
         name = present_name(name, self.names)
         if name not in self.names:
-            raise KeyError(f"no joint coordinate {name!r}; there are {', '.join(self.names) or 'none'}")
+            raise KeyError(f"no joint coordinate {name!r}. Choose from {', '.join(self.names) or 'none'}")
         return self.names.index(name)
 
     def of_joint(self, joint: str) -> list[str]:
@@ -66,7 +66,7 @@ class JointCoordinates(ConstraintOperators):
         found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
         if not found:
             known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"
-            raise KeyError(f"no joint {joint!r} with an angle or displacement; joints that have one: {known}")
+            raise KeyError(f"no joint {joint!r} with an angle or displacement. Choose from {known}")
         return found
 
     def near(self, values: Array, near: Array) -> Array:

@@ -102,7 +102,7 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     if len(run.kinetic_energy) != len(run.t):
-        raise ValueError(f"{run.name}: this trajectory was made without energies; simulate makes them")
+        raise ValueError(f"{run.name}: this trajectory was made without energies. Use simulate.")
     ax = plot_axes(ax)
     ax.plot(run.t, run.kinetic_energy, color=ORANGE, linewidth=1.2, label="kinetic")
     ax.plot(run.t, run.potential_energy, color=GREY, linewidth=1.2, label="potential")
@@ -165,7 +165,7 @@ def plot_steps(run: Trajectory, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     if not len(run.history):
-        raise ValueError(f"{run.name}: this trajectory was not made by steps; simulate makes them")
+        raise ValueError(f"{run.name}: this trajectory was not made by steps. Use simulate.")
     ax = plot_axes(ax)
     ends, lengths = run.history[:, 0], run.history[:, 1]
     ax.step(ends, lengths, where="pre", color=BLUE, linewidth=1.1)

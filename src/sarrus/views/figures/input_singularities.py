@@ -69,10 +69,10 @@ def _columns(found: InputSingularities, axes: Sequence[str] | None) -> list[int]
     names = list(found.inputs[:2] if axes is None else axes)
     unknown = [name for name in names if name not in found.inputs]
     if unknown:
-        raise SarrusError(f"there is no input {quote(unknown[0])}; {suggest(unknown[0], found.inputs)}")
+        raise SarrusError(f"there is no input {quote(unknown[0])}. {suggest(unknown[0], found.inputs)}")
     if len(names) != 2:
         raise SarrusError(
-            f"a picture is over two inputs, not {len(names)}; name two of {', '.join(found.inputs)}"
+            f"a picture is over two inputs, not {len(names)}. Name two of {', '.join(found.inputs)}."
         )
     return [found.inputs.index(name) for name in names]
 

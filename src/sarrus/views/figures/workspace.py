@@ -90,7 +90,7 @@ def plot_workspace(
 def refuse_kinds(kinds: Sequence[CurveKind]) -> None:
     unknown = [kind for kind in kinds if kind not in STYLES]
     if unknown:
-        raise SarrusError(f"there are no curves of kind {quote(unknown[0])}; {suggest(unknown[0], STYLES)}")
+        raise SarrusError(f"there are no curves of kind {quote(unknown[0])}. {suggest(unknown[0], STYLES)}")
 
 
 def draw_curves(
@@ -150,7 +150,7 @@ def _placed(found: Workspace, at: ArrayLike) -> Iterator[Array]:
         if q is None:
             text = ", ".join(f"{number:g}" for number in place)
             raise SarrusError(
-                f"{found.name}: no position was found with the outputs at {text}; choose another place"
+                f"{found.name}: no position was found with the outputs at {text}. Choose another place."
             )
         yield q
 
@@ -263,7 +263,7 @@ def plot_workspace_field(found: WorkspaceField, quantity: Quantity | None = None
     """
     shown = quantity or ("conditioning" if "conditioning" in found.values else next(iter(found.values)))
     if shown not in found.values:
-        raise SarrusError(f"{shown} was not computed; there are {', '.join(found.values)}")
+        raise SarrusError(f"{shown} was not computed. Choose from {', '.join(found.values)}.")
     ax = plot_axes(ax, 7.5, 7.0)
     image = _colours(ax, found, shown)
     _scale(ax, image, found, shown)

@@ -56,16 +56,16 @@ def read_mesh(file: Path) -> list[Colored]:
     """
     reader = READERS.get(file.suffix.lower())
     if reader is None:
-        raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}; convert it")
+        raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}. Convert it.")
     try:
         with np.errstate(all="ignore"):
             return [Colored(thinned(mesh), color) for mesh, color in bounded(reader(file))]
     except FileNotFoundError:
-        raise MeshError(f"{file}: does not exist; check the path") from None
+        raise MeshError(f"{file}: does not exist. Check the path.") from None
     except OSError as error:
-        raise MeshError(f"{file}: {(error.strerror or str(error)).lower()}; check the path") from None
+        raise MeshError(f"{file}: {(error.strerror or str(error)).lower()}. Check the path.") from None
     except DAMAGED as error:
-        raise MeshError(f"{file}: is no mesh that can be read ({error}); export it again") from None
+        raise MeshError(f"{file}: is no mesh that can be read ({error}). Export it again.") from None
 
 
 MOST = 20_000  # triangles that a browser rotates smoothly, and that take less than half a megabyte in a page
@@ -119,7 +119,7 @@ def given_meshes(look: Look) -> Iterator[Colored]:
 
 def _mesh(look: Look) -> list[Colored]:
     if look.wrong or look.file is None:
-        raise MeshError(look.wrong or "a mesh has no file; name one")
+        raise MeshError(look.wrong or "a mesh has no file. Name one.")
     return [Colored(mesh.stretched(look.size), color) for mesh, color in read_mesh(look.file)]
 
 

@@ -39,7 +39,7 @@ class ODE:
 
     def __post_init__(self) -> None:
         if self.name not in SOLVERS:
-            raise ValueError(f"there is no ODE solver {self.name!r}; choose from {', '.join(SOLVERS)}")
+            raise ValueError(f"there is no ODE solver {self.name!r}. Choose from {', '.join(SOLVERS)}")
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> ODEStepper:
         """The method at work, see `Stepper`."""

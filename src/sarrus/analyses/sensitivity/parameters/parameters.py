@@ -90,7 +90,7 @@ class Parameters:
         found = [known for known in self._numbers if known.startswith(f"{name}.")]
         if not found:
             known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
-            raise UnknownParameter(f"{self.system.name} has no number {name!r}; {suggest(name, known)}")
+            raise UnknownParameter(f"{self.system.name} has no number {name!r}. {suggest(name, known)}")
         return found
 
     def _value(self, name: str) -> float:
@@ -366,7 +366,7 @@ def _entries(name: str, value: Any, known: Mapping[str, float]) -> list[tuple[st
     found = [own for own in known if own.startswith(f"{name}.")]
     if not found or len(found) != np.size(value):
         raise UnknownParameter(
-            f"the design gives {name!r}, which is no number of the model; {suggest(name, known)}"
+            f"the design gives {name!r}, which is no number of the model. {suggest(name, known)}"
         )
     return list(zip(found, np.ravel(np.asarray(value, dtype=object)), strict=True))
 
@@ -375,5 +375,5 @@ def _coordinate(system: System, name: str) -> int:
     """Place in q of the coordinate that ``start.q.crank.r.x`` names."""
     names = system.coordinate_names
     if name[len(GUESS[0]) :] not in names:
-        raise UnknownParameter(f"{system.name} has no coordinate {name!r}; {suggest(name, names)}")
+        raise UnknownParameter(f"{system.name} has no coordinate {name!r}. {suggest(name, names)}")
     return names.index(name[len(GUESS[0]) :])

@@ -46,11 +46,11 @@ class Anchors:
         """Return a copy of an anchored value as the entry at ``path``; what is in it keeps the original's lines."""
         if name not in self.known:
             message = f"uses the alias {quote('*' + name)}, but there is no anchor &{name} above it"
-            remedy = suggest(name, self.known) if self.known else "write the value out"
-            raise refusal(f"{message}; {remedy}", self.file, line, path)
+            remedy = suggest(name, self.known) if self.known else "Write the value out."
+            raise refusal(f"{message}. {remedy}", self.file, line, path)
         anchored = self.known[name]
         if anchored.open:
-            message = f"uses the alias {quote('*' + name)} inside of its own anchor; write the value out"
+            message = f"uses the alias {quote('*' + name)} inside of its own anchor. Write the value out."
             raise refusal(message, self.file, line, path)
         own = self.lines.get(path, line)
         data = self._copied(anchored.data, anchored.path, path, line)
@@ -61,7 +61,7 @@ class Anchors:
         """Add the entries of a merge key to a mapping that does not have them."""
         for source, at in [(value, place)] if isinstance(value, dict) else _listed(value, place):
             if not isinstance(source, dict):
-                message = "has a merge key (<<) that is no mapping; give an alias of one, as in <<: *name"
+                message = "has a merge key (<<) that is no mapping. Give an alias of one, as in <<: *name."
                 raise refusal(message, self.file, self.lines[place], place[:-1])
             for key in source.keys() - values.keys():
                 values[key] = self._copied(source[key], (*at, key), (*place[:-1], key), self.lines[place])
@@ -79,7 +79,7 @@ class Anchors:
         return data
 
     def _too_many(self, line: int, path: Path) -> ModelError:
-        message = f"copies more than {MOST} entries by its aliases (*); build such a model in Python"
+        message = f"copies more than {MOST} entries by its aliases (*). Build such a model in Python."
         return refusal(message, self.file, line, path[:2])
 
 

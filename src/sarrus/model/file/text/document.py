@@ -26,12 +26,12 @@ def refusal(message: str, file: str, line: int, path: Path = ()) -> ModelError:
 def refuse_deep(depth: int, file: str, line: int, path: Path) -> None:
     """Raise a ModelError when the nesting is deeper than any model needs."""
     if depth > DEEPEST:
-        message = f"is nested deeper than {DEEPEST} levels; remove brackets or indentation"
+        message = f"is nested deeper than {DEEPEST} levels. Remove brackets or indentation."
         raise refusal(message, file, line, path[:2])
 
 
 def refuse_repeated(key: str, first: int | None, file: str, line: int, path: Path) -> None:
     """Raise a ModelError when a key has been given before, on the line ``first``."""
     if first is not None:
-        message = f'the key "{key}" is given twice, the first time on line {first}; remove one of them'
+        message = f'the key "{key}" is given twice, the first time on line {first}. Remove one of them.'
         raise refusal(message, file, line, (*path, key))

@@ -123,5 +123,5 @@ class _Reader:
         return bisect_right(self.breaks, self.at) + 1
 
     def _invalid(self, reason: str) -> Exception:
-        message = f"is not valid JSON, {reason}; check commas, quotes and brackets"
+        message = f"is not valid JSON, {reason}. Check commas, quotes and brackets."
         return refusal(message, self.file, self._line())

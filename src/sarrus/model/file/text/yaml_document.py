@@ -57,11 +57,11 @@ def _explained(text: str, file: str, loader: Any) -> Document:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
-        message = f"is not valid YAML, {error.problem or error.context}; {_remedy(text, line)}"
+        message = f"is not valid YAML, {error.problem or error.context}. {_remedy(text, line)}"
         raise refusal(message.replace("\n", " "), file, line) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
-        message = "holds a control character that YAML does not allow; remove it"
+        message = "holds a control character that YAML does not allow. Remove it."
         raise refusal(message, file, line) from None
 
 
@@ -77,7 +77,7 @@ class _Reader:
     def document(self) -> Document:
         next(self.events)
         if isinstance(next(self.events), StreamEndEvent):
-            raise ModelError("is empty; give at least a name and bodies", where=self.file)
+            raise ModelError("is empty. Give at least a name and bodies.", where=self.file)
         data = self._value(next(self.events), ())
         next(self.events)
         self._refuse_second(next(self.events))
@@ -128,29 +128,29 @@ class _Reader:
 
     def _key(self, event: Event, path: Path) -> str:
         if isinstance(event, AliasEvent):
-            raise refusal("has an alias (*) as key; write the key out", self.file, _line(event), path)
+            raise refusal("has an alias (*) as key. Write the key out.", self.file, _line(event), path)
         self._refuse_tag(event, path)
         if not isinstance(event, ScalarEvent):
-            message = "has a key that is a list or a mapping; use a plain word as key"
+            message = "has a key that is a list or a mapping. Use a plain word as key."
             raise refusal(message, self.file, _line(event), path)
         return str(event.value)
 
     def _refuse_tag(self, event: Event, path: Path) -> None:
         if getattr(event, "tag", None):
-            message = "uses a tag (!), which a model file may not; remove it"
+            message = "uses a tag (!), which a model file may not. Remove it."
             raise refusal(message, self.file, _line(event), path)
 
     def _refuse_second(self, event: Event) -> None:
         if isinstance(event, DocumentStartEvent):
-            message = "a second document starts with ---; keep one model in a file"
+            message = "a second document starts with ---. Keep one model in a file."
             raise refusal(message, self.file, _line(event))
 
 
 def _remedy(text: str, line: int) -> str:
     near = text.splitlines()[max(line - 2, 0) : line]
     if any("${" in one for one in near):
-        return "inside brackets put ${…} in quotes or leave it away"
-    return "check indentation, brackets and quotes"
+        return "Inside brackets put ${…} in quotes or leave it away."
+    return "Check indentation, brackets and quotes."
 
 
 def _line(event: Event) -> int:

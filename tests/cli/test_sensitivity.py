@@ -174,7 +174,7 @@ WRONG = [
     ("iterations: 20", "solver: Newton", "there is no solver 'Newton'"),
     ("iterations: 20", "second_order: maybe", "best.yaml:10: second_order: second_order is true or false"),
     ("iterations: 20", "noise: given", "best.yaml:10: 'noise' belongs to 'fit'"),
-    ("iterations: 20", "fit: []", "give minimize or fit, and not both"),
+    ("iterations: 20", "fit: []", "one of minimize and fit is needed"),
     ("minimize: integral(", "minimize: integrate(", "best.yaml:6: minimize:"),
 ]
 

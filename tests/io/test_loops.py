@@ -91,11 +91,11 @@ def _check_loop(system: sr.System) -> None:
 
 
 WRONG = {
-    "unknown link": ("body: tip, at: [0, 0, 0], z", "body: tipp, at: [0, 0, 0], z", 5, 'did you mean "tip"'),
+    "unknown link": ("body: tip, at: [0, 0, 0], z", "body: tipp, at: [0, 0, 0], z", 5, 'Did you mean "tip"'),
     "taken": ("closing:", "pin_a:", 2, "is taken"),
     "same body": ("body: rocker", "body: coupler", 6, "to itself"),
     "other section": ("forces:", "bodies:", 7, "no key"),
-    "misspelt type": ("revolute", "revolut", 3, "did you mean"),
+    "misspelt type": ("revolute", "revolut", 3, "Did you mean"),
     "no mapping": (LOOP, "- 1", 1, "mapping"),
 }
 

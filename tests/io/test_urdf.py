@@ -115,7 +115,7 @@ def test_points_and_frames_of_a_merged_link_are_said_in_its_axes(tmp_path: Path)
     np.testing.assert_allclose([frame.f, frame.g, frame.h], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-15)
     turned = found.link("tool").frame((0, 0, 1), z=(1, 0, 0)).resolve(poses, "f")
     np.testing.assert_allclose([turned.s, turned.h], [[0, 0, 3], [0, 1, 0]], atol=1e-15)
-    with pytest.raises(sr.ModelError, match='did you mean "tool"'):
+    with pytest.raises(sr.ModelError, match='Did you mean "tool"'):
         found.link("tol")
 
 

@@ -176,7 +176,7 @@ def test_a_bushing_that_gives_energy_is_refused(field: str, value: Any) -> None:
 def test_a_law_may_drive_a_motion() -> None:
     given = next(given for one, given in PARTS if one is sr.TSDA)
     made(sr.TSDA, {**given, "c": lambda rate: -0.5, "k": [(0, -1), (1, -1)]})
-    with pytest.raises(ModelError, match="for an unstable spring or a driven damper give a law"):
+    with pytest.raises(ModelError, match="For an unstable spring or a driven damper give a law"):
         made(sr.TSDA, {**given, "c": -0.5})
 
 

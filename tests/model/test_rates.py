@@ -63,9 +63,9 @@ def test_studies_begin_with_the_rates(tmp_path: Path) -> None:
             "{pn: 1}",
             r'arm.yaml:8: .*there is no joint "pn" with an angle or a displacement. Did you mean "pin"',
         ),
-        ("{sleeve: 1}", r"give sleeve.displacement or sleeve.angle|give sleeve.angle or sleeve.displacement"),
+        ("{sleeve: 1}", r"Give sleeve.displacement or sleeve.angle|Give sleeve.angle or sleeve.displacement"),
         ("{pin: 3 m/s}", r"rates: pin is in m s\^-1. Give it in rad/s"),
-        ("{sleeve.displacement: 30 rpm}", "give it in m/s"),
+        ("{sleeve.displacement: 30 rpm}", "Give it in m/s"),
         ("{pin: .nan}", "pin"),
         ("[1, 2]", "rates"),
         ("{pin: '2*${speed}'}", r"rates: pin depends on \"speed\". Give a number in rad/s"),
@@ -101,7 +101,7 @@ def test_the_shell_takes_rates(tmp_path: Path, capsys: pytest.CaptureFixture[str
     bodies = json.loads(capsys.readouterr().out)["bodies"]
     assert bodies["crank"]["angular_velocity_body"][2] == pytest.approx(2 * np.pi, rel=1e-4)
     assert bodies["block"]["velocity"][0] == pytest.approx(-0.1)
-    for wrong, told in (("pin", "JOINT=VALUE"), ("pin=1 m/s", "give it in rad/s"), ("pn=1", "did you mean")):
+    for wrong, told in (("pin", "JOINT=VALUE"), ("pin=1 m/s", "Give it in rad/s"), ("pn=1", "Did you mean")):
         assert main(["run", file, "--rate", wrong, "-q"]) == 2
         message = capsys.readouterr().err
         assert told in message

@@ -43,8 +43,8 @@ def test_what_is_meant_exists() -> None:
 
 
 def test_capitals_do_not_count() -> None:
-    assert suggest("crank.X", ["crank.z", "crank.x"]) == 'did you mean "crank.x"?'
-    assert suggest("q7", [f"p{k}" for k in range(5000)]).startswith("choose from p0")
+    assert suggest("crank.X", ["crank.z", "crank.x"]) == 'Did you mean "crank.x"?'
+    assert suggest("q7", [f"p{k}" for k in range(5000)]).startswith("Choose from p0")
 
 
 def test_a_robot_file_names_its_reader(tmp_path: Path) -> None:

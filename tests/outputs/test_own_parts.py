@@ -112,7 +112,7 @@ def test_the_shell_takes_them(
     assert main(["sensitivity", str(path), "--until", "0.4", *asked]) == 0
     assert "bowl.steepness" in capsys.readouterr().out
     assert main([*begin, "--columns", "bowl.steepnes"]) == 2
-    assert 'did you mean "bowl.steepness"?' in capsys.readouterr().err
+    assert 'Did you mean "bowl.steepness"?' in capsys.readouterr().err
 
 
 def test_functions_of_the_position_have_gradients() -> None:

@@ -173,7 +173,7 @@ def test_unknown_outputs_are_named(wrong: str) -> None:
 
 
 def test_unknown_numbers_are_named() -> None:
-    with pytest.raises(sr.SarrusError, match="did you mean"):
+    with pytest.raises(sr.SarrusError, match="Did you mean"):
         sr.sensitivity(swung("HHT"), "slider.x", ["spring.kk"])
 
 

@@ -67,7 +67,7 @@ def test_what_a_file_may_say() -> None:
     ("given", "told"),
     [
         ({"from": 2, "to": 1}, "a range must rise"),
-        ({"from": 2}, "give from and to"),
+        ({"from": 2}, "Give from and to"),
         ({"from": -1, "to": 1, "log": True}, "must be positive"),
         ({"from": 1, "to": 2, "count": 1}, "two values at least"),
         ({"distribution": "normal"}, "there is no distribution 'normal'. Did you mean"),
@@ -88,7 +88,7 @@ def test_wrong_parameters(given: object, told: str) -> None:
     ("given", "told"),
     [
         ({"type": "sobel", "count": 8}, "there is no sample 'sobel'. Did you mean"),
-        ({"type": "sobol", "count": 100}, "take 128"),
+        ({"type": "sobol", "count": 100}, "Take 128"),
         ({"type": "sobol"}, "needs a count"),
         ({"type": "grid", "count": 3}, "has no key 'count'"),
         ({"type": "monte_carlo", "count": 0}, "at least 1"),

@@ -294,7 +294,7 @@ def test_functions_of_a_script_need_a_guard_and_say_so(tmp_path: Path) -> None:
 
 
 def test_a_local_function_cannot_be_sent(model: Model) -> None:
-    with pytest.raises(SarrusError, match=r"define its functions at the top of a module, or take workers=1"):
+    with pytest.raises(SarrusError, match=r"Define its functions at the top of a module, or take workers=1"):
         study(model, K, {"k": "k"}, analysis=lambda system: {"k": 1.0}, workers=2)
 
 

@@ -223,9 +223,9 @@ def test_fields_and_singular_positions_in_the_shell(
     ("options", "told"),
     [
         (["--field", "conditioning"], "--field conditioning needs to know what drives it. Add --inputs NAME"),
-        (["--field", "turn"], "add --turn NAME"),
+        (["--field", "turn"], "Add --turn NAME"),
         (["--turn", "x.rotation_z"], "--turn is for --field turn. Add it"),
-        (["--singular", "x.png"], "add --inputs NAME"),
+        (["--singular", "x.png"], "Add --inputs NAME"),
         (["--output", "tool.x", "--at=1,1"], "--at is for two outputs, not 1. Leave it out"),
         (["--output", "tool.x", "--curves", "outer"], "--curves is for two outputs, not 1"),
         (["--output", "tool.x", "--netcdf", "x.nc"], "--netcdf is for more than one output"),

@@ -24,7 +24,7 @@ SAME = 0.5  # a change that falls by less than this factor in a much shorter ste
 def begin_motion(
     tolerance: Tolerance, system: System, t: float, q: Array, until: float | None = None
 ) -> None:
-    """Let tolerances follow the motion from a position on, if they do and have not begun.
+    """Let tolerances follow the motion from a position on, if they do and have not started.
 
     `until` is the end of the run, for methods whose tolerances depend on the number of periods.
     """

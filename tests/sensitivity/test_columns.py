@@ -84,7 +84,7 @@ def test_they_do_over_events(method: sr.HHT | sr.Radau) -> None:
 def test_a_panel_that_made_its_step_waits_where_another_needs_new_pivots(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Refinements are trusted less and less, so that some panel is the first to fail."""
+    """Solutions are trusted more and more, so that some panel is the first to fail."""
     run, done, choose = even(1), [], sweep.Sweep._choose_pivots
     (chain, every), bars = moved(run, MANY), random_nodes(run, 2)
     wanted = chain.weighed(bars, *every)
@@ -94,7 +94,7 @@ def test_a_panel_that_made_its_step_waits_where_another_needs_new_pivots(
         return choose(self, *args)
 
     monkeypatch.setattr(sweep.Sweep, "_choose_pivots", counted)
-    for trusted in np.geomspace(1e-15, 1e-9, 30):
+    for trusted in np.geomspace(1e-30, 1e-18, 30):
         monkeypatch.setattr(sweep, "TRUSTED", (trusted, 1e-3))
         assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-9 * abs(wanted).max()
     assert {0, 1, 2} == set(done)

@@ -15,7 +15,7 @@ from .._jit.kernels.lanes import fill, load, minus_product, plus_product, produc
 from .._jit.kernels.vector import LANES
 from .._jit.linking.link import compiled
 from ..algebra import Array
-from .panel_loop import REFINED, Factors
+from .panel_loop import REFINED, Factors, error_left
 
 COLUMNS = 2 * LANES  # of a panel
 ONE: Any = np.uint64(1)
@@ -174,7 +174,7 @@ def solve_rest(matrix: Factors, by_rows: ByRows, rest: Array, x: Array) -> None:
 def solve_panel(
     matrix: Factors, by_rows: ByRows, right: Array, solution: Array, x: Array, rest: Array, most: int
 ) -> tuple[float, float]:
-    """Solution = matrix⁻¹ right of a panel, refined so often at most; its first and its last relative change by that.
+    """Solution = matrix⁻¹ right of a panel, refined so often at most; its first relative change, and the error left.
 
     x, rest : memory for panels
     """
@@ -184,17 +184,17 @@ def solve_panel(
         at = matrix.column_order[k] * TWO
         store(solution, at, load(x, k * TWO))
         store(solution, at + ONE, load(x, k * TWO + ONE))
-    first, change = 0.0, 1.0
+    first, error, before = 0.0, 1.0, 1.0
     for _ in range(most):
         for k in range(n * TWO):
             store(rest, k, load(right, k))
         minus_rows(by_rows.whole, matrix.data, solution, rest)
         solve_rest(matrix, by_rows, rest, x)
         change = add_panel(matrix.column_order, x, solution)
-        first = max(first, change)
-        if not change > REFINED:
+        first, error, before = max(first, change), error_left(change, before), change
+        if not error > REFINED:
             break
-    return first, change
+    return first, error
 
 
 @compiled

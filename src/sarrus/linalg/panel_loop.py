@@ -14,10 +14,9 @@ import numpy as np
 from .._jit.linking.link import compiled
 from ..algebra import Array
 
-REFINED, REFINEMENTS = (
-    1e-8,
-    4,
-)  # relative change of a solution after which it is not refined again; how often at most
+# Relative error left in a solution, by how much refinements contract, up to which it is not refined again; how often
+# at most
+REFINED, REFINEMENTS = 1e-16, 4
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
@@ -148,10 +147,19 @@ def copy(x: Array, out: Array) -> None:
 
 
 @compiled
+def error_left(change: float, before: float) -> float:
+    """The relative error that a refinement leaves, by the change that it makes and that of the one before.
+
+    A change contracts by the ratio of both. With pivots of another step it may be small already, and contract slowly.
+    """
+    return change * change / before if before > 0.0 else change
+
+
+@compiled
 def solve_flat(
     matrix: Factors, right: Array, solution: Array, x: Array, rest: Array, whole: Array, most: int
 ) -> tuple[float, float]:
-    """Solution = matrix⁻¹ right (n,), refined so often at most; its first and its last relative change, made by that.
+    """Solution = matrix⁻¹ right (n,), refined so often at most; its first relative change, and the error left.
 
     x, rest, whole : buffers
     """
@@ -161,19 +169,19 @@ def solve_flat(
     for k in range(n):
         x[k] = whole[k]
     lower_upper_flat(matrix, x)
-    first, change = 0.0, 1.0
+    first, error, before = 0.0, 1.0, 1.0
     for _ in range(most):
         for k in range(n):
             rest[k] = whole[k]
         times_flat(matrix, x, rest)
         lower_upper_flat(matrix, rest)
         change = add_flat(rest, x)
-        first = max(first, change)
-        if not change > REFINED:
+        first, error, before = max(first, change), error_left(change, before), change
+        if not error > REFINED:
             break
     for k in range(n):
         solution[matrix.column_order[k]] = x[k]
-    return first, change
+    return first, error
 
 
 @compiled
@@ -193,7 +201,7 @@ def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, buffe
 def solve_columns_transposed(
     matrix: Factors, right: Array, solution: Array, buffers: Buffers
 ) -> tuple[float, float]:
-    """Solution = matrix⁻ᵀ right (n, k), refined; its first and its last relative change, which have been made."""
+    """Solution = matrix⁻ᵀ right (n, k), refined; its first relative change, and the error left."""
     n, width = np.uint64(right.shape[0]), right.shape[1]
     x, rest, whole = buffers[0], buffers[1], buffers[2]
     for k in range(n):
@@ -201,19 +209,19 @@ def solve_columns_transposed(
             whole[k, c] = right[matrix.column_order[k], c]
     copy(whole, x)
     upper_lower(matrix, x)
-    first, change = 0.0, 1.0
+    first, error, before = 0.0, 1.0, 1.0
     for _ in range(REFINEMENTS):
         copy(whole, rest)
         times_arranged_transposed(matrix, x, rest)
         upper_lower(matrix, rest)
         change = add(rest, x)
-        first = max(first, change)
-        if not change > REFINED:
+        first, error, before = max(first, change), error_left(change, before), change
+        if not error > REFINED:
             break
     for k in range(n):
         for c in range(width):
             solution[k, c] = x[matrix.row_place[k], c]
-    return first, change
+    return first, error
 
 
 @compiled

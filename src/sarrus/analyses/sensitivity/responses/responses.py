@@ -417,7 +417,7 @@ def refuse_corners(title: str, vertices: Sequence[Vertex]) -> None:
     """
     if any(vertex.is_corner for vertex in vertices):
         raise ValueError(
-            f"{title}: its extreme is at a kink (abs, max, min or clip), which has first derivatives only. Use a "
+            f"{title}: second derivatives of an extreme at a kink (abs, max, min or clip) are not supported. Use a "
             "smooth function, such as sqrt(x**2 + e**2)."
         )
 

@@ -19,8 +19,8 @@ from .matrix import Arranged, OperationMatrix
 from .record import STEP, Occurrences, Operations, Remembered
 from .stacked import Series, parts_of, series
 
-# Last relative change of a solution with which pivots stay: those of a very short step, those chosen for this one
-TRUSTED = (1e-8, 1e-3)
+# Relative error left in a solution with which pivots stay: those of a very short step, those chosen for this one
+TRUSTED = (1e-14, 1e-3)
 Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
 ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()

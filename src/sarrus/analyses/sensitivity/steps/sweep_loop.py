@@ -70,7 +70,7 @@ class Work(NamedTuple):
     buffers : of three vectors of the unknowns, to solve with
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
-    trusted : the last relative change of a solution, up to which the order of the pivots is not renewed
+    trusted : the relative error left in a refined solution up to which the order of the pivots is not renewed
     done : how many panels have made the operation that is next; backwards, whether its node's gradients are added
     """
 
@@ -190,31 +190,31 @@ def solve_lane(
     plain = plainly(refined, growth) and (alone or initial)
     most = 0 if plain else REFINEMENTS
     if alone:
-        first, change = solve_flat(own, given, found, x, rest, more, most)
+        first, error = solve_flat(own, given, found, x, rest, more, most)
     else:
-        first, change = solve_panel(own, ByRows(upper, whole), given, found, x, rest, most)
+        first, error = solve_panel(own, ByRows(upper, whole), given, found, x, rest, most)
     if plain:
-        return float(refined[CHANGE])
+        return 0.0
     refined[CHANGE] = first if alone or refined[CHANGE] == UNKNOWN else max(first, refined[CHANGE])
     if alone or not initial:
         refined[GROWTH] = growth
-    return change
+    return error
 
 
 @compiled
 def solve_lane_transposed(
     own: Factors, refined: Array, growth: float, right: Array, solution: Array, buffers: Buffers
 ) -> float:
-    """Solve with the transposed factors of one lane; the last relative change of the solution.
+    """Solve with the transposed factors of one lane; the relative error left in the solution.
 
     It is not refined where that changed next to nothing in the same block, with factors about as large.
     """
     if plainly(refined, growth):
         solve_plain_transposed(own, right, solution, buffers)
-        return float(refined[CHANGE])
-    first, change = solve_columns_transposed(own, right, solution, buffers)
+        return 0.0
+    first, error = solve_columns_transposed(own, right, solution, buffers)
     refined[CHANGE], refined[GROWTH] = first, growth
-    return change
+    return error
 
 
 @compiled
@@ -285,8 +285,8 @@ def backward_operation(
     numbers = numbers_of(block, op, lane).values
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
-    change = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
-    if not change <= work.trusted[0]:
+    error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
+    if not error <= work.trusted[0]:
         return False
     silence(layout, run, op, k, mu)
     if len(stored.values) > 0:
@@ -413,8 +413,8 @@ def forward_operation(
     matrix, refined = lane_of(matrices, block, op, numbers), block.refined[op]
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
-    change = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
-    if not change <= work.trusted[0]:
+    error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
+    if not error <= work.trusted[0]:
         return False
     found = solution.reshape(n * width)
     if len(stored.values) > 0:

@@ -53,7 +53,7 @@ def test_order_two_with_steps_that_change(method: object) -> None:
 def test_kept_steps_are_what_was_done() -> None:
     """Every step satisfies the scheme's equations to round-off, and the same lengths give the same states."""
     system = slider_crank()
-    run = sr.simulate(system, until=1.0, rtol=1e-5, atol=1e-7, store_steps=True)
+    run = sr.simulate(system, until=1.0, rtol=1e-5, atol=1e-7, store_steps=True, method=sr.HHT())
     steps = run.steps
     assert len(steps) == run.nsteps
     assert np.allclose(steps.t[1:], np.cumsum(steps.h), rtol=1e-13)
@@ -85,7 +85,7 @@ def test_the_error_falls_with_the_tolerance(method: object) -> None:
 
 def test_constraints_hold_where_states_are_given_out() -> None:
     system = slider_crank()
-    run = sr.simulate(system, until=3.0, rtol=1e-5, atol=1e-5)
+    run = sr.simulate(system, until=3.0, rtol=1e-5, atol=1e-5, method=sr.HHT())
     assert run.violation.max() < 1e-12
     assert max(abs(system.Phi_q_xi(q, v)).max() for q, v in zip(run.q, run.v, strict=True)) < 1e-11
     p = run.q.reshape(len(run.t), -1, 7)[:, :, 3:]
@@ -127,13 +127,13 @@ def test_an_rsda_counts_its_turns() -> None:
     pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1))
     spring = sr.RSDA("spring", sr.ground, wheel, point=(0, 0, 0), axis=(0, 0, 1), k=0.02)
     system = sr.System(sr.Model("wheel", bodies=[wheel], joints=[pin], forces=[spring]))
-    run = sr.simulate(system, until=10.0, rtol=1e-7, atol=1e-7)
+    run = sr.simulate(system, until=10.0, rtol=1e-7, atol=1e-7, method=sr.HHT())
     expected = 8.0 * np.cos(0.1 * run.t)
     assert np.allclose(run["wheel"].angular_velocity_body[:, 2], expected, atol=1e-3)
 
 
 def test_the_history_tells_the_steps() -> None:
-    run = sr.simulate(slider_crank(), until=1.0)
+    run = sr.simulate(slider_crank(), until=1.0, method=sr.HHT())
     assert len(run.history) == run.nsteps
     assert run.history[-1, 0] == pytest.approx(1.0)
     assert np.all(run.history[:, 2] <= 1.0)
@@ -155,7 +155,9 @@ def test_a_door_on_two_hinges_swings() -> None:
     runs = []
     for count in (1, 2):
         model = sr.Model("door", bodies=[door], joints=hinges[:count], gravity=(0, 0, -9.81))
-        runs.append(sr.simulate(sr.System(model), until=3.0, rtol=1e-7, atol=1e-7, t_eval=[1.0, 3.0]))
+        runs.append(
+            sr.simulate(sr.System(model), until=3.0, rtol=1e-7, atol=1e-7, t_eval=[1.0, 3.0]), method=sr.HHT()
+        )
     assert all(run.success for run in runs), [run.message for run in runs]
     assert np.allclose(runs[0].q, runs[1].q, atol=1e-6)
     assert runs[1].violation.max() < 1e-12
@@ -183,7 +185,7 @@ def test_a_kept_loop_depends_on_its_constants(monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("until", [1e-4, 1e-3, 0.01])
 def test_a_short_run_with_a_tight_tolerance(until: float) -> None:
     """The first step is no shorter than round-off of the constraints allows."""
-    run = sr.simulate(slider_crank(), until=until, t_eval=[until], rtol=1e-8, atol=1e-10)
+    run = sr.simulate(slider_crank(), until=until, t_eval=[until], rtol=1e-8, atol=1e-10, method=sr.HHT())
     assert run.success, run.message
     assert run.nrejected == 0
     assert run["slider"].velocity[-1, 0] == pytest.approx(2.5589 * until, rel=1e-3)  # from rest

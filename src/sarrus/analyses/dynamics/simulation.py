@@ -93,9 +93,9 @@ def simulate(
     until : end time [s], not the duration: the start is at its own time, which is 0 by default
     t_eval : times to keep, rising, between the start and `until`; by default 1001 equidistant ones
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
-    rtol : relative tolerance of the local error, 1e-7 by default, 1e-6 for HHT, generalized-α and descriptions; of
+    rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions; of
         the size of the motion of each body so far where `atol` is not given, so that units of a model do not matter;
-        divided by the number of periods of the motion then (not for methods of order 2), as errors add up
+        falling with the fourth root of the number of its periods (not for methods of order 2), as errors add up
     atol : absolute tolerances in place of those that follow the motion; the relative ones are then of the coordinates
         themselves. Both are a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which

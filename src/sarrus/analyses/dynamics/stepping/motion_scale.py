@@ -9,6 +9,7 @@ from ....algebra import Array
 
 # Of the largest motion of a system, which that of each body is taken to be at least; of lengths: round-off
 LEAST_MOTION, FINEST = 1e-3, 1e-13
+GROWTH = 0.25  # power of the number of periods, by which tolerances are divided
 TURN = 6.283185307179586  # [rad] of a period
 LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
 MOVES = 8  # columns of `Tolerance.motion`
@@ -43,8 +44,8 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     """Absolute tolerances of a step: shares of how far and how fast each body has moved so far, and moves in the step.
 
     A body that hardly moves has `LEAST_MOTION` of the largest motion; displacements and rotations are compared by the
-    system's length. Errors add up over a run, those of phases with the square of the number of periods: shares are
-    divided by that number. Nothing is asked for below round-off.
+    system's length. Errors add up over a run: shares fall with the number of its periods. Nothing is asked for below
+    round-off.
     """
     length, size = tol.size[LENGTH], tol.size
     if length == 0.0:
@@ -52,7 +53,7 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     far = measure_motion(tol, h, q, v, a, first)
     by_displacement = periods(size[SPAN], size[LARGEST + 2], size[LARGEST])
     by_rotation = periods(size[SPAN], size[LARGEST + 3], size[LARGEST + 1])
-    share = 1.0 / max(1.0, by_displacement, by_rotation)
+    share = max(1.0, by_displacement, by_rotation) ** -GROWTH
     size[SHARE] = share
     for i in range(len(q) // 7):
         for kind in range(2):

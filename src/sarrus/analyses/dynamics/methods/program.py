@@ -299,14 +299,14 @@ class ProgramBuilder:
     def _calls(self) -> tuple[list[list[int]], list[list[int]]]:
         """Operators of the equations, and the terms of these, scaled."""
         calls, terms = list[list[int]](), list[list[int]]()
-        known, begun = dict[tuple[int, int, str], int](), set[int]()
+        known, filled = dict[tuple[int, int, str], int](), set[int]()
 
         def add(row: int, of: int, height: int, factor: Any) -> None:
             to = self.place["right"] + row
             terms.append(
-                [to, of, height, self.formulas.register(factor), to if row in begun else self.place["zero"]]
+                [to, of, height, self.formulas.register(factor), to if row in filled else self.place["zero"]]
             )
-            begun.add(row)
+            filled.add(row)
 
         for row, (kind, s, scale) in zip(self.tables.equations, self.step.equations, strict=True):
             for group, output, sign in TERMS[kind]:

@@ -160,7 +160,8 @@ def _actions() -> Mapping[str, Action]:
     }
     for name in mechanisms.names():
         for method in METHODS:
-            found[f"simulate-{name}-{method}"] = partial(stored, shipped, name, method)
+            run = stored if method in TRACED else partial(motion, method=METHODS[method]())
+            found[f"simulate-{name}-{method}"] = partial(run, shipped, name, *[method] * (method in TRACED))
         for method in TRACED:
             found[f"sensitivity-{name}-{method}"] = partial(gradient, shipped, name, method)
             found[f"direct-{name}-{method}"] = partial(gradient, shipped, name, method, "direct")

@@ -28,7 +28,7 @@ class KernelsHook(BuildHookInterface):  # type: ignore[type-arg]
         given = os.environ.get("SARRUS_KERNELS")
         if not given or version == "editable":
             return
-        folder = Path(given).resolve()
+        folder = Path(self.root, given)
         if not list(folder.glob("*/index.json")):
             raise FileNotFoundError(
                 f"SARRUS_KERNELS: {folder} has no kernels. Fill it with distribution.kernels."

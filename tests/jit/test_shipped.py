@@ -79,7 +79,7 @@ def test_a_kernel_is_verified_by_itself(tmp_path: Path) -> None:
     files = {"a": b"first " * 100, "b": b"second " * 100}
     pack(files.items(), tmp_path / "level", "level")
     entries = json.loads((tmp_path / "level" / INDEX).read_text())["entries"]
-    found = Shipped(tmp_path / "level", "level", 4, entries)
+    found = Shipped(tmp_path / "level", "level", 4, "triple", entries)
     assert [found.read(name) for name in ("a", "b", "c")] == [files["a"], files["b"], None]
     content = bytearray((tmp_path / "level" / CONTENT).read_bytes())
     content[entries["b"][0] + 3] ^= 1

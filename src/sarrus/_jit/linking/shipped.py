@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import sys
 import zlib
 from collections.abc import Iterable
@@ -38,13 +39,15 @@ class Shipped:
     lanes : of kernels in lanes
     """
 
-    def __init__(self, folder: Path, level: str, lanes: int, entries: dict[str, Entry]) -> None:
-        self.level, self.lanes = level, lanes
+    def __init__(
+        self, folder: Path, level: str, lanes: int, built_on: str, entries: dict[str, Entry]
+    ) -> None:
+        self.level, self.lanes, self._built_on = level, lanes, built_on
         self._file, self._entries = folder / CONTENT, entries
 
     def magic_tuple(self) -> tuple[str, str, str]:
         """What Numba's cache names the compiler by with which these were compiled."""
-        return triple(), self.level, ""
+        return self._built_on, self.level, ""
 
     def read(self, name: str) -> bytes | None:
         """The content of a file, None if there is none or if its hash differs."""
@@ -64,8 +67,9 @@ def identity(level: str, package: Path = PACKAGE) -> str:
 
     The version of NumPy is not among it: kernels use its arrays as the binary interface of NumPy 2 defines them.
     """
+    system = re.sub(r"(?<=darwin|macosx)[0-9.]+$", "", triple())  # of macOS the triple names the release, too
     python = f"{sys.implementation.cache_tag}{getattr(sys, 'abiflags', '')}"
-    parts = (python, numba.__version__, llvmlite.__version__, triple(), level)
+    parts = (python, numba.__version__, llvmlite.__version__, system, level)
     return hashlib.sha256(repr(parts).encode() + sources_digest(package)).hexdigest()
 
 
@@ -77,7 +81,7 @@ def shipped(package: Path = PACKAGE) -> Shipped | None:
         if CONFIG.CPU_NAME in (None, level.name) and (folder / INDEX).is_file():
             found = _read(folder)
             if found.get("identity") == identity(level.name, package):
-                return Shipped(folder, level.name, level.lanes, found["entries"])
+                return Shipped(folder, level.name, level.lanes, found["triple"], found["entries"])
     return None
 
 
@@ -104,6 +108,6 @@ def pack(files: Iterable[tuple[str, bytes]], folder: Path, level: str) -> int:
             entries[name] = stream.tell(), len(packed), hashlib.sha256(packed).hexdigest()
             stream.write(packed)
         size = stream.tell()
-    index = {"identity": identity(level), "level": level, "entries": entries}
+    index = {"identity": identity(level), "triple": triple(), "entries": entries}
     (folder / INDEX).write_text(json.dumps(index), encoding="ascii")
     return size

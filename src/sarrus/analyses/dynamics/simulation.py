@@ -143,7 +143,8 @@ def simulate(
             events=events, breakpoints=breakpoints, dense_output=dense_output, store_steps=True, progress=progress,
             max_steps=max_steps,
         )  # fmt: skip
-        return simulated_to(again, system, error, time_limit, method=method, rtol=rtol, atol=atol)
+        relative = rtol_of(_method(method), rtol)
+        return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
         stored_events.refuse(chosen, save is not None)

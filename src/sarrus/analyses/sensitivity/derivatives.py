@@ -28,6 +28,7 @@ from ...results.motion import estimation
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import estimated
+from .accuracy.growth import warnings_of_growth
 from .chain.chain import Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, chain_of
@@ -165,14 +166,16 @@ def differentiated(
     announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.restitutions)
     missing = undefined(system, steps, parameters)
-    adjoints = list[Array]() if error else None
+    adjoints = list[Array]()
     if method == "adjoint":
         found = _adjoint(chain, evaluation, parameters, adjoints)
     else:
         found = _direct(chain, evaluation, parameters, ~missing)
         if error:
             chain.gradients(evaluation.gradients()[0], adjoints)
-    errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if adjoints else ()
+    if adjoints:
+        announce([*warnings_of_growth(steps, responses, adjoints)])
+    errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if error else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
     return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors)

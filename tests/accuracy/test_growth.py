@@ -1,0 +1,57 @@
+"""Derivatives of chaotic motions know how many of their digits are right."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+
+def double_pendulum(mass: float = 1.0) -> sr.System:
+    """Two bodies of 1 m, from the horizontal."""
+    one = sr.Body("a", mass, (0.1,) * 3, position=(0.5, 0, 0))
+    two = sr.Body("b", 1.0, (0.1,) * 3, position=(1.5, 0, 0))
+    pins = [
+        sr.Revolute("A", sr.ground, one, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Revolute("B", one, two, point=(1, 0, 0), axis=(0, 0, 1)),
+    ]
+    return sr.System(sr.Model("double pendulum", [one, two], pins, gravity=(0, -9.81, 0)))
+
+
+@cache
+def gradient(until: float, rtol: float) -> tuple[float, list[str]]:
+    """By the first mass, and the warnings."""
+    run = sr.simulate(double_pendulum(), until=until, method=sr.Radau(), rtol=rtol, store_steps=True)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = sr.sensitivity(run, "b.x", ["a.mass"])
+    return float(found.matrix[0, 0]), [str(one.message) for one in told]
+
+
+def test_a_short_motion_has_its_digits() -> None:
+    """Two tolerances agree, and nothing warns."""
+    (one, told), (other, _) = gradient(5.0, 1e-7), gradient(5.0, 1e-10)
+    assert not told
+    assert one == pytest.approx(other, rel=0.01)
+
+
+def test_a_chaotic_motion_warns() -> None:
+    for until in (20.0, 40.0):
+        value, told = gradient(until, 1e-7)
+        assert any("the adjoint grows" in message for message in told), told
+        assert np.isfinite(value)
+    assert any("shorter run" in message for message in gradient(40.0, 1e-7)[1])
+    assert any("smaller tolerances" in message for message in gradient(20.0, 1e-7)[1])
+
+
+def test_long_regular_motions_do_not_warn() -> None:
+    """A thousand swings: errors of the phase add up, but do not double."""
+    bob = sr.Body("bob", 1.0, (1e-3,) * 3, position=(0.5, 0, -0.5))
+    pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, -1, 0))
+    system = sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, 0, -9.81)))
+    run = sr.simulate(system, until=200.0, store_steps=True)
+    assert not sr.sensitivity(run, "bob.x", ["bob.mass"]).warnings

@@ -16,6 +16,7 @@ from ..responses.responses import Response
 
 LATE = 0.1  # [-] of the steps that have an adjoint: the last ones, with which the others are compared
 FEW = 2.0  # digits, below which there is a warning
+GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
 EPS = float(np.finfo(float).eps)
 
 
@@ -40,7 +41,7 @@ def warnings_of_growth(
     of_states = first.rtol ** (5 / 6 if first.precise else 2 / 3)  # of the order of the error of one period
     for response, growth in zip(responses, growths(steps, adjoints), strict=True):
         digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
-        if not digits >= FEW:
+        if growth >= GROWN and digits < FEW:
             few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
             remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
             yield (

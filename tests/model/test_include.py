@@ -256,7 +256,7 @@ def test_aliases_and_merge_keys_are_copies(tmp_path: Path) -> None:
             "&m 2.0",
             "&m -2.0",
             3,
-            'body "a": mass must be greater than 0, but is -2.0. Give the mass in kg (and',
+            'body "a": mass must be greater than 0, but is -2.0. Give the mass in kg. (and',
         ),
         ("*rod\n    mass: 3", "*rod\n    mas: 3", 7, 'body "c": has no key "mas". Did you mean "mass"?'),
         (

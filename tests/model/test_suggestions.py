@@ -50,7 +50,7 @@ def test_capitals_do_not_count() -> None:
 def test_a_robot_file_names_its_reader(tmp_path: Path) -> None:
     for name, reader in (("a.urdf", "load_urdf"), ("a.xml", "load_mjcf")):
         (tmp_path / name).write_text("<robot/>")
-        with pytest.raises(sr.ModelError, match=rf"read it with sarrus\.{reader}\(.*sarrus\.load_any"):
+        with pytest.raises(sr.ModelError, match=rf"Read it with sarrus\.{reader}\(.*sarrus\.load_any"):
             sr.load(tmp_path / name)
 
 

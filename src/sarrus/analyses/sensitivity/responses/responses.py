@@ -417,8 +417,8 @@ def refuse_corners(title: str, vertices: Sequence[Vertex]) -> None:
     """
     if any(vertex.is_corner for vertex in vertices):
         raise ValueError(
-            f"{title}: second derivatives of an extreme at a kink (abs, max, min or clip) are not supported. Use a "
-            "smooth function, such as sqrt(x**2 + e**2)."
+            f"{title}: its extreme is at a kink (abs, max, min or clip), where second derivatives are not supported. "
+            "Use a smooth function, such as sqrt(x**2 + e**2)."
         )
 
 

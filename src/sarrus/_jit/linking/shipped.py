@@ -102,12 +102,12 @@ def pack(files: Iterable[tuple[str, bytes]], folder: Path, level: str) -> int:
     """Write the kernels of a level; return their size in bytes."""
     folder.mkdir(parents=True)
     entries: dict[str, Entry] = {}
+    size = 0
     with (folder / CONTENT).open("wb") as stream:
         for name, content in sorted(files):
             packed = zlib.compress(content, 9)
-            entries[name] = stream.tell(), len(packed), hashlib.sha256(packed).hexdigest()
-            stream.write(packed)
-        size = stream.tell()
+            entries[name] = size, len(packed), hashlib.sha256(packed).hexdigest()
+            size += stream.write(packed)
     index = {"identity": identity(level), "triple": triple(), "entries": entries}
     (folder / INDEX).write_text(json.dumps(index), encoding="ascii")
     return size

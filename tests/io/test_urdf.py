@@ -187,5 +187,5 @@ def test_one_motion_of_several_may_be_locked(tmp_path: Path) -> None:
 
 
 def test_a_joint_called_base_and_a_floating_base_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(sr.ModelError, match="rename"):
+    with pytest.raises(sr.ModelError, match="Rename"):
         robot(tmp_path, link("a") + joint("base", "revolute", "world", "a"), base="floating")

@@ -119,7 +119,7 @@ EXTREMES = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr
 
 def test_an_extreme_between_steps_has_the_derivatives_of_its_value() -> None:
     """Those of the number that is told, with one weight for each of three nodes."""
-    run = sr.simulate(slider_crank(), until=1.5, rtol=1e-5, atol=1e-7, store_steps=True)
+    run = sr.simulate(slider_crank(), until=1.5, rtol=1e-5, atol=1e-7, store_steps=True, method=sr.HHT())
     found = sr.sensitivity(run, EXTREMES, ["spring.k"]).matrix[:, 0]
     assert found == pytest.approx(differenced(run, EXTREMES, "spring.k", 1e-3, sr.HHT()), rel=2e-5)
 

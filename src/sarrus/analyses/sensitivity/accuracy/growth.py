@@ -17,6 +17,7 @@ from ..responses.responses import Response
 LATE = 0.1  # [-] of the steps that have an adjoint: the last ones, with which the others are compared
 FEW = 2.0  # digits, below which there is a warning
 GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
+ROUND_OFF = 1e-6  # [-] an adjoint that is so much smaller one step later, and stays so, is round-off there
 EPS = float(np.finfo(float).eps)
 
 
@@ -27,10 +28,17 @@ def growths(steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Array:
     sizes = np.einsum("j,njk->nk", np.ptp(states, axis=0), abs(np.concatenate([x[:, 0] for x in adjoints])))
     found = np.ones(sizes.shape[1])
     for k, size in enumerate(sizes.T):
-        there = size[: np.flatnonzero(size)[-1] + 1] if size.any() else np.ones(1)
+        there = _before_response(size)
         late = there[-max(1, int(LATE * len(there))) :].max()
         found[k] = there.max() / late
     return found
+
+
+def _before_response(size: Array) -> Array:
+    """The sizes up to the time of a response: behind it they are zero, or fall to round-off within one step."""
+    later = np.append(np.maximum.accumulate(size[::-1])[::-1][1:], 0.0)
+    ends = np.flatnonzero(later < ROUND_OFF * size)
+    return size[: ends[0] + 1] if len(ends) else np.ones(1)
 
 
 def warnings_of_growth(

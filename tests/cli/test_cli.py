@@ -267,7 +267,7 @@ def test_a_defect_is_one_sentence_too(
     monkeypatch.setattr("sarrus.analyses.position.initial_state.start_of", lambda system: system.nonsense)
     assert main(["run", SLIDER_CRANK]) == 3
     told = capsys.readouterr().err
-    assert "this is a defect of Sarrus" in told
+    assert "This is a defect of Sarrus" in told
     assert "Traceback" not in told
 
 

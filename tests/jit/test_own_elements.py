@@ -212,7 +212,7 @@ def push(q):
 
 
 def test_a_body_in_the_place_of_its_name():
-    with pytest.raises(ModelError, match=r'force "pushed": .*its bodies must be names, .*give body\.name'):
+    with pytest.raises(ModelError, match=r'force "pushed": .*its bodies must be names, .*Give body\.name'):
         push(lambda self, x, v, t: (self.f, None))("")
 
 

@@ -290,7 +290,7 @@ def test_functions_of_a_script_need_a_guard_and_say_so(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert 'put it under "if __name__ == "__main__":"' in done.stderr.splitlines()[-1]
+    assert 'Put it under "if __name__ == "__main__":"' in done.stderr.splitlines()[-1]
 
 
 def test_a_local_function_cannot_be_sent(model: Model) -> None:

@@ -12,7 +12,7 @@ from ...system import System
 from .length import LEAST_LEVER, extent, lever, units
 from .nullspace import NullSpace
 
-LEAST = 1e-16  # of the largest inertia along a free motion: what cannot be distinguished from none
+LEAST = 1e-14  # of the largest inertia along a free motion: what cannot be distinguished from none
 DENSE_UP_TO = 1500  # coordinates, for which free motions are computed
 
 
@@ -42,7 +42,7 @@ def along(system: System, q: Array, Z: Array, M: csr_array) -> str | None:
     spins = (motions @ shapes[:, 0]).reshape(-1, 7)[:, 3:]
     return (
         f"body {list(system.bodies)[int(np.argmax((spins**2).sum(axis=1)))]}: it has no inertia along a motion that "
-        "its joints allow, or less than 1e-16 of the largest in the model. Give it mass and inertia about all axes."
+        "its joints allow, or less than 1e-14 of the largest in the model. Give it mass and inertia about all axes."
     )
 
 

@@ -57,7 +57,8 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     size[SHARE] = share
     for i in range(len(q) // 7):
         for kind in range(2):
-            unit, noise = (1.0, far) if kind == 0 else (1.0 / length, 1.0)
+            unit = 1.0 if kind == 0 else 1.0 / length
+            noise = unit * far
             part = LEAST_MOTION * unit
             moved = part * max(size[LARGEST], length * size[LARGEST + 1])
             fast = part * max(size[LARGEST + 2], length * size[LARGEST + 3])

@@ -110,8 +110,8 @@ DESIGNS: dict[str, tuple[dict[str, object], str]] = {
         {"design": {"k": "10"}, "formula": lambda d: {"spring.k": d["k"]}},
         "'k' must be a finite number",
     ),
-    "nothing follows": ({"design": {"k": 1.0}, "formula": lambda d: None}, "numbers of the model by name"),
-    "nothing is named": ({"design": {"k": 1.0}, "formula": lambda d: {}}, "numbers of the model by name"),
+    "nothing follows": ({"design": {"k": 1.0}, "formula": lambda d: None}, "parameters of the model by name"),
+    "nothing is named": ({"design": {"k": 1.0}, "formula": lambda d: {}}, "parameters of the model by name"),
 }
 
 

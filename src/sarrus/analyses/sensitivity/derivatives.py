@@ -166,15 +166,15 @@ def differentiated(
     announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.restitutions)
     missing = undefined(system, steps, parameters)
-    adjoints = list[Array]()
+    adjoints, given = list[Array](), evaluation.gradients()
     if method == "adjoint":
-        found = _adjoint(chain, evaluation, parameters, adjoints)
+        found = _adjoint(chain, given, parameters, adjoints)
     else:
-        found = _direct(chain, evaluation, parameters, ~missing)
+        found = _direct(chain, given, parameters, ~missing)
         if error:
-            chain.gradients(evaluation.gradients()[0], adjoints)
+            chain.gradients(given[0], adjoints)
     if adjoints:
-        announce([*warnings_of_growth(steps, responses, adjoints)])
+        announce([*warnings_of_growth(steps, responses, given[0], adjoints)])
     errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if error else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
@@ -335,16 +335,16 @@ def _curvature(
 
 
 def _adjoint(
-    chain: AnyChain, evaluation: Evaluation, parameters: Parameters, adjoints: list[Array] | None = None
+    chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, adjoints: list[Array]
 ) -> Array:
-    nodes, explicit = evaluation.gradients()
+    nodes, explicit = given
     by = chain.gradients(nodes, adjoints)
     through = parameters.gradient(replace(by, b=by.b + explicit.b), by_joints(explicit.c, by.c))
     return np.asarray(through.T + own_parts(explicit, parameters))
 
 
-def _direct(chain: AnyChain, evaluation: Evaluation, parameters: Parameters, chosen: Array) -> Array:
-    nodes, explicit = evaluation.gradients()
+def _direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, chosen: Array) -> Array:
+    nodes, explicit = given
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
     total = own_parts(explicit, parameters)
     if not chosen.any():

@@ -12,42 +12,41 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
+from ..chain.chain import Nodes
 from ..responses.responses import Response
 
-LATE = 0.1  # [-] of the steps that have an adjoint: the last ones, with which the others are compared
 FEW = 2.0  # digits, below which there is a warning
 GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
-ROUND_OFF = 1e-6  # [-] an adjoint that is so much smaller one step later, and stays so, is round-off there
 EPS = float(np.finfo(float).eps)
 
 
-def growths(steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Array:
-    """By what the adjoint of each response grows (k,), coordinates and velocities in units of their motion."""
+def growths(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Array:
+    """The largest adjoint of each response (k,) over all that it takes from states by itself.
+
+    Both are in units of the response: gradients times how much coordinates, velocities, accelerations and multipliers
+    vary within the run, and those by times of events times its duration. Of regular motions this is about one.
+    """
     pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
-    states = np.concatenate([np.concatenate([one.q, one.v], axis=1) for one in pieces])
-    sizes = np.einsum("j,njk->nk", np.ptp(states, axis=0), abs(np.concatenate([x[:, 0] for x in adjoints])))
-    found = np.ones(sizes.shape[1])
-    for k, size in enumerate(sizes.T):
-        there = _before_response(size)
-        late = there[-max(1, int(LATE * len(there))) :].max()
-        found[k] = there.max() / late
-    return found
-
-
-def _before_response(size: Array) -> Array:
-    """The sizes up to the time of a response: behind it they are zero, or fall to round-off within one step."""
-    later = np.append(np.maximum.accumulate(size[::-1])[::-1][1:], 0.0)
-    ends = np.flatnonzero(later < ROUND_OFF * size)
-    return size[: ends[0] + 1] if len(ends) else np.ones(1)
+    varied = {
+        name: np.ptp(np.concatenate([getattr(one, name) for one in pieces]), axis=0)
+        for name in ("q", "v", "a", "lam")
+    }
+    states = np.concatenate([varied["q"], varied["v"]])
+    largest = np.einsum("j,njk->nk", states, abs(np.concatenate([x[:, 0] for x in adjoints]))).max(axis=0)
+    own = (pieces[-1].t[-1] - pieces[0].t[0]) * abs(given.shift).sum(axis=0)
+    for name, size in varied.items():
+        own = own + np.einsum("j,njk->k", size, abs(getattr(given, name)))
+    grown: Array = np.maximum(np.divide(largest, own, out=np.ones_like(own), where=own > 0), 1.0)
+    return grown
 
 
 def warnings_of_growth(
-    steps: StepsTaken | Pieces, responses: Sequence[Response], adjoints: Sequence[Array]
+    steps: StepsTaken | Pieces, responses: Sequence[Response], given: Nodes, adjoints: Sequence[Array]
 ) -> Iterator[str]:
     """One message for each response whose derivatives have few digits."""
     first = steps.pieces[0] if isinstance(steps, Pieces) else steps
     of_states = first.rtol ** (5 / 6 if first.precise else 2 / 3)  # of the order of the error of one period
-    for response, growth in zip(responses, growths(steps, adjoints), strict=True):
+    for response, growth in zip(responses, growths(steps, given, adjoints), strict=True):
         digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
         if growth >= GROWN and digits < FEW:
             few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"

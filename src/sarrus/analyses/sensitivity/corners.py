@@ -8,28 +8,22 @@ rounded corner is passed well by steps that are not longer than its rounding.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS
-from ...elements.recorder import Variant
-from ...model import Formula
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ...system.curves.curve_derivatives import (
     CurveDerivatives,
-    entries_of,
-    formula_graph,
     formula_values,
-    steps_in,
     stored,
 )
 from ...system.structure.population import Population
+from ..dynamics.events.force_corners import force_functions, law_signs
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
@@ -41,16 +35,6 @@ REMEDY = (
 )
 
 
-class Corners(NamedTuple):
-    """What a kind of force is made of: its entries, arguments whose sign counts, of tanh, and of curves, with place."""
-
-    graph: Graph
-    entries: list[Expression]
-    signs: list[Expression]
-    reversals: list[Expression]
-    curves: list[tuple[int, Expression]]
-
-
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
     """One message for each part of the model whose force passes a corner within one step."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
@@ -58,39 +42,15 @@ def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
     owners = dict.fromkeys(
         owner
         for p in forces
-        if _of(p.variant).signs or _of(p.variant).reversals or _with_kinks(p)
+        if force_functions(p.variant).signs or force_functions(p.variant).reversals or _with_kinks(p)
         for piece in pieces
         for owner in _owners(system, p, piece)
     )
     return [f"{owner}: its force sets in, ends or reverses {REMEDY}." for owner in owners]
 
 
-@cache
-def _of(variant: Variant) -> Corners:
-    graph, _, entries = entries_of(variant, "Q")
-    nodes = {n: graph.nodes[n] for n in needed(graph, entries)}
-
-    def arguments(op: str) -> list[Expression]:
-        return [Expression(graph, node.args[-1]) for node in nodes.values() if node.op == op]
-
-    places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
-    return Corners(
-        graph,
-        entries,
-        arguments("positive"),
-        arguments("tanh"),
-        list(zip(places, arguments("curve"), strict=True)),
-    )
-
-
 def _with_kinks(p: Population) -> bool:
-    return any(isinstance(x, Formula) and _signs_of(x) for values in p.values for x in values)
-
-
-def _signs_of(law: Formula) -> list[Expression]:
-    """What a law takes the sign of."""
-    graph, found = formula_graph(law)
-    return steps_in(graph, [found])
+    return any(law_signs(x) for values in p.values for x in values)
 
 
 def _owners(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
@@ -113,7 +73,7 @@ def _passed(
     system: System, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Array]
 ) -> list[bool]:
     """Whether each element of a kind passes a corner within one step."""
-    graph, entries, signs, reversals, curves = _of(p.variant)
+    graph, entries, signs, reversals, curves = force_functions(p.variant)
     wanted = [*entries, *signs, *reversals, *(x for _, x in curves)]
     values = CurveDerivatives(system).on_elements(
         p, graph, wanted, needed(graph, wanted), b, memory, operands
@@ -130,8 +90,8 @@ def _passed(
             passed |= (x[1:] * x[:-1] < 0) & (abs(np.diff(x)) > REVERSAL)
         for (place, _), x in zip(curves, at_curves[:, k], strict=True):
             law = stored(p, k, place)
-            if isinstance(law, Formula) and _signs_of(law):
-                passed |= _corner(formula_values(law, _signs_of(law), x))
+            if law_signs(law):
+                passed |= _corner(formula_values(law, law_signs(law), x))
         found.append(bool(np.any(passed & at_work[k])))
     return found
 

@@ -199,11 +199,14 @@ def state_derivatives(
     Raises
     ------
     ValueError
-        Also for a run with events, whose states jump.
+        Also for a run with events, whose states jump, or whose steps end at corners of forces.
     """
     steps = stored(run)
     if isinstance(steps, Pieces):
-        raise ValueError(f"{run.name}: derivatives of states need a run without events; ask for responses")
+        raise ValueError(
+            f"{run.name}: derivatives of states need a run without events whose steps end at corners. "
+            "Simulate with corners=False, or ask for responses."
+        )
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated; name some")
     with _within(run, False, 2, "differentiated", " stages", time_limit) as report:

@@ -145,7 +145,7 @@ class EventStep:
     ----------
     name : of the event
     t : its time [s]
-    function : what crossed zero: a formula, or a Python function (t, q, v)
+    function : what crossed zero: a formula, a Python function (t, q, v), or a corner of a force
     along, restitution : of its `Impact`; None where the run ended
     reset : its function (t, q, v) that gives new velocities, or None
     q, v : (nq,) state just before, on the constraints
@@ -154,7 +154,7 @@ class EventStep:
 
     name: str
     t: float
-    function: str | Callable[..., Any]
+    function: Any
     along: str | None
     restitution: float | None
     reset: Callable[..., Any] | None

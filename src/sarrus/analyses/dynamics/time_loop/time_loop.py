@@ -27,6 +27,7 @@ from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
+from .corner_steps import CornerSteps, Cut, ahead_of
 from .initial_warnings import initial_warnings
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
@@ -53,6 +54,7 @@ class Plan:
     progress : called with the time reached after every chunk of steps
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
+    corners : whether steps end at the corners of forces
     """
 
     times: Array
@@ -64,6 +66,7 @@ class Plan:
     progress: Callable[[float], None] | None = None
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
+    corners: bool = False
 
 
 class TimeLoop:
@@ -80,6 +83,7 @@ class TimeLoop:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
+        self.corners = CornerSteps(system, stepper) if plan.corners else None
         self.nearness = Nearness(system, stepper.independence)
         self.winding = Winding(system)
         self._last: Nodes | None = None
@@ -94,7 +98,7 @@ class TimeLoop:
     @property
     def portion(self) -> int:
         """How many steps are taken by one call of the method."""
-        return WATCHED if self.watches else CHUNK
+        return WATCHED if self.watches or self.corners else CHUNK
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
@@ -222,13 +226,18 @@ class TimeLoop:
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
+        mark = self.corners.mark() if self.corners else None
         nodes = self.stepper.advance(stop, self.portion)
+        cut = self.corners.cut(mark, nodes) if self.corners and mark else None
+        nodes = cut.nodes if cut else nodes
         for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
             ended = self._happen(nodes, t, watch, before)
             if ended is not None:
                 return ended
         self._take(nodes)
-        if self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
+        if cut:
+            self._turn_corner(cut)
+        elif self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
             self._begin(stop, state.q[0], state.v[0])
         return "finished", "reached the end"
@@ -271,6 +280,18 @@ class TimeLoop:
             message |= {"reset": event.reset}
         message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
         self._cut(steps, EventStep(name=watch.name, t=t, function=event.function, **message))
+
+    def _turn_corner(self, cut: Cut) -> None:
+        """Begin anew behind a corner of a force."""
+        t, memory, steps = float(cut.nodes.t[-1]), cut.nodes.memory[-1], self.stepper.steps()
+        if steps is not None:
+            before = self.sampler.state(t, cut.nodes.q[-1], cut.nodes.v[-1], memory)
+            state = {"q": before.q[0].copy(), "v": before.v[0].copy(), "after": before.v[0].copy()}
+            name = f"corner of {cut.corner.owner}"
+            none: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset"))
+            self._cut(steps, EventStep(name=name, t=t, function=cut.corner, **none, **state))
+        after = self.sampler.state(t, *ahead_of(cut.nodes, cut.ahead), memory)
+        self._begin(t, after.q[0], after.v[0])
 
     def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         """Keep the steps up to an event, and the event."""

@@ -31,6 +31,7 @@ from ....outputs.recording import Angles
 from ....results import EventStep, StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
+from ...dynamics.events.force_corners import Corner
 from ...equations.saddle_point import Saddle
 from ..sampling.sampling import apart, interpolation
 from .functions import Recorded, recorded
@@ -133,6 +134,8 @@ class EventDerivatives:
     def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
         steps, event, psi = self._steps, self.event, self.function.slopes
+        if isinstance(event.function, Corner):  # a step ends there only where its time is certain
+            return
         bend = self._bend()
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, event.q), (psi.v, event.v))

@@ -19,6 +19,7 @@ from ....outputs import Outputs
 from ....outputs.recording import Angles, Key, States, Variable
 from ....results import EventStep
 from ....system import System
+from ...dynamics.events.force_corners import Corner
 
 
 class Slopes(NamedTuple):
@@ -130,6 +131,8 @@ def recorded(
     if isinstance(function, str):
         state = _state(system, event_step, copies)
         return of_formula(Copies(system, state, b, unknown, angles), function)
+    if isinstance(function, Corner):
+        return _of_corner(Copies(system, _state(system, event_step, copies), b, unknown, angles), function)
     return _of_python(event_step, function, _sizes(system))
 
 
@@ -147,6 +150,13 @@ def of_formula(outputs: Outputs, text: str) -> Recorded:
     """The value of a formula at the states of some outputs."""
     tree = parse(text)
     found = tree.value({name: outputs(name) for name in tree.names()})
+    places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
+    return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
+
+
+def _of_corner(outputs: Outputs, corner: Corner) -> Recorded:
+    """The function of a corner of a force."""
+    found = corner.record(outputs)
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
     return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
 

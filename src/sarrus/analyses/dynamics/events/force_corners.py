@@ -100,7 +100,8 @@ class Corner:
         law = stored(p, self.element, place)
         argument = recording.replayed(p, self.element, known.graph, [x])[0]
         graph, signs = formula_graph(law)[0], law_signs(law)
-        return evaluated(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
+        found: Traced = evaluated(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
+        return found
 
 
 class Located(NamedTuple):
@@ -227,9 +228,9 @@ def _within(pair: Nodes, parts: Array, apart: bool) -> Nodes:
     """States at parts of one step."""
     h, size = float(pair.t[1] - pair.t[0]), pair.q.shape[1]
     q, v, a = np.zeros((3, len(parts), size))
-    ends = [np.ascontiguousarray(x[e : e + 1]) for e in (0, 1) for x in (pair.q, pair.v, pair.a)]
+    ends: list[Any] = [np.ascontiguousarray(x[e : e + 1]) for e in (0, 1) for x in (pair.q, pair.v, pair.a)]
     for n, s in enumerate(parts):
-        between(*ends, float(s), h, apart, q[n : n + 1], v[n : n + 1], a[n : n + 1])  # type: ignore[arg-type]
+        between(*[*ends, float(s), h, apart, q[n : n + 1], v[n : n + 1], a[n : n + 1]])
     times = pair.t[0] + parts * h
     rest = (np.repeat(x[:1], len(parts), axis=0) for x in (pair.lam, pair.memory))
     return Nodes(times, q, v, a, *rest)

@@ -150,8 +150,18 @@ def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     found = sr.sensitivity(bounced, sr.Final("b.z"), names)
     assert bounced.q[-1][2] == pytest.approx(value, abs=1e-6)
     np.testing.assert_allclose(found.matrix[0], gradient, rtol=first)
-    np.testing.assert_allclose(sr.hessian(bounced, sr.Final("b.z"), names).matrix, hessian, rtol=second)
     assert not found.warnings
+    with pytest.warns(sr.SarrusWarning, match="floor: second derivatives across corners"):
+        curved = sr.hessian(bounced, sr.Final("b.z"), names)
+    np.testing.assert_allclose(curved.matrix, hessian, rtol=second)
+
+
+@pytest.mark.parametrize(
+    "settings", [{}, {"store_steps": True, "method": sr.HHT(step=0.01)}], ids=["not stored", "given lengths"]
+)
+def test_corners_that_cannot_end_steps_are_refused(settings: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="Add store_steps=True, and remove save= and the step"):
+        sr.simulate(elastic(), until=0.5, corners=True, **settings)
 
 
 @pytest.mark.parametrize("kind", KINKED)

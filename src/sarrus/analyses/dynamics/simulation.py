@@ -110,7 +110,7 @@ def simulate(
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
-        through them converge; with `store_steps`, not for steps of a given length and saved runs
+        through them converge; needs `store_steps`, and is refused for steps of a given length and saved runs
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
         continues it; `load_run` opens it. A folder with anything in it is refused, a run unless `overwrite`
@@ -168,10 +168,12 @@ def simulate(
             )  # fmt: skip
             kinks = np.zeros(0) if store_steps else stops.kinks
             budget = _budget(max_steps, max_step, chosen)
-            at_corners = corners and store_steps and save is None and step is None
-            plan = Plan(
-                times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=at_corners
-            )
+            if corners and not (store_steps and save is None and step is None):
+                raise ValueError(
+                    "corners: steps end at corners where they are stored for derivatives, not of a given length and "
+                    "not saved. Add store_steps=True, and remove save= and the step of the method."
+                )
+            plan = Plan(times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners)
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:

@@ -63,7 +63,7 @@ def test_a_ball_bounces() -> None:
     assert run.events[0].after[2] == pytest.approx(e * np.sqrt(2 * G), rel=1e-11)
     assert run.events[0].after[0] == pytest.approx(0.5)  # along the floor nothing changes
     assert run["ball"].position[:, 2].min() > -1e-9
-    assert run.sol(times[0]).v[2] > 0 > run.sol(times[0] - 1e-9).v[2]
+    assert run.sol(found[0]).v[2] > 0 > run.sol(found[0] - 1e-9).v[2]
 
 
 def test_an_impact_on_a_pendulum_keeps_the_energy_and_the_pin() -> None:

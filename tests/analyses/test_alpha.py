@@ -156,7 +156,7 @@ def test_a_door_on_two_hinges_swings() -> None:
     for count in (1, 2):
         model = sr.Model("door", bodies=[door], joints=hinges[:count], gravity=(0, 0, -9.81))
         runs.append(
-            sr.simulate(sr.System(model), until=3.0, rtol=1e-7, atol=1e-7, t_eval=[1.0, 3.0]), method=sr.HHT()
+            sr.simulate(sr.System(model), until=3.0, rtol=1e-7, atol=1e-7, t_eval=[1.0, 3.0], method=sr.HHT())
         )
     assert all(run.success for run in runs), [run.message for run in runs]
     assert np.allclose(runs[0].q, runs[1].q, atol=1e-6)

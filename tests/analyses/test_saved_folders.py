@@ -23,7 +23,7 @@ from sarrus.results.saving import checked_file, saved
 from sarrus.results.saving.versions import versions
 
 ROOT = Path(__file__).parents[2]
-GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201)}
+GIVEN = {"until": 1.0, "t_eval": np.linspace(0, 1, 201), "method": sr.HHT(), "rtol": 1e-6, "atol": 1e-8}
 STATES = ("t", "q", "v", "a", "lam", "history", "kinetic_energy", "violation")
 
 

@@ -199,15 +199,17 @@ def test_a_missing_column_is_named(tmp_path: Path) -> None:
 
 
 def test_the_shell_has_the_tolerances_of_python() -> None:
-    """One default, from one place, of everything that simulates."""
+    """One default, from one place, of everything that simulates: that of the method."""
     from inspect import signature
 
+    from sarrus.analyses.dynamics.simulation import rtol_of
     from sarrus.cli.parser import build
-    from sarrus.defaults import ATOL, RTOL
+    from sarrus.defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 
     for function in (sr.simulate, sr.Problem, sr.sensitivity_by_checkpoints, sr.Simulation):
         known = signature(function).parameters
-        assert (known["rtol"].default, known["atol"].default) == (RTOL, ATOL), function
+        assert (known["rtol"].default, known["atol"].default) == (None, ATOL), function
     for line in (["run", "slider_crank"], ["sensitivity", "slider_crank", "--response", "slider.x"]):
         chosen = build(line[:1]).parse_args(line)
-        assert (chosen.rtol, chosen.atol) == (RTOL, ATOL)
+        assert (chosen.rtol, chosen.atol) == (None, ATOL)
+    assert (rtol_of(sr.Radau(), None), rtol_of(sr.HHT(), None)) == (RTOL, RTOL_OF_ORDER_2)

@@ -223,9 +223,9 @@ from dataclasses import dataclass
 
 from sarrus import elements
 from sarrus.model import Force, ModelError, load
-from sarrus.model.blueprint import blueprint
+from sarrus.model.expansion.blueprint import blueprint
 from sarrus.model.primitive import Primitive
-from sarrus.model.bodies.solid import Solid
+from sarrus.model.geometry.solid import Solid
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,16 +260,16 @@ def test_importing_the_model_layer_loads_nothing_heavy() -> None:
 def test_python_models_are_refused_by_name_too() -> None:
     body = Body("rod", 1.0, (1, 1, 1))
     wrong = {
-        "model: gravity must have 3 numbers, but has 1. Give three numbers in m/s²": Model(
+        "model: gravity must have 3 numbers, but has 1. Give three numbers in m/s².": Model(
             "m", [body], gravity=(1,)
         ),
-        "model: has no bodies. Give at least one": Model("m", []),
-        'body "rod": the name "rod" is taken by another of the bodies. Rename one of them': Model(
+        "model: has no bodies. Give at least one.": Model("m", []),
+        'body "rod": the name "rod" is taken by another of the bodies. Rename one of them.': Model(
             "m", [body, body]
         ),
-        'model: name must be a text on one line, but is "a\\nb". Name it': Model("a\nb", [body]),
-        'joint "rod": is a Body among the joints. List only Joint objects there': Model("m", [body], [body]),  # type: ignore[list-item]
-        'joint "": is a int among the joints. List only Joint objects there': Model("m", [body], [3]),  # type: ignore[list-item]
+        'model: name must be a text on one line, but is "a\\nb". Name it.': Model("a\nb", [body]),
+        'joint "rod": is a Body among the joints. List only Joint objects there.': Model("m", [body], [body]),  # type: ignore[list-item]
+        'joint "": is a int among the joints. List only Joint objects there.': Model("m", [body], [3]),  # type: ignore[list-item]
     }
     for told, model in wrong.items():
         with pytest.raises(ModelError) as caught:

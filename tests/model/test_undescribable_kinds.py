@@ -101,7 +101,7 @@ def test_other_files_are_read(kinds: None, tmp_path: Path) -> None:
 def test_the_type_is_refused_with_its_line(name: str, kinds: None, tmp_path: Path) -> None:
     with pytest.raises(ModelError) as caught:
         load(written(tmp_path, f"{BODIES}{PUSH}  blow: {{type: {name}, gust: 3}}\n"))
-    message = f'has the type "{name}", which model files cannot describe: {UNDESCRIBABLE[name][1]}. Build it in Python'
+    message = f'has the type "{name}", which model files cannot describe: {UNDESCRIBABLE[name][1]}. Build it in Python.'
     assert str(caught.value) == f'{tmp_path / "m.yaml"}:6: force "blow": {message}'
 
 

@@ -26,7 +26,9 @@ def even(seed: int) -> sr.Trajectory:
 
 @cache
 def swung() -> sr.Trajectory:
-    return sr.simulate(zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True)
+    return sr.simulate(
+        zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True, method=sr.HHT()
+    )
 
 
 def test_the_zoo_is_complete() -> None:

@@ -75,7 +75,7 @@ def test_a_long_case_is_cut_short_and_has_no_outcome(model: Model) -> None:
 
 def test_ctrl_c_keeps_the_cases_that_are_done(model: Model) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started the tests without it
-    with pytest.warns(sr.SarrusWarning, match="stopped by the user; 2 of 4 cases"):
+    with pytest.warns(sr.SarrusWarning, match="stopped by the user. 2 of 4 cases"):
         found = study(
             model, {"spring.k": [5.0, 6.0, 13.0, 14.0]}, {"k": "k"}, analysis=own.interrupts, workers=1
         )

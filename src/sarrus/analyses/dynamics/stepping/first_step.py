@@ -44,6 +44,13 @@ def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
         getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
 
 
+def _over_length(v: Array, a: Array, length: float) -> float:
+    """The time in which a body moves by a length, or turns by a radian, with v or a of a state [s]."""
+    unit = np.where(np.arange(len(v)) % 7 < 3, 1.0, length)
+    speed, gain = (float(abs(unit * x).max(initial=0.0)) for x in (v, a))
+    return min(length / speed if speed else np.inf, (2 * length / gain) ** 0.5 if gain else np.inf)
+
+
 def first_step(
     motion: Any, tolerance: Tolerance, t: float, q: Array, v: Array, a: Array, longest: float
 ) -> float:
@@ -52,7 +59,8 @@ def first_step(
     Where they change by the same part of the velocities whatever the step, as in motions from rest that begin with
     higher powers of the time, the step is not shortened any more.
     """
-    follow, h, before = link(follow_motion), longest, np.inf
+    follow, before = link(follow_motion), np.inf
+    h = min(longest, _over_length(v, a, float(tolerance.size[LENGTH])))
     for _ in range(TRIALS):
         try:
             later = motion.acceleration(t + h, q + h * (v + 0.5 * h * a), v + h * a)[0]

@@ -10,6 +10,7 @@ from ....algebra import Array
 # Of the largest motion of a system, which that of each body is taken to be at least; of lengths: round-off
 LEAST_MOTION, FINEST = 1e-3, 1e-13
 GROWTH = 0.25  # power of the number of periods, by which tolerances are divided
+LEAST_SHARE = 0.1  # so many times smaller they become at most: at a start from rest nothing tells the period
 TURN = 6.283185307179586  # [rad] of a period
 LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
 MOVES = 8  # columns of `Tolerance.motion`
@@ -53,7 +54,7 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     far = measure_motion(tol, h, q, v, a, first)
     by_displacement = periods(size[SPAN], size[LARGEST + 2], size[LARGEST])
     by_rotation = periods(size[SPAN], size[LARGEST + 3], size[LARGEST + 1])
-    share = max(1.0, by_displacement, by_rotation) ** -GROWTH
+    share = max(max(1.0, by_displacement, by_rotation) ** -GROWTH, LEAST_SHARE)
     size[SHARE] = share
     for i in range(len(q) // 7):
         for kind in range(2):

@@ -220,7 +220,7 @@ def test_extensions_of_a_fresh_process(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (None, "is not there, or has the name of another module"),
+        (None, "is missing, or has the name of another module"),
         ("1 / 0", "ZeroDivisionError: division by zero"),
         (EXAMPLES["weigh.py"], "there is already a verb check. Rename the module."),
     ],

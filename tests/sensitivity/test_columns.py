@@ -78,7 +78,7 @@ def test_they_do_over_events(method: sr.HHT | sr.Radau) -> None:
     assert len(run.steps.event_steps) > 1
     (chain, every), bars = moved(run, MANY), random_nodes(run, 2)
     wanted = bars.inner(chain.along(*every))
-    assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-12 * abs(wanted).max()
+    assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-11 * abs(wanted).max()
 
 
 def test_a_panel_that_made_its_step_waits_where_another_needs_new_pivots(

@@ -56,5 +56,5 @@ def _import_file(file: Path) -> ModuleType:
         sys.path.append(str(file.parent))
     module = import_module(file.stem)
     if Path(module.__file__ or "").resolve() != file:
-        raise ImportError(f"{file} is missing, or has the name of another module. Check the path.")
+        raise ImportError(f"{file} is missing, or has the name of another module")
     return module

@@ -47,7 +47,9 @@ def public_classes() -> list[tuple[str, type]]:
     from sarrus.model import Driver, Force, Joint
 
     parts = [kind for base in (Joint, Driver, Force) for kind in (base, *base.kinds.values())]
-    responses = [kind for kind in Response.__subclasses__() if kind.__module__.endswith("responses.responses")]
+    responses = [
+        kind for kind in Response.__subclasses__() if kind.__module__.endswith("responses.responses")
+    ]
     responses = [kind for kind in responses if not kind.__name__.startswith("_")]
     found = [*(("model", kind) for kind in parts), *(("analyses", kind) for kind in responses)]
     return [(home, kind) for home, kind in found if kind.__module__.startswith("sarrus.")]

@@ -45,7 +45,7 @@ def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
 
 
 def _over_length(v: Array, a: Array, length: float) -> float:
-    """The time in which a body moves by a length, or turns by a radian, with v or a of a state [s]."""
+    """The time in which a body moves by a length, or rotates by a radian, with v or a of a state [s]."""
     unit = np.where(np.arange(len(v)) % 7 < 3, 1.0, length)
     speed, gain = (float(abs(unit * x).max(initial=0.0)) for x in (v, a))
     return min(length / speed if speed else np.inf, (2 * length / gain) ** 0.5 if gain else np.inf)

@@ -10,7 +10,7 @@ from ....algebra import Array
 # Of the largest motion of a system, which that of each body is taken to be at least; of lengths: round-off
 LEAST_MOTION, FINEST = 1e-3, 1e-13
 GROWTH = 0.25  # power of the number of periods, by which tolerances are divided
-LEAST_SHARE = 0.1  # so many times smaller they become at most: at a start from rest nothing tells the period
+LEAST_SHARE = 0.1  # so many times smaller they become at most: at a start from rest the period is unknown
 TURN = 6.283185307179586  # [rad] of a period
 LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
 MOVES = 8  # columns of `Tolerance.motion`

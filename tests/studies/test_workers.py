@@ -68,7 +68,11 @@ def test_a_time_limit_keeps_the_cases_that_are_done(model: Model, tmp_path: Path
 def test_a_long_case_is_cut_short_and_has_no_outcome(model: Model) -> None:
     with pytest.warns(sr.SarrusWarning, match="time limit"):
         found = study(
-            model, {"spring.k": [5.0, 6.0]}, "slider.x", analysis=Simulation(until=1e4), total_time_limit=1.0
+            model,
+            {"spring.k": [5.0, 6.0]},
+            "slider.x",
+            analysis=Simulation(until=1e4, method=sr.HHT(step=1e-3)),
+            total_time_limit=1.0,
         )
     assert found.messages == ("", "")
 

@@ -16,8 +16,7 @@ from tests.sensitivity.zoo import zoo
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.derivatives import _adjoint
-from sarrus.analyses.sensitivity.events.chains import chain_of
+from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.lagrangians.changes import change_at
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
@@ -55,7 +54,8 @@ def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
     system, steps = again(run.system, run.steps, EVERY[method], dict(zip(NAMES, at, strict=True)))
     parameters = Parameters(system, NAMES, start=steps.start)
     evaluation = Evaluation(system, steps, RESPONSES, parameters)
-    return evaluation.values, _adjoint(chain_of(system, steps), evaluation, parameters)
+    found = differentiated(system, steps, RESPONSES, parameters, evaluation=evaluation)
+    return evaluation.values, found.matrix
 
 
 @pytest.mark.parametrize("method", EVERY)

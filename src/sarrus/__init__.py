@@ -8,16 +8,14 @@ which are values. Names are imported when they are first used, so that ``import 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from importlib import import_module
-from os.path import dirname, join
 from typing import TYPE_CHECKING, Any
 
-from . import rendering
+from . import exports, rendering
 
 if (
     TYPE_CHECKING
-):  # what is public, for type checkers and for `_names`: of these packages, all that they import
+):  # what is public, for type checkers and for `exports`: of these packages, all that they import
     from .analyses import *
     from .analyses.sensitivity import sensitivity as sensitivity
     from .analyses.sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
@@ -55,19 +53,7 @@ if (
 __version__ = "0.1.0"
 
 
-def _names(file: str) -> Iterator[tuple[str, str]]:
-    """Yield name and home of each line ``from .model import Body as Body`` of a file, and of packages with a star."""
-    with open(file, encoding="utf-8") as lines:
-        for line in lines:
-            match line.split():
-                case ["from", home, "import", "*"]:
-                    package = join(dirname(file), home[1:], "__init__.py")
-                    yield from ((name, home) for name, _ in _names(package))
-                case ["from", home, "import", _, "as", name]:
-                    yield name, home
-
-
-_HOME_OF = dict(_names(__file__))
+_HOME_OF = dict(exports.names(__file__))
 
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ..algebra import Array
 
@@ -25,6 +24,8 @@ def common_zeros(forms: Array) -> bool:
 
 
 def _search(forms: Array, xi: Array) -> bool:
+    from scipy.optimize import least_squares  # 0.2 s to import, and hardly ever needed
+
     def residual(x: Array) -> Array:
         return np.append(np.einsum("i,kij,j->k", x, forms, x), x @ x - 1)
 

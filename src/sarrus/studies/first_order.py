@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..analyses import sensitivity, simulate
+from ..analyses import simulate
 from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
+from ..analyses.sensitivity import sensitivity
 from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
 from ..model.announcement import announce, reports_warnings

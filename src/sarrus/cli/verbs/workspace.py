@@ -195,7 +195,7 @@ class Clock:
 
 
 def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer, clock: Clock) -> WorkspaceField:
-    from ...analyses import workspace_field
+    from ...analyses.workspace import workspace_field
 
     with Bar("filling the grid", 1):
         field = workspace_field(

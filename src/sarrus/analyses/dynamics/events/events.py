@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ....algebra import Array
 from ....model.checks.arguments import Whole, real
@@ -177,6 +176,8 @@ class Watch:
         def value(t: float) -> float:
             sample = sampler.states(nodes, np.array([t]))
             return float(self.function(t, sample.q[0], sample.v[0]))
+
+        from scipy.optimize import brentq  # 0.2 s to import: only runs with events pay
 
         if value(after) * self.last > 0:  # making the state consistent has moved the crossing behind it
             return after

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import builtins
 import dis
+import functools
 import hashlib
 import threading
 import types
@@ -134,7 +135,7 @@ class _Linker:
         """What the function's globals are, replaced as the variants ask."""
         scope = function.__globals__
         found = {}
-        for name in sorted(set(_global_names(function.__code__))):
+        for name in sorted(_global_names(function.__code__)):
             if name in scope:
                 found[name] = self._chosen(scope[name], function)
             elif not hasattr(builtins, name):
@@ -204,11 +205,11 @@ def _token(value: Any) -> object:
     return name if name[0].startswith(f"{COMPILER}.") else None  # their sources name the folder of the cache
 
 
-def _global_names(code: types.CodeType) -> Iterator[str]:
-    yield from (step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL")
-    for part in code.co_consts:
-        if isinstance(part, types.CodeType):
-            yield from _global_names(part)
+@functools.cache
+def _global_names(code: types.CodeType) -> frozenset[str]:
+    own = {step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"}
+    inner = (_global_names(part) for part in code.co_consts if isinstance(part, types.CodeType))
+    return frozenset(own).union(*inner)
 
 
 def _code(function: Function) -> object:

@@ -175,6 +175,28 @@ def test_a_notebook_shows_it_in_a_closed_frame(browser: Any, tmp_path: Path) -> 
     opened.tab.close()
 
 
+def test_influences_are_bars_to_the_left_and_right_of_zero(
+    browser: Any, tmp_path: Path, pictures: Path
+) -> None:
+    names, changes = ("spring.k", "rod.mass", "slider.mass"), np.array([[2.0, -1.0, 0.5]])
+    gradient = sr.Gradient(("final of slider.x",), names, np.ones(1), np.ones(3), changes)
+    opened = Opened(
+        browser, run().animate(tmp_path / "bars.html", play=False, outputs=["slider.x"], gradient=gradient)
+    )
+    rows = "[...document.querySelectorAll('.tornado > div')]"
+    assert opened.tab.evaluate(f"{rows}.map(row => row.firstChild.textContent)") == list(names)
+    boxes = opened.tab.evaluate(
+        f"{rows}.map(row => [row.lastChild, row.lastChild.firstChild].map(one => one.getBoundingClientRect()))"
+    )
+    for (track, bar), change in zip(boxes, changes[0], strict=True):
+        assert bar["width"] == pytest.approx(abs(change) / 4 * track["width"], abs=1)
+        zero = track["x"] + track["width"] / 2
+        assert (bar["x"] if change > 0 else bar["x"] + bar["width"]) == pytest.approx(zero, abs=1)
+    opened.shot(pictures / "bars.png")
+    assert opened.complaints == []
+    opened.tab.close()
+
+
 def test_curves_of_outputs_have_the_present_value(browser: Any, tmp_path: Path, pictures: Path) -> None:
     names = ["spring.tension", "pin.angle"]
     options = {"outputs": names, "beside": [run()], "labels": ["one", "two"]}

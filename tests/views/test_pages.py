@@ -159,6 +159,22 @@ def test_misuse_is_told(tmp_path: Path) -> None:
         run().animate(tmp_path / "motion.html", reactions=["pim"])
 
 
+def test_bars_are_the_largest_influences(tmp_path: Path) -> None:
+    names, responses = (
+        ["spring.k", "slider.mass", "gravity.x", "rod.mass"],
+        ["final of slider.x", "mean of y"],
+    )
+    matrix, at = np.array([[2.0, -300.0, 5.0, 0.1], [0.0, 1.0, 0.0, -2.0]]), np.array([10.0, 1.0, 0.0, 4.0])
+    found = sr.Gradient(tuple(responses), tuple(names), np.ones(2), at, matrix)
+    first, second = page(count=3, gradient=found).told["influences"]
+    assert first["title"] == "final of slider.x, by 1 % more of"
+    assert first["names"] == ["slider.mass", "spring.k", "rod.mass"]  # nothing for what is 0
+    assert first["changes"] == pytest.approx([-3.0, 0.2, 0.004])
+    assert second["names"][:2] == ["rod.mass", "slider.mass"]
+    with pytest.raises(ValueError, match="only pages show curves of outputs and influences"):
+        run().animate(tmp_path / "x.gif", gradient=found)
+
+
 def test_curves_are_outputs(tmp_path: Path) -> None:
     names = ("rod(0.1, 0, 0).y", "pin.force.z", "energy.total")
     parts = page(count=41, outputs=names)

@@ -125,6 +125,12 @@ class Gradient(Result):
         undefined = self.undefined
         return [self.names[k] for k in np.lexsort(keys) if self.names[k] not in undefined]
 
+    def largest(self, response: int = 0, most: int = 15) -> tuple[list[str], list[float]]:
+        """Names and influences of the most influential numbers, the largest first, without those that are 0."""
+        influences = dict(zip(self.names, self.influences(response).tolist(), strict=True))
+        names = [name for name in self.ranked(response) if self.at[self.names.index(name)]][:most]
+        return names, [influences[name] for name in names]
+
     def table(self, response: int = 0, most: int = 20) -> str:
         """The numbers of the largest influence as a text."""
         refuse_place("response", response, len(self.responses))

@@ -56,18 +56,20 @@ class Report:
     def __bool__(self) -> bool:
         return self.ok
 
+    @property
+    def verdict(self) -> str:
+        """The results in one line."""
+        wrong = sum(not f.ok for f in self.findings)
+        found = f"{wrong} of them WRONG" if wrong else "all agree"
+        return f"{self.system}: {len(self.findings)} operators checked, {found} (tolerance {TOLERANCE:g})"
+
     def __str__(self) -> str:
-        wrong = [f for f in self.findings if not f.ok]
         lines = [f"{'operator':<20}{'equation':<22}{'independent':<28}{'entries':>8}{'error':>10}"]
         for f in self.findings:
             mark = "" if f.ok else f"  WRONG at {f.where}"
             name, formula = f.operator.name, f.operator.formula.split(" = ")[0]
             lines.append(f"{name:<20}{formula:<22}{f.independent:<28}{f.entries:>8}{f.error:>10.1e}{mark}")
-        verdict = "all agree" if self.ok else f"{len(wrong)} of them WRONG"
-        lines.append(
-            f"{self.system}: {len(self.findings)} operators checked, {verdict} (tolerance {TOLERANCE:g})"
-        )
-        return "\n".join(lines)
+        return "\n".join([*lines, self.verdict])
 
 
 def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:

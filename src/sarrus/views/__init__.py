@@ -26,7 +26,6 @@ from .figures.input_singularities import plot_input_singularities
 from .figures.mechanism import mechanism_figure
 from .figures.modes import modes_table, plot_modes
 from .figures.paper_tables import paper_tables
-from .figures.style import check_figure, motion_figure
 from .figures.workspace import plot_workspace, plot_workspace_field
 from .figures.workspace_report import workspace_report
 from .shows import animate, animate_mode, view
@@ -35,11 +34,9 @@ from .workspace_volume import plot_workspace_volume, view_workspace
 __all__ = [
     "animate",
     "animate_mode",
-    "check_figure",
     "gradient_table",
     "mechanism_figure",
     "modes_table",
-    "motion_figure",
     "optimum_table",
     "paper_tables",
     "plot",

@@ -13,15 +13,16 @@ from ..model import Model, Point
 from ..model.coordinates import number_of
 from ..model.expansion.blueprint import blueprint
 from ..outputs.bodies import point_of
-from ..results import Modes, Trajectory
+from ..results import Gradient, Modes, Trajectory
 from ..system import System
 from .browser import Page, Shown, write_page
-from .browser.page import Curve, in_notebook
+from .browser.page import Curve, Influences, in_notebook
 from .film import write_film, write_picture
 from .glb import write_glb
 from .looks import Sketch, sketch
 from .motion import MOST, Frames, arrows, frames
 
+LARGEST = 10  # influences that a page shows
 SAMPLES = 60  # positions of a run that rails are made long enough for
 
 Trace = str | Point
@@ -94,6 +95,7 @@ def animate(
     labels: Sequence[str] = (),
     traces: Iterable[Trace] = (),
     outputs: Iterable[str] = (),
+    gradient: Gradient | None = None,
     reactions: Sequence[str] | bool | None = None,
     forces: bool = True,
     weights: bool = False,
@@ -116,6 +118,7 @@ def animate(
     traces : bodies, by name (their centres of mass), and points, also by name, ``"rod(0.1, 0, 0)"``, whose paths are
         drawn
     outputs : names of outputs, ``"spring.tension"``, whose curves over time a page shows beside the mechanism
+    gradient : of responses of the run; a page shows the largest influences as bars
     reactions : names of joints and drivers whose reactions are arrows, or whether all; left out, all if they are few
     forces : whether springs, loads, tyres and contacts are arrows
     weights : whether the weights of bodies are arrows too
@@ -139,8 +142,11 @@ def animate(
         If the file has an ending that cannot be written, or a run holds no states or does not know its system.
     """
     ending, curves = _ending(file, (".html", ".glb", ".gif", ".mp4")), tuple(outputs)
-    if curves and ending != ".html":
-        raise ValueError(f"{file}: only pages show curves of outputs. Write .html, or leave out `outputs`.")
+    if ending != ".html" and (curves or gradient is not None):
+        raise ValueError(
+            f"{file}: only pages show curves of outputs and influences. "
+            "Write .html, or leave out `outputs` and `gradient`."
+        )
     runs = [run, *beside]
     titles = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
     if len(titles) != len(runs):
@@ -154,7 +160,9 @@ def animate(
         return _glb(shown[0], file)
     if ending in (".gif", ".mp4"):
         return write_film(shown, Path(str(file)), speed, progress=progress)
-    return _given(write_page(shown, speed=speed, names=names, arrows=arrows, play=play), file)
+    bars = [] if gradient is None else [_influences(gradient, n) for n in range(len(gradient.responses))]
+    page = write_page(shown, speed=speed, names=names, arrows=arrows, play=play, influences=bars)
+    return _given(page, file)
 
 
 def _name(run: Trajectory, n: int) -> str:
@@ -175,6 +183,11 @@ def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
     """Outputs at the times of the frames."""
     found = [run.output(name) for name in names]
     return [Curve(one.name, one.unit, np.interp(at.t, one.t, one.values)) for one in found]
+
+
+def _influences(found: Gradient, response: int) -> Influences:
+    names, changes = found.largest(response, LARGEST)
+    return Influences(f"{found.responses[response]}, by 1 % more of", names, changes)
 
 
 def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:

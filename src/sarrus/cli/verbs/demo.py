@@ -1,37 +1,44 @@
-"""``sarrus demo``: the shipped slider-crank, from its model file to plots."""
+"""``sarrus demo``: the shipped slider-crank, from its model file to a gradient, a range of motion and a page."""
 
 from __future__ import annotations
 
 import argparse
 import time
 from pathlib import Path
-from typing import Any
 
 from ..answer import Answer
 from ..progress import Bar
 from ..values import refuse_unwritable
 
 UNTIL = 10.0
-PURPOSE = "assemble, check, simulate and plot the shipped slider-crank"
-EXAMPLES = ("sarrus demo", "sarrus demo --output plots")
+RESPONSE = "slider.x"
+LARGEST = 5  # influences that are listed
+REPEATS = 10  # starts in a row that lead to nothing new, a third of what is usual
+FRAMES = 300  # of the motion on the page: 30 in each second
+PAGE = "slider_crank.html"
+PURPOSE = "assemble, check, simulate and differentiate the shipped slider-crank, and show it on a page"
+EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Where to write."""
     parser.add_argument(
-        "--output", type=Path, default="sarrus-demo", help="folder for the plots (sarrus-demo)"
+        "--output", type=Path, default="sarrus-demo", help="folder for the page (sarrus-demo)"
     )
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Load, assemble, check, simulate, plot, and print what was done and how fast."""
-    from ...analyses import ODE, assemble, simulate
+    """Load, assemble, check, simulate, differentiate, find the range, write the page; each with its time."""
+    from ...analyses import Final, assemble, simulate
+    from ...analyses.sensitivity import sensitivity
+    from ...analyses.workspace import workspace_range
     from ...mechanisms import path
     from ...model import load
     from ...system import System
+    from ...views import animate
 
     began = time.perf_counter()
-    folder = _folder(chosen.output)
+    page = _folder(chosen.output) / PAGE
     system = System(load(path("slider_crank")))
     counts = system.counts()
     answer.show(
@@ -41,63 +48,52 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     )
     with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
         system.compile(bar.step)
+    laps = _Laps(answer)
     start = assemble(system)
-    answer.show(start.message)
+    laps.show(f"{system.name}: {start.message}")
     report = system.check_derivatives()
-    answer.show(report)
-    simulated = time.perf_counter()
-    with Bar(f"simulating {UNTIL:g} s", UNTIL) as bar:
-        motion = simulate(
-            system, start, until=UNTIL, method=ODE(), rtol=1e-10, atol=1e-12, progress=bar.reach
-        )
-    simulated = time.perf_counter() - simulated
-    answer.show(f"{motion.message}: {motion.nsteps} steps, {motion.nfev} evaluations, {simulated:.2f} s")
-    answer.show(
-        f"constraints satisfied to {motion.violation.max():.0e}; slider at x = {motion['slider'].position[-1, 0]:.9f} m"
+    laps.show(report.verdict)
+    motion = simulate(system, start, until=UNTIL, store_steps=True)
+    laps.show(motion.summary())
+    gradient = sensitivity(motion, Final(RESPONSE))
+    laps.show(
+        f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
     )
-    answer.show(_times(system, start))
-    for file in _plots(folder, motion, report):
-        answer.wrote(file)
-    seconds = time.perf_counter() - began
-    answer.show(f"all in {seconds:.1f} s")
-    answer.put(model=system.name, counts=counts, message=motion.message, seconds=seconds)
+    answer.show(gradient.table(most=LARGEST))
+    reach = workspace_range(system, RESPONSE, repeats=REPEATS)
+    laps.show(reach.summary())
+    outputs = [RESPONSE, "spring.tension", "pin.angle"]
+    animate(motion, page, traces=["rod"], outputs=outputs, gradient=gradient, count=FRAMES)
+    answer.wrote(page)
+    elapsed = time.perf_counter() - began
+    answer.put(model=system.name, counts=counts, message=motion.message, seconds=elapsed)
     answer.put(violation=motion.violation.max(), derivatives_agree=report.ok, nsteps=motion.nsteps)
-    return 0 if start.success and report.ok and motion.success else 1
+    answer.put(gradient=dict(gradient), range=reach.intervals)
+    answer.show(
+        f"all in {elapsed:.1f} s. Motion, curves and influences: open {page.resolve().as_uri()} in a browser"
+    )
+    return 0 if start.success and report.ok and motion.success and reach.success else 1
 
 
 def _folder(folder: Path) -> Path:
-    """Create the folder for the plots, or raise an error, before anything is computed."""
+    """Create the folder for the page, or raise an error, before anything is computed."""
     from ...model.errors import SarrusError
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         raise SarrusError(f"{folder}: is a file, not a folder. Choose another --output.") from None
-    refuse_unwritable([folder / "slider_crank_motion.png"])
+    refuse_unwritable([folder / PAGE])
     return folder
 
 
-def _times(system: Any, start: Any) -> str:
-    """One line: microseconds of each group of derivatives."""
-    from ...analyses.paper import consistent_state, exact_seconds
-    from ...elements import GROUPS
+class _Laps:
+    """Prints what was done with the time since the last."""
 
-    state = consistent_state(system, seed=1)
-    found = (f"{name} {1e6 * exact_seconds(system, name, state):.2f} µs" for name in GROUPS)
-    return "all derivatives of a group, once: " + ", ".join(found)
+    def __init__(self, answer: Answer) -> None:
+        self._answer, self._since = answer, time.perf_counter()
 
-
-def _plots(folder: Path, motion: Any, report: Any) -> list[Path]:
-    from ...results.saving.exported_file import exporting
-    from ...system.check import TOLERANCE
-    from ...views import check_figure, motion_figure
-
-    figures = {"motion": motion_figure(motion, "slider", "crank"), "check": check_figure(report, TOLERANCE)}
-    files = [motion.animate(folder / "motion.html", traces=["rod"])]
-    for name, figure in figures.items():
-        for ending in ("png", "svg"):
-            files.append(folder / f"slider_crank_{name}.{ending}")
-            with exporting(files[-1]):
-                figure.savefig(files[-1], dpi=130)
-            figure.set_layout_engine(None)  # the layout is computed once, and used for the next file too
-    return files
+    def show(self, text: str) -> None:
+        now = time.perf_counter()
+        self._answer.show(f"{text} ({now - self._since:.2f} s)")
+        self._since = now

@@ -73,6 +73,14 @@ class Curve(NamedTuple):
     values: Array
 
 
+class Influences(NamedTuple):
+    """Changes of a response for 1 % more of each number, the largest first."""
+
+    title: str
+    names: Sequence[str]
+    changes: Sequence[float]
+
+
 class Shown(NamedTuple):
     """A run as it is shown: name, sketch, frames, arrows, traces as (body number, point in its axes), and curves."""
 
@@ -115,6 +123,7 @@ def write_page(
     frames: bool = False,
     arrows: bool = True,
     play: bool = True,
+    influences: Sequence[Influences] = (),
 ) -> Page:
     """Return runs of one or several models, drawn over each other, as a page.
 
@@ -124,6 +133,7 @@ def write_page(
     speed : at first, times that of life; by default 1, or slow enough to be seen
     names, frames, arrows : whether names of bodies, their frames, and arrows are on at first
     play : whether it plays when it is opened
+    influences : of numbers on responses, drawn as bars
     """
     numbers = Numbers()
     first = shown[0]
@@ -142,6 +152,7 @@ def write_page(
         "frames": frames,
         "arrows": arrows,
         "play": play,
+        "influences": [one._asdict() for one in influences],
         **pace(shown, speed),
     }
     return Page(first.sketch.name, _filled(first.sketch.name, description, numbers))

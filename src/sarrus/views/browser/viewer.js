@@ -196,6 +196,7 @@ class Viewer {
     this.makeTime();
     this.makeHover();
     this.curves = this.data.runs[0].curves.map((_, n) => new Curve(this, n));
+    for (const one of this.data.influences) $("curves").append(tornado(one));
     $("photo").onclick = () => this.photo();
     $("film").onclick = () => this.film();
     $("film").hidden = !this.moves || !window.MediaRecorder;
@@ -655,6 +656,25 @@ class Curve {
     const value = values[k] + (place - k) * (values[Math.min(k + 1, values.length - 1)] - values[k]);
     this.words.textContent = `${this.data.name} = ${+value.toPrecision(4)} ${this.data.unit}`;
   }
+}
+
+// Changes of a response for 1 % more of each number, as bars beside a line at zero.
+function tornado({ title, names, changes }) {
+  const largest = Math.max(...changes.map(Math.abs), Number.MIN_VALUE);
+  const chart = document.createElement("div");
+  chart.className = "tornado";
+  chart.append(title);
+  names.forEach((name, n) => {
+    const [row, word, track, bar] = [0, 0, 0, 0].map(() => document.createElement("div"));
+    const length = (50 * Math.abs(changes[n])) / largest;
+    word.textContent = name;
+    bar.style.cssText = `left:${changes[n] < 0 ? 50 - length : 50}%;width:${length}%;background:${changes[n] < 0 ? "#c2410c" : "#3b76b5"}`;
+    track.append(bar);
+    row.title = `${name}: ${changes[n].toPrecision(4)}`;
+    row.append(word, track);
+    chart.append(row);
+  });
+  return chart;
 }
 
 class RoomFor extends THREE.RoomEnvironment { // lit from where up is

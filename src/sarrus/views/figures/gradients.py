@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...studies import StudyTable
 from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
 
 if TYPE_CHECKING:
     from ...results import Gradient, Optimum
+    from ...studies import StudyTable
 
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
 DECADES = 100.0  # ratio of values from which their axis is logarithmic
@@ -46,11 +46,9 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     Matplotlib axes
     """
     ax = plot_axes(ax)
-    names = [name for name in found.ranked(response) if found.at[found.names.index(name)]][:most][::-1]
-    influences = found.influences(response)
-    changes = [influences[found.names.index(name)] for name in names]
+    names, changes = found.largest(response, most)
     ax.set_axisbelow(True)
-    ax.barh(names, changes, color=[BLUE if change >= 0 else ORANGE for change in changes])
+    ax.barh(names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]])
     ax.axvline(0, color=GREY, linewidth=0.8)
     ax.set_xlabel(f"change of {found.responses[response]} for 1 % more")
     return ax

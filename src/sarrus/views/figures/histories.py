@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...results import Reaction, Trajectory
-from .style import BLUE, FLOOR, GREY, ORANGE, figure_of, plot_axes, tidied
+from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
 
 if TYPE_CHECKING:
     from ...results import StateDerivatives
+
+FLOOR = 1e-17  # shown in place of a violation of exactly zero
 
 
 def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg.lapack import dposv
 
 from ....algebra import Array
 from .rows import Problem
@@ -22,7 +22,9 @@ def settle(problem: Problem, q: Array, rows: Array, goal: Array, steps: int = 40
         if abs(gap).max(initial=0.0) <= CLOSE:
             return q
         J = problem.jacobian(q)[rows]
-        there = _moved(q, _least(J, -gap, damping * min(size, 1.0)))
+        there = _moved(
+            q, damped_step(J, -gap, damping * min(size, 1.0) + FLOOR * max(float(np.sum(J * J)), 1.0))
+        )
         after = problem.values(there)[rows] - goal
         reached = float(np.linalg.norm(after))
         if reached < size:
@@ -39,14 +41,12 @@ def _moved(q: Array, step: Array) -> Array:
     return np.asarray(q + step * min(1.0, LONGEST / max(longest, 1e-300)))
 
 
-def _least(J: Array, right: Array, damping: float) -> Array:
-    """The damped step of least size, Jᵀ (J Jᵀ + d)⁻¹ r."""
+def damped_step(J: Array, right: Array, damping: float) -> Array:
+    """The step of least size, Jᵀ (J Jᵀ + d)⁻¹ r; LAPACK itself, since SciPy's checks take longer than the factors."""
     square = J @ J.T
-    square[np.diag_indices(len(square))] += damping + FLOOR * max(float(np.trace(square)), 1.0)
-    try:
-        return np.asarray(J.T @ cho_solve(cho_factor(square), right))
-    except LinAlgError:
-        return np.asarray(np.linalg.lstsq(J, right, rcond=1e-12)[0])
+    square[np.diag_indices(len(square))] += damping
+    _, found, failed = dposv(square, right)
+    return np.asarray(np.linalg.lstsq(J, right, rcond=1e-12)[0] if failed else J.T @ found)
 
 
 def constrained(problem: Problem) -> tuple[Array, Array]:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from ....algebra import Array
 from ..problem.rows import Problem
-from ..problem.settle import allowed
+from ..problem.settle import allowed, damped_step
 from .newton import TOLERANCE, Tally
 from .stratum import Active, Stratum
 
 STEPS = 25
 LONGEST = 0.5
+FLOOR = 1e-14
 
 
 class Start(NamedTuple):
@@ -59,7 +59,7 @@ def onto(stratum: Stratum, x: Array, tally: Tally, steps: int = STEPS) -> Array 
     for _ in range(steps):
         if abs(linear.G).max() <= TOLERANCE:
             return x
-        step = _least(linear.G_x, -linear.G, damping * min(size, 1.0))
+        step = damped_step(linear.G_x, -linear.G, damping * min(size, 1.0) + FLOOR)
         tally.newton += 1
         tally.factorizations += 1
         there = x + step * min(1.0, LONGEST / max(float(np.linalg.norm(step)), 1e-300))
@@ -72,9 +72,3 @@ def onto(stratum: Stratum, x: Array, tally: Tally, steps: int = STEPS) -> Array 
         else:
             damping *= 10
     return x if abs(linear.G).max() <= 1e-10 else None
-
-
-def _least(G_x: Array, right: Array, damping: float) -> Array:
-    square = G_x @ G_x.T
-    square[np.diag_indices(len(square))] += damping + 1e-14
-    return np.asarray(G_x.T @ cho_solve(cho_factor(square), right))

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
 from ....algebra import Array
 
@@ -70,6 +69,8 @@ def fill(sheet: Sheet) -> None:
 
 def _level(sheet: Sheet, edges: Sequence[Edge]) -> None:
     """Triangles where open edges go around, upwards or downwards."""
+    from scipy.spatial import Delaunay, QhullError  # only surfaces pay for its import
+
     numbers = sorted({n for edge in edges for n in edge})
     points = sheet.plane(numbers)
     try:

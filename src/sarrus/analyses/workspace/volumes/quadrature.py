@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import BarycentricInterpolator
 
 from ....algebra import Array
 from ....results.maps.workspace_range import WorkspaceRange
@@ -166,8 +165,8 @@ class Integral:
 
     def _end_areas(self, piece: Piece) -> tuple[float, float]:
         """Areas at the lower and upper end of a piece, by the polynomial in theta through its slices."""
-        areas = BarycentricInterpolator(np.array(thetas(piece.count)), self._of(piece, "area"))
-        return float(areas(0.0)), float(areas(np.pi))
+        areas = _polynomial(np.array(thetas(piece.count)), self._of(piece, "area"), np.array([0.0, np.pi]))
+        return float(areas[0]), float(areas[1])
 
     def groups(self) -> list[list[list[Slice]]]:
         """For every range, for every piece between critical heights, its slices by rising height."""
@@ -322,4 +321,11 @@ def _interpolated(values: Array, count: int) -> Array:
     """The polynomial in theta through every other inner point and zero at the ends, at all inner points."""
     nodes = np.array([0.0, *thetas(count // 2), np.pi])
     known = np.concatenate([[0.0], values, [0.0]])
-    return np.asarray(BarycentricInterpolator(nodes, known)(np.array(thetas(count))))
+    return _polynomial(nodes, known, np.array(thetas(count)))
+
+
+def _polynomial(nodes: Array, known: Array, at: Array) -> Array:
+    """The polynomial through known values at nodes, evaluated elsewhere."""
+    from scipy.interpolate import BarycentricInterpolator  # 0.4 s to import: only volumes pay
+
+    return np.asarray(BarycentricInterpolator(nodes, known)(at))

@@ -39,6 +39,7 @@ def test_a_short_motion_has_its_digits() -> None:
     assert one == pytest.approx(other, rel=0.01)
 
 
+@pytest.mark.filterwarnings("ignore:.*errors have grown beyond")
 def test_a_chaotic_motion_warns() -> None:
     for until in (20.0, 40.0):
         value, told = gradient(until, 1e-7)

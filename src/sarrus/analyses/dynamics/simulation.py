@@ -173,7 +173,10 @@ def simulate(
                     "corners: steps end at corners where they are stored for derivatives, not of a given length and "
                     "not saved. Add store_steps=True, and remove save= and the step of the method."
                 )
-            plan = Plan(times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners)
+            plan = Plan(
+                times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
+                tolerances=tolerances if isinstance(chosen, Prescribed) and step is None else None,
+            )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:

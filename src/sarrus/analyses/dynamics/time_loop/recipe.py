@@ -12,7 +12,7 @@ from typing import Any
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import Model
-from ....model.announcement import announce, reports_warnings
+from ....model.announcement import announce, collecting, reports_warnings
 from ....results import Assembly, Trajectory, load_run
 from ....results.saving.checked_file import NOT_SAVED, NotSavedError
 from ....results.saving.saved import (
@@ -28,6 +28,7 @@ from ...progress import monitor
 from ..events.crossing import Crossing
 from ..stepping.stepper import RunFailure, Settings
 from .energy_check import energy_growth
+from .error_growth import looser, lost_digits
 from .outcome import nothing
 from .time_loop import Plan, TimeLoop
 from .vibration_check import fast_vibration
@@ -62,12 +63,30 @@ class Recipe:
         state: Mapping[str, Array] | None = None,
     ) -> Trajectory:
         """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
-        run = self.loop(system, store, progress).go(self.start, state)
+        loop = self.loop(system, store, progress)
+        run = loop.go(self.start, state)
         growth = energy_growth(system, run, self.settings.tolerances)
-        found = announce([*growth, *fast_vibration(run, self.plan.budget.advice())])
+        lost = self._lost(system, run, progress) if loop.growth and loop.growth.grown else []
+        found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice())])
         if store is not None and found:
             store.warn(found)
         return run
+
+    def _lost(self, system: System, run: Trajectory, progress: Callable[[float], None] | None) -> list[str]:
+        """Whether runs with larger tolerances show that digits are lost; they end with the time limit of the first."""
+        plan = replace(self.plan, dense=False, corners=False, tolerances=None)
+        own, until = self.settings.tolerances, self.plan.until
+        clock = (lambda t: progress(until)) if progress else None
+
+        def other(factor: float) -> tuple[Trajectory, float]:
+            settings = replace(
+                self.settings, tolerances=looser(own, factor), store_steps=False, dense=bool(plan.events)
+            )
+            loop = replace(self, settings=settings, plan=plan).loop(system, None, clock)
+            return loop.go(self.start), 2 / 3 if loop.stepper.apart else 1.0
+
+        with collecting():
+            return lost_digits(run, other)
 
     def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
         """A folder for the run, see `Store.create`."""

@@ -27,7 +27,9 @@ from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
+from ..stepping.tolerance import Tolerances
 from .corner_steps import CornerSteps, Cut, ahead_of
+from .error_growth import ErrorGrowth
 from .initial_warnings import initial_warnings
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
@@ -55,6 +57,7 @@ class Plan:
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
     corners : whether steps end at the corners of forces
+    tolerances : where it is watched how much errors of that size grow
     """
 
     times: Array
@@ -67,6 +70,7 @@ class Plan:
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
     corners: bool = False
+    tolerances: Tolerances | None = None
 
 
 class TimeLoop:
@@ -86,6 +90,7 @@ class TimeLoop:
         self.corners = CornerSteps(system, stepper) if plan.corners else None
         self.nearness = Nearness(system, stepper.independence)
         self.winding = Winding(system)
+        self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
         self._last: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
@@ -141,6 +146,8 @@ class TimeLoop:
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
+        if self.growth:
+            self.growth.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
@@ -200,6 +207,7 @@ class TimeLoop:
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
+            state |= self.growth.state() if self.growth else {}
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
@@ -328,6 +336,8 @@ class TimeLoop:
             self._samples.append(samples)
             self.nearness.look(samples)
             self._written = last
+        if self.growth:
+            self.growth.look(nodes)
         self._last = nodes.part(slice(-1, None))
         if self.plan.dense:
             self._dense.append(nodes)

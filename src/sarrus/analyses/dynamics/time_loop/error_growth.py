@@ -1,0 +1,196 @@
+"""How much the errors of a run grow: whether it is chaotic, or unstable, so that digits are lost.
+
+A perturbation is carried along the motion, see `perturbation_loop`. Where it grows so much that what the tolerances
+allow could become visible, the motion is computed again with larger tolerances: the difference shows the error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from ...._jit.linking.link import link
+from ....algebra import Array
+from ....linalg.sparse_solver import SingularMatrix
+from ....results import Trajectory
+from ....system import System
+from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix, entries_of
+from ...equations.length import extent
+from ..stepping.entries import entry_of
+from ..stepping.newton_matrix import BLOCKS, weigh
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Stepper
+from ..stepping.tolerance import Tolerances
+from . import perturbation_loop as loop
+from .perturbation_loop import LEAST_MOTION as LEAST
+
+VISIBLE = 1e-3  # of the size of the motion: larger errors are reported
+LOCAL = 0.1  # of the relative tolerance: error of a step
+GROWN = 3e4  # times the error of a step: so much do errors of regular motions of thousands of steps add up to
+ROUND_OFF = 1e-15  # of the size of the motion
+# Times the tolerances, of runs that are compared, one after the other, and the difference that settles the matter
+COARSE, FINE = 1e3, 30.0
+SETTLED = 0.03
+END = "end"
+GROUPS = {  # operators that are computed together, as implicit methods do
+    "jacobian": ("Phi_q", "Phi_qT_lam_q"),
+    "inertia": ("M", "M_a_q", "S_q", "S_v"),
+    "stiffness": ("Q_q", "Q_v"),
+    "constraints": ("Phi_q",),
+    "turning": ("gamma_v",),
+}
+
+
+class ErrorGrowth:
+    """A perturbation of one run.
+
+    Parameters
+    ----------
+    system : System
+    stepper : the method at work
+    tolerances : of the run
+
+    Attributes
+    ----------
+    grown : whether errors may have become visible
+    """
+
+    def __init__(self, system: System, stepper: Stepper, tolerances: Tolerances) -> None:
+        self._system, self._stepper, self._tolerances = system, stepper, tolerances
+        nq, m = system.nq, system.m
+        self._numbers = Numbers(system, (*BLOCKS, LEFT_OUT, "Phi_q", END, "gamma_v"), {END: "Phi_q"})
+        parts = [Part(name, 0, 0) for name in BLOCKS]
+        parts += [Part(LEFT_OUT, nq, nq), Part(END, nq, 0), Part("Phi_q", 0, nq, transposed=True)]
+        self._matrix = PlacedMatrix(self._numbers, nq + m, parts)
+        self._entries = loop.Entries(**{name: entry_of(system, *group) for name, group in GROUPS.items()})
+        self._patterns = loop.Patterns(
+            *(loop.Pattern(*entries_of(system, name)) for name in loop.Patterns._fields)
+        )
+        widths = (nq, nq, nq, m, nq, nq, nq, nq + m, nq + m, 2 * nq)
+        self._work = loop.Work(*(np.zeros(width) for width in widths))
+        random = np.random.default_rng(0).uniform(-1.0, 1.0, 2 * nq)
+        q, v, a, base = (np.zeros(nq) for _ in range(4))
+        self._own = loop.Perturbation(q, v, a, random, base, np.zeros(4), np.array([0.0, 1.0]))
+        self._started, self.grown, self._length, self._b = False, False, 1.0, system.b.copy()
+
+    def look(self, nodes: Nodes) -> None:
+        """Take further nodes of the run."""
+        if self.grown:
+            return
+        if not self._started:
+            self._started, self._length = True, extent(self._system, nodes.q[0])
+            self._own.base[:] = nodes.q[0]
+            self._b[:] = self._stepper.b
+        self._numbers.keep(self._stepper.independence.rows)
+        n, tried, before = 0, -1, [x.copy() for x in self._own]
+        carry = link(loop.carry)
+        while n + 1 < len(nodes.t) and not self.grown:
+            if self._matrix.placed is None and (tried == n or not self._choose_pivots(nodes, n)):
+                n, tried, self._own.known[0] = n + 1, -1, 0.0
+                continue
+            tried = n
+            n, largest = carry(
+                self._entries, self._b, self._system.memory_places, nodes, n, self._length, self._own, self._arrays(),
+                self._patterns, self._work, self._least(nodes),
+            )  # fmt: skip
+            if not np.isfinite(largest):  # in a singular configuration
+                for own, stored in zip(self._own, before, strict=True):
+                    own[:] = stored
+                self._own.known[:] = 0.0, 1.0
+                return
+            self.grown = largest >= self._least(nodes)
+            if n + 1 < len(nodes.t):
+                tried, self._matrix.placed = (n if tried == n else -1), None
+
+    def _least(self, nodes: Nodes) -> float:
+        """The growth from which errors may be visible."""
+        return max(
+            VISIBLE / max(LOCAL * relative(self._tolerances, nodes.q[-1], self._own), ROUND_OFF), GROWN
+        )
+
+    def _choose_pivots(self, nodes: Nodes, n: int) -> bool:
+        """A pivot order for the n-th node; false where its matrix is singular."""
+        state = {
+            "t": float(nodes.t[n]),
+            "q": nodes.q[n],
+            "v": nodes.v[n],
+            "a": nodes.a[n],
+            "lam": nodes.lam[n],
+        }
+        for name in ("jacobian", "inertia", "stiffness"):
+            self._numbers.evaluate(GROUPS[name], self._b, state)
+        self._numbers.views[END][:] = self._numbers.views["Phi_q"]
+        weigh(self._matrix.weights, 0.0, 0.0)
+        try:
+            self._matrix.choose_pivots()
+        except (SingularMatrix, ValueError):
+            return False
+        return True
+
+    def _arrays(self) -> loop.Matrix:
+        numbers = self._numbers
+        rest = numbers.row_of, numbers.left_out, self._matrix.placed
+        return loop.Matrix._make([numbers.values, *numbers.of(loop.Matrix._fields[1:-3]), *rest])
+
+    def state(self) -> dict[str, Array]:
+        """What is known so far."""
+        found = {f"growth_{name}": array for name, array in zip(self._own._fields, self._own, strict=True)}
+        return found | {"growth_flags": np.array([self._started, self.grown, self._length])}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        for name, array in zip(self._own._fields, self._own, strict=True):
+            array[:] = state[f"growth_{name}"]
+        started, grown, self._length = state["growth_flags"].tolist()
+        self._started, self.grown = bool(started), bool(grown)
+
+
+def relative(tolerances: Tolerances, q: Array, own: loop.Perturbation) -> float:
+    """Tolerance of coordinates over the size of the motion."""
+    if tolerances.follow:
+        return float(tolerances.rtol_q.max())
+    moved = own.moved[:2].max(initial=0.0)
+    return float((tolerances.atol_q + tolerances.rtol_q * abs(q)).max() / moved) if moved > 0 else 0.0
+
+
+def looser(tolerances: Tolerances, factor: float) -> Tolerances:
+    """The tolerances of a run that is compared."""
+    names = ("rtol_q", "atol_q", "rtol_v", "atol_v")
+    factors = {name: factor * getattr(tolerances, name) for name in names}
+    return Tolerances(**factors, speed=tolerances.speed, follow=tolerances.follow)
+
+
+def lost_digits(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -> list[str]:
+    """A warning where runs with larger tolerances show a visible error.
+
+    Parameters
+    ----------
+    run : Trajectory
+    other : the run with so many times the tolerances, and the power of them that its errors go with
+    """
+    if not len(run.t):
+        return []
+    coarse, power = other(COARSE)
+    difference = difference_of(run, coarse)
+    if difference.max(initial=0.0) < min(SETTLED, VISIBLE * (COARSE**power - 1)):
+        return []
+    fine, power = other(FINE)
+    late = np.flatnonzero(difference_of(run, fine) > VISIBLE * (FINE**power - 1))
+    if not len(late):
+        return []
+    return [
+        f"{run.name}: errors have grown beyond {VISIBLE:g} of the size of the motion from t = {run.t[late[0]]:.4g} s "
+        "on, as in unstable and chaotic motions. Choose smaller tolerances, or a shorter run."
+    ]
+
+
+def difference_of(run: Trajectory, other: Trajectory) -> Array:
+    """The largest difference of coordinates at each time that both reach, over the size of the motion (n,)."""
+    q, p = np.asarray(run.q), np.asarray(other.q)
+    count, rotation = min(len(q), len(p)), np.arange(q.shape[1]) % 7 >= 3
+    moved, length = np.ptp(q, axis=0), extent(run.system, q[0])
+    shift, turn = (float(moved[rotation == kind].max(initial=0.0)) for kind in (False, True))
+    sizes = np.where(rotation, max(turn, LEAST * shift / length), max(shift, LEAST * length * turn))
+    found = np.divide(abs(q[:count] - p[:count]), sizes, out=np.zeros_like(q[:count]), where=sizes > 0)
+    return np.asarray(found.max(axis=1, initial=0.0))

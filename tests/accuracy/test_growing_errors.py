@@ -1,0 +1,92 @@
+"""Runs of chaotic and unstable motions say from when on their digits are lost; regular ones say nothing."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.accuracy.test_growth import double_pendulum
+
+import sarrus as sr
+from sarrus.analyses.dynamics.integrators.radau import Radau
+from sarrus.analyses.dynamics.stepping.stepper import Settings
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
+from sarrus.analyses.dynamics.time_loop.error_growth import ErrorGrowth
+
+MESSAGE = "errors have grown beyond"
+
+
+def pendulum(start: float, rate: float = 0.0) -> tuple[sr.System, Any]:
+    """A ball on a rod of 1 m, at an angle in degrees from its lowest position."""
+    angle = np.radians(start)
+    bob = sr.Body("bob", 1.0, (1e-3,) * 3, position=(np.sin(angle), 0, -np.cos(angle)))
+    pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, -1, 0))
+    system = sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, 0, -9.81)))
+    return system, sr.assemble(system, rates={"pin": rate})
+
+
+def messages(run: sr.Trajectory) -> list[str]:
+    return [one for one in run.warnings if MESSAGE in one]
+
+
+def test_a_chaotic_run_says_from_when_on_it_is_wrong() -> None:
+    """The time is that at which a run with far smaller tolerances is away by a thousandth."""
+    system = double_pendulum()
+    with pytest.warns(sr.SarrusWarning, match=MESSAGE):
+        run = sr.simulate(system, until=30.0)
+    (message,) = messages(run)
+    told = float(message.split("from t = ")[1].split(" s")[0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fine = sr.simulate(system, until=30.0, rtol=1e-12)
+    error = abs(run.output("b.x").values - fine.output("b.x").values) / 3.0
+    late = run.t[np.flatnonzero(error > 1e-3)[0]]
+    assert told == pytest.approx(late, abs=3.0)
+    assert told < 25.0
+    assert not messages(sr.simulate(system, until=5.0))
+
+
+def test_other_methods_say_so_too() -> None:
+    with pytest.warns(sr.SarrusWarning, match=MESSAGE):
+        sr.simulate(double_pendulum(), until=30.0, method=sr.HHT())
+
+
+@pytest.mark.parametrize(("start", "wrong"), [(179.9, True), (90.0, False), (30.0, False)])
+def test_a_pendulum_is_unstable_at_the_top_only(start: float, wrong: bool) -> None:
+    system, begin = pendulum(start)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        run = sr.simulate(system, begin, until=10.0 if wrong else 100.0)
+    assert bool(messages(run)) == wrong
+
+
+def test_a_saved_run_has_the_same_warning(tmp_path: Path) -> None:
+    system = double_pendulum()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        whole = sr.simulate(system, until=30.0)
+        cut = sr.simulate(system, until=30.0, save=tmp_path / "run", time_limit=1e-3)
+        resumed = sr.resume(tmp_path / "run")
+    assert cut.status == "time limit"
+    assert messages(whole) == messages(resumed) == messages(sr.load_run(tmp_path / "run")) != []
+
+
+@pytest.mark.parametrize(("start", "rate"), [(120.0, 0.5), (30.0, 2.0)])
+def test_the_perturbation_is_that_of_neighbouring_runs(start: float, rate: float) -> None:
+    """By differences of runs with other velocities at the start; steps are so short that a second order suffices."""
+    small, until = 1e-4, 3.0
+    begins = [pendulum(start, rate + change) for change in (-small, 0.0, small)]
+    runs = [sr.simulate(*begin, until=until, max_step=2e-3, dense_output=True) for begin in begins]
+    system, begin = begins[1]
+    tolerances = Tolerances.of(system, 1e-9, None)
+    growth = ErrorGrowth(system, Radau().stepper(system, begin, Settings(tolerances)), tolerances)
+    own = growth._own
+    own.random[:] = 0.0
+    change = [(getattr(runs[2], name)[0] - getattr(runs[0], name)[0]) / (2 * small) for name in ("q", "v")]
+    own.q[:], own.v[:] = change
+    growth.look(runs[1].sol._nodes)  # type: ignore[union-attr]
+    truth = (runs[2].q[-1] - runs[0].q[-1]) / (2 * small)
+    assert own.q == pytest.approx(truth, abs=0.03 * abs(truth).max())

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.cli import main as cli
 
 ROOT = Path(__file__).resolve().parent.parent
 Action = Callable[[], object]
@@ -143,6 +146,12 @@ def check() -> object:
     return shipped("slider_crank").check_derivatives()
 
 
+def demo() -> object:
+    """The command `sarrus demo`; what it prints does not mix with the times."""
+    with tempfile.TemporaryDirectory() as folder, redirect_stdout(sys.stderr):
+        return cli(["demo", "--quiet", "--output", folder])
+
+
 def _actions() -> Mapping[str, Action]:
     """All actions by name."""
     found: dict[str, Action] = {
@@ -157,6 +166,7 @@ def _actions() -> Mapping[str, Action]:
         "workspace_field": field,
         "events": events,
         "check_derivatives": check,
+        "demo": demo,
     }
     for name in mechanisms.names():
         for method in METHODS:

@@ -28,9 +28,9 @@ LARGEST = 60e6  # bytes, of all levels
 FIRST = ("simulate", "sensitivity")  # what they compile, the others need, too
 
 
-def build(target: Path, chosen: Sequence[str]) -> int:
-    """Compile and pack every level of this machine; return the size of all in bytes."""
-    found = levels()
+def build(target: Path, chosen: Sequence[str], names: Sequence[str] = ()) -> int:
+    """Compile and pack every level of this machine, or those with given names; return the size of all in bytes."""
+    found = [level for level in levels() if not names or level.name in names]
     if not found:
         raise SystemExit("This processor has none of the levels. Build the wheel without kernels.")
     return sum(_level(level, target / level.name, chosen) for level in found)
@@ -79,8 +79,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="must not hold kernels yet")
     parser.add_argument("--actions", nargs="+", default=list(ACTIONS), metavar="NAME", help="only these")
+    parser.add_argument(
+        "--levels", nargs="+", default=[], metavar="NAME", help="of processors; by default all"
+    )
     given = parser.parse_args()
-    size = build(given.folder, given.actions)
+    size = build(given.folder, given.actions, given.levels)
     if size > LARGEST:
         raise SystemExit(
             f"The kernels take {size / 1e6:.0f} MB, more than {LARGEST / 1e6:.0f} MB. Leave actions out."

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.dynamics.methods import registry
 from sarrus.cli import extensions, main, parser
 from sarrus.elements import Element
 from sarrus.io import by_ending
@@ -80,13 +81,14 @@ def loaded(folder: Path) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for holder, name in ((Element, "registry"), (Joint, "kinds"), (Driver, "kinds"), (Force, "kinds")):
             patch.setattr(holder, name, dict(getattr(holder, name)))
-        for module, name in ((by_ending, "IMPORTERS"), (output, "PROVIDERS")):
+        for module, name in ((by_ending, "IMPORTERS"), (output, "PROVIDERS"), (registry, "STORING_STEPS")):
             patch.setattr(module, name, list(getattr(module, name)))
         patch.setattr(sys, "path", list(sys.path))
         patch.setenv(extensions.VARIABLE, os.pathsep.join(str(path) for path in sorted(folder.glob("*.py"))))
         extensions.load_extensions()
         yield
     parser.VERBS.pop("weigh")
+    registry.METHODS.pop("euler")
     for name in known:
         sys.modules.pop(name, None)
 
@@ -162,11 +164,11 @@ def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
 
 
 def test_a_method_runs_them_with_gradients(folder: Path) -> None:
-    from implicit_euler import EULER  # type: ignore[import-not-found]
+    from implicit_euler import euler  # type: ignore[import-not-found]
 
     system = sr.System(sr.load(folder / "all.yaml"))
     steps = {"first_step": 1e-3, "max_step": 1e-3, "rtol": 0.1, "atol": 0.1}
-    found = sr.simulate(system, until=0.05, method=EULER, store_steps=True, **steps)
+    found = sr.simulate(system, until=0.05, method=euler(), store_steps=True, **steps)
     exact = sr.simulate(system, until=0.05, method=sr.Radau(), rtol=1e-10, atol=1e-12)
     error = np.abs(found.q[-1] - exact.q[-1]).max()
     assert 1e-7 < error < 1e-3  # of order one
@@ -201,6 +203,34 @@ def test_the_command_line_has_them(folder: Path, capsys: pytest.CaptureFixture[s
     assert found["bodies"]["bob"]["position"][2] == pytest.approx(-9.81 * 0.05**2 / 2, rel=1e-2)
     assert "weigh" in told(capsys, "completion", "bash")["script"]
     assert told(capsys, "sensitivity", file, *until[:2], "--response", "pull.pull", "--wrt", "g")
+
+
+def test_a_method_has_its_name_everywhere(
+    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The command line, files of studies with options, and studies in other processes."""
+    file, until = str(folder / "all.yaml"), ("--until", "0.01")
+    chosen = (*until, "--method", "euler", "--rtol", "1e-3", "--atol", "1e-3")
+    exact, found = told(capsys, "run", file, *until), told(capsys, "run", file, *chosen)
+    ends = [one["bodies"]["slider"]["position"][0] for one in (exact, found)]
+    assert 1e-9 < abs(ends[1] - ends[0]) < 1e-3
+    gradient = told(capsys, "sensitivity", file, *chosen, "--response", "slider.x", "--wrt", "g")
+    (response,) = gradient["responses"].values()
+    assert response["value"] == pytest.approx(ends[1], abs=1e-6)
+    run = {"type": "simulate", "until": 0.01, "rtol": 1e-3, "atol": 1e-3}
+    tables = [
+        sr.study(
+            sr.load(file), {"g": [1.0, 2.0]}, {"x": "final(slider.x)"}, workers=workers, folder=tmp_path / name,
+            analysis={**run, "method": {"type": "euler", "name": name}},
+        )
+        for workers, name in ((1, "here"), (2, "there"))
+    ]  # fmt: skip
+    assert all(table.success.all() for table in tables)
+    np.testing.assert_array_equal(*(table["x"] for table in tables))
+    assert tables[0]["x"][1] == pytest.approx(ends[1], abs=1e-6)
+    with pytest.raises(sr.SarrusError, match=r"the method euler: name must be a text, but is 3"):
+        sr.study(sr.load(file), {"g": [1.0]}, {"x": "final(slider.x)"},
+                 analysis={**run, "method": {"type": "euler", "name": 3}})  # fmt: skip
 
 
 def test_extensions_of_a_fresh_process(folder: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.dynamics import METHODS
-from sarrus.cli import VERBS, main, shared
+from sarrus.cli import VERBS, main
 
 SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 
@@ -158,7 +158,7 @@ def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
     assert "Traceback" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("method", shared.METHODS)
+@pytest.mark.parametrize("method", METHODS)
 def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
     if method == "ida":
         pytest.importorskip("sksundae")
@@ -169,10 +169,6 @@ def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
     wanted = sr.simulate(system, until=0.2, rtol=1e-6, atol=1e-8, method=METHODS[method]())
     assert found["nsteps"] == wanted.nsteps
     assert found["bodies"]["slider"]["position"] == pytest.approx(wanted["slider"].position[-1])
-
-
-def test_the_shell_has_every_method() -> None:
-    assert set(shared.METHODS) == set(METHODS)
 
 
 def test_a_run_that_fails_at_the_start_still_says_why(

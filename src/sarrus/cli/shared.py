@@ -9,9 +9,6 @@ from typing import Any
 from ..defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 from .values import figure_file, finite, intervals, natural, positive, start_entry
 
-METHODS = ("radau", "hht", "generalizedalpha", "ode", "ida")
-KEEPING_STEPS = METHODS[:3]
-
 
 def times(parser: argparse.ArgumentParser) -> None:
     """``--until`` and ``--steps``: the times at which a motion is wanted."""
@@ -80,16 +77,19 @@ def tolerances(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def method(parser: argparse.ArgumentParser, of: tuple[str, ...] = METHODS) -> None:
-    """``--method``: how a motion is integrated."""
-    parser.add_argument("--method", choices=of, default=of[0], help=f"how to integrate ({of[0]})")
+def method(parser: argparse.ArgumentParser, *, stores_steps: bool = False) -> None:
+    """``--method``: how a motion is integrated; with stored steps where there are derivatives."""
+    from ..analyses.dynamics.methods.registry import METHODS, STORING_STEPS
+
+    known = [*(STORING_STEPS if stores_steps else METHODS)]
+    parser.add_argument("--method", choices=known, default=known[0], help=f"how to integrate ({known[0]})")
 
 
 def method_of(chosen: argparse.Namespace) -> Any:
     """The method chosen, with its own settings as they are by default."""
-    from ..analyses.dynamics import METHODS as KNOWN
+    from ..analyses.dynamics import METHODS
 
-    return KNOWN[chosen.method]()
+    return METHODS[chosen.method]()
 
 
 def rest(parser: argparse.ArgumentParser) -> None:

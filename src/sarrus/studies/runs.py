@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from inspect import formatannotation, signature
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
@@ -21,6 +22,7 @@ from ..analyses import (
     simulate,
 )
 from ..analyses.dynamics import METHODS
+from ..analyses.dynamics.methods import Description
 from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..defaults import ATOL
@@ -319,8 +321,8 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
 
 
 def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
-    """A dataclass with its numbers converted."""
-    known = {one.name: one for one in fields(kind)}
+    """A dataclass, or what a function returns, with its numbers converted."""
+    known = signature(kind).parameters
     for name, value in options.items():
         if name not in known:
             raise SarrusError(f"{what} has no key {name!r}. {suggest(name, known)}")
@@ -330,8 +332,8 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
             options[name] = value
         elif name in ("steps",):
             options[name] = whole(value, name)
-        elif known[name].type in ("str", "bool"):
-            _refuse_other(value, str(known[name].type), f"{what}: {name}")
+        elif (wanted := formatannotation(known[name].annotation).strip("'")) in ("str", "bool"):
+            _refuse_other(value, wanted, f"{what}: {name}")
         else:
             options[name] = number(value)
     if "until" in known and "until" not in options:
@@ -356,6 +358,8 @@ def _method(given: Any) -> Any:
 def _plain(value: Any) -> Any:
     if isinstance(value, DesignStart):
         return value.described()
+    if isinstance(value, Description):
+        return value.record
     if is_dataclass(value) and not isinstance(value, type):
         return {"type": type(value).__name__.lower(), **asdict(value)}
     return value

@@ -35,7 +35,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="numbers or parts of the model, e.g. spring.k rod pin.point, or parameters of its file (all numbers)",
     )
     shared.tolerances(parser)
-    shared.method(parser, shared.KEEPING_STEPS)
+    shared.method(parser, stores_steps=True)
     parser.add_argument("--most", type=natural, default=20, help="how many numbers are listed (20)")
     shared.figure(parser, "a tornado plot")
 

@@ -125,6 +125,15 @@ class Description:
         """Sizes of the blocks of the state."""
         return {**dict.fromkeys(("q", "v", "a", *self.extra), COORDINATES), "lam": CONSTRAINTS}
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """What distinguishes it from other methods, in plain values: coefficients are those at one h and ratio."""
+        at, error = (0.37, 0.83), self.error
+        estimate = None if error is None else (error.order, error.constant, repr(error.of(*at)))
+        sizes = {"unknowns": dict(self.unknowns), "extra": repr(self.extra)}
+        flags = {"projects": self.projects, "damps": self.damps}
+        return {"type": self.name, **sizes, "step": repr(self.step(*at)), **flags, "error": estimate}
+
     def operation(self, h: Any, ratio: Any) -> Operation:
         """Steps of some lengths."""
         return Operation(self.state, self.unknowns, self.step(h, ratio))

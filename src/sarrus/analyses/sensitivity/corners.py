@@ -23,7 +23,7 @@ from ...system.curves.curve_derivatives import (
     stored,
 )
 from ...system.structure.population import Population
-from ..dynamics.events.force_corners import Corner, force_functions, law_signs
+from ..dynamics.events.force_corners import force_functions, law_signs
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
@@ -47,17 +47,6 @@ def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
         for owner in _owners(system, p, piece)
     )
     return [f"{owner}: its force sets in, ends or reverses {REMEDY}." for owner in owners]
-
-
-def second_order_at_corners(steps: StepsTaken | Pieces) -> list[str]:
-    """A message for each part of the model at whose corners steps end: second derivatives are less certain there."""
-    found = [one.function for one in steps.event_steps] if isinstance(steps, Pieces) else []
-    owners = dict.fromkeys(one.owner for one in found if isinstance(one, Corner))
-    return [
-        f"{owner}: second derivatives across corners of its force may depend on the tolerances. "
-        "Compare with those of a run with a tenth of rtol."
-        for owner in owners
-    ]
 
 
 def _with_kinks(p: Population) -> bool:

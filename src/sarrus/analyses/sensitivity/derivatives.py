@@ -30,7 +30,7 @@ from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import estimated
 from .accuracy.growth import warnings_of_growth
 from .chain.chain import Nodes, by_joints
-from .corners import corners, second_order_at_corners
+from .corners import corners
 from .events.chains import AnyChain, chain_of
 from .hessian import Curvature
 from .parameters.parameters import Design, Parameters
@@ -330,7 +330,7 @@ def _curvature(
     steps = stored(run)
     parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
-    announce([*corners(run.system, steps), *second_order_at_corners(steps)])
+    announce(corners(run.system, steps))
     wanted = as_responses(response)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)

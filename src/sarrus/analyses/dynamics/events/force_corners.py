@@ -124,40 +124,67 @@ class ForceCorners:
             if p.count and OPERATORS["Q"] in p.kind.family and _has_corners(p)
         ]  # fmt: skip
         self.all = [corner for n, p in self._groups for corner in _corners_of(n, p)]
+        self._orders: dict[Any, list[int]] = {}
+        self._laws = {
+            (n, k, place): (law, law_signs(law)) for n, p in self._groups for k in range(p.count)
+            for place, _ in force_functions(p.variant).curves for law in [stored(p, k, place)]
+        }  # fmt: skip
 
     def __bool__(self) -> bool:
         return bool(self.all)
 
-    def values(self, b: Array, memory: Array, t: Array, q: Array, v: Array) -> tuple[Array, Array]:
-        """The functions of all corners (corners, nt), and whether the forces that they belong to act."""
-        places = dict(zip(self._system.memory_places.tolist(), memory.T, strict=True))
-        operands, rows, acts = {"q": q, "v": v, "t": t}, list[Array](), list[Array]()
-        for _, p in self._groups:
+    def values(self, b: Array, at: Nodes) -> Array:
+        """The functions of all corners (corners, nt)."""
+        rows = list[Array]()
+        for n, p in self._groups:
             known = force_functions(p.variant)
-            wanted = [*known.entries, *known.signs, *(x for _, x in known.curves)]
-            found = self._derivatives.on_elements(
-                p, known.graph, wanted, needed(known.graph, wanted), b, places, operands
-            )
-            forces, signs, curves = np.split(
-                found, [len(known.entries), len(known.entries) + len(known.signs)]
-            )
+            found = self._on(p, (*known.signs, *(x for _, x in known.curves)), b, at)
+            signs, curves = found[: len(known.signs)], found[len(known.signs) :]
             for k in range(p.count):
-                own = [*signs[:, k]]
+                rows += [*signs[:, k]]
                 for (place, _), x in zip(known.curves, curves[:, k], strict=True):
-                    law = stored(p, k, place)
-                    own += [*formula_values(law, law_signs(law), x)] if law_signs(law) else []
-                rows += own
-                acts += [np.any(forces[:, k] != 0, axis=0)] * len(own)
-        return np.array(rows), np.array(acts)
+                    law, own = self._laws[n, k, place]
+                    rows += [*formula_values(law, own, x)] if own else []
+        return np.array(rows)
+
+    def value(self, corner_index: int, b: Array, at: Nodes) -> Array:
+        """The function of one corner (nt,)."""
+        corner = self.all[corner_index]
+        p = self._system.populations[corner.population]
+        known = force_functions(p.variant)
+        if corner.curve < 0:
+            return np.asarray(self._on(p, (known.signs[corner.sign],), b, at)[0, corner.element])
+        place, x = known.curves[corner.curve]
+        law, own = self._laws[corner.population, corner.element, place]
+        found = self._on(p, (x,), b, at)[0, corner.element]
+        return np.asarray(formula_values(law, [own[corner.sign]], found)[0])
+
+    def acting(self, b: Array, at: Nodes) -> Array:
+        """Whether the forces that the corners belong to act (corners, nt)."""
+        forces = {n: self._on(p, tuple(force_functions(p.variant).entries), b, at) for n, p in self._groups}
+        return np.array([np.any(forces[one.population][:, one.element] != 0, axis=0) for one in self.all])
+
+    def _on(self, p: Population, wanted: tuple[Expression, ...], b: Array, at: Nodes) -> Array:
+        """Recorded expressions (wanted, elements, nt) of all elements of a population."""
+        key = (p.variant, tuple(one.id for one in wanted))
+        graph = force_functions(p.variant).graph
+        if key not in self._orders:
+            self._orders[key] = needed(graph, list(wanted))
+        places = dict(zip(self._system.memory_places.tolist(), at.memory.T, strict=True))
+        operands = {"q": at.q, "v": at.v, "t": at.t}
+        return self._derivatives.on_elements(p, graph, list(wanted), self._orders[key], b, places, operands)
 
     def first(self, nodes: Nodes, b: Array, apart: bool) -> Located | None:
         """The first corner that a step passes, if there is one."""
         if len(nodes.t) < 2:
             return None
         looks = _looks(nodes, apart)
-        values, acts = self.values(b, looks.memory, looks.t, looks.q, looks.v)
-        acting = acts[:, 1:] | acts[:, :-1]
-        passed = (values[:, 1:] * values[:, :-1] < 0) & acting
+        values = self.values(b, looks)
+        passed = values[:, 1:] * values[:, :-1] < 0
+        if not passed.any():
+            return None
+        acts = self.acting(b, looks)
+        passed &= acts[:, 1:] | acts[:, :-1]
         found = list[Located]()
         for at in np.flatnonzero(passed.any(axis=0)):
             for corner in np.flatnonzero(passed[:, at]):
@@ -180,7 +207,7 @@ class ForceCorners:
         for _ in range(ROUNDS):
             parts = np.linspace(low, high, POINTS)
             there = _within(pair, parts, apart)
-            after = self.values(b, there.memory, there.t, there.q, there.v)[0][corner] * before <= 0
+            after = self.value(corner, b, there) * before <= 0
             first = int(np.argmax(after)) if after.any() else POINTS - 1
             low, high = float(parts[max(first - 1, 0)]), float(parts[first])
         t = float(pair.t[0] + high * h)
@@ -193,9 +220,11 @@ class ForceCorners:
 
     def rate(self, corner: int, at: Nodes, b: Array, ahead: float) -> float:
         """The rate of a function at a state, for the search of its zero."""
-        t, q, v = (np.concatenate([x, x + ahead * dx]) for x, dx in ((at.t, 1.0), (at.q, at.v), (at.v, at.a)))
-        values = self.values(b, np.repeat(at.memory, 2, axis=0), t, q, v)[0][corner]
-        return float(values[1] - values[0]) / ahead
+        pairs = ((at.t, 1.0), (at.q, at.v), (at.v, at.a))
+        t, q, v = (np.concatenate([x, x + ahead * dx]) for x, dx in pairs)
+        a, lam, memory = (np.repeat(x, 2, axis=0) for x in (at.a, at.lam, at.memory))
+        before, after = self.value(corner, b, Nodes(t, q, v, a, lam, memory))
+        return float(after - before) / ahead
 
 
 def width(t: float, h: float) -> float:
@@ -219,18 +248,22 @@ def _corners_of(n: int, p: Population) -> list[Corner]:
 
 def _looks(nodes: Nodes, apart: bool) -> Nodes:
     """States at which signs are compared: the first node, then some of each step."""
-    parts = [nodes.part(slice(1))]
-    parts += [_within(nodes.part(slice(k, k + 2)), LOOKS, apart) for k in range(len(nodes.t) - 1)]
-    return Nodes._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
+    first, rest = nodes.part(slice(1)), _within(nodes, LOOKS, apart)
+    return Nodes._make(np.concatenate(columns) for columns in zip(first, rest, strict=True))
 
 
-def _within(pair: Nodes, parts: Array, apart: bool) -> Nodes:
-    """States at parts of one step."""
-    h, size = float(pair.t[1] - pair.t[0]), pair.q.shape[1]
-    q, v, a = np.zeros((3, len(parts), size))
-    ends: list[Any] = [np.ascontiguousarray(x[e : e + 1]) for e in (0, 1) for x in (pair.q, pair.v, pair.a)]
-    for n, s in enumerate(parts):
-        between(*[*ends, float(s), h, apart, q[n : n + 1], v[n : n + 1], a[n : n + 1]])
-    times = pair.t[0] + parts * h
-    rest = (np.repeat(x[:1], len(parts), axis=0) for x in (pair.lam, pair.memory))
-    return Nodes(times, q, v, a, *rest)
+def _within(nodes: Nodes, parts: Array, apart: bool) -> Nodes:
+    """States at parts of every step, one step after another."""
+    steps, size = len(nodes.t) - 1, nodes.q.shape[1]
+    kinds = [x[None, :, None] for x in (nodes.q, nodes.v, nodes.a)]
+    ends: list[Any] = [
+        np.ascontiguousarray(x[:, rows]) for rows in (slice(-1), slice(1, None)) for x in kinds
+    ]
+    h, s = np.diff(nodes.t)[:, None, None], np.broadcast_to(parts[None, :, None], (steps, len(parts), 1))
+    found = np.zeros((3, 1, steps, len(parts), size))
+    given: tuple[Any, ...] = (*ends, s, h, apart, *found)
+    between(*given)  # of one entry, whose parts are arrays over steps and their parts
+    times = (nodes.t[:-1, None] + parts * h[:, :, 0]).ravel()
+    lam, memory = (np.repeat(x[:-1], len(parts), axis=0) for x in (nodes.lam, nodes.memory))
+    q, v, a = found.reshape(3, -1, size)
+    return Nodes(times, q, v, a, lam, memory)

@@ -103,8 +103,7 @@ class CornerSteps:
             taken = self._until(t)
             wide = width(t, t - begin)
             last = taken.part(slice(-1, None))
-            values, _ = self._corners.values(self._stepper.b, last.memory, last.t, last.q, last.v)
-            value = float(values[found.corner, 0])
+            value = float(self._corners.value(found.corner, self._stepper.b, last)[0])
             rate = self._corners.rate(found.corner, last, self._stepper.b, 1e-6 * (t - begin)) or rate
             left = found.before * value / abs(rate)  # so long before the corner
             if 0 < left < 4 * wide:

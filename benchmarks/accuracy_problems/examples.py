@@ -109,7 +109,7 @@ def known_vehicle(file: str, t: Array) -> Known:
 
 
 def make_vehicle() -> tuple[sr.System, Any]:
-    """It drives and turns as one rigid body at first."""
+    """It drives and steers as one rigid body at first."""
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
     v0, w = np.array([5.0, 0, -0.3]), np.array([0.2, 0.1, 0.05])
     q, v = system.q0.reshape(-1, 7), np.zeros((len(system.bodies), 7))
@@ -154,7 +154,7 @@ EXAMPLES: tuple[Problem, ...] = (
     example("car_axis", "example: car axis", 3.0),
     Problem("shipped slider-crank", make_slider_crank, 10.0, known_slider_crank, slider_crank),
     Problem(
-        "vehicle that drives and turns",
+        "vehicle that drives and steers",
         make_vehicle,
         2.0,
         partial(known_vehicle, "hmmwv_T1.csv"),

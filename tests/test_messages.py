@@ -22,7 +22,12 @@ ERRORS = {
     "SavedDataError",
     "NoSavedDataError",
     "FolderTakenError",
+    "ValueError",
+    "TypeError",
 }
+REASON = re.compile(
+    r"it (is|has|names|places|declares)\b|its "
+)  # a defect of a file, whose reader completes the message
 UNKNOWN = "{}"  # the value of a variable; it may be the end of the message, as a list of allowed values is
 
 
@@ -82,11 +87,12 @@ MESSAGES = [
     for message in messages_of(
         ast.parse(file.read_text(encoding="utf-8")), file.relative_to(SOURCES).as_posix()
     )
+    if not (REASON.match(message.text) or file.is_relative_to(SOURCES / "_jit"))
 ]
 
 
 def test_messages_have_the_shape() -> None:
-    assert len(MESSAGES) > 250
+    assert len(MESSAGES) > 400
     assert [(*message, fault) for message in MESSAGES for fault in faults(message)] == []
 
 

@@ -121,7 +121,7 @@ def test_a_function_may_overwrite_the_state_that_it_is_given(method: object) -> 
 )
 def test_a_reset_that_returns_no_velocities_is_refused(velocities: object) -> None:
     hit = sr.Event("ball.z - 0.5", reset=lambda t, q, v: velocities(v), name="hit")
-    sentence = "the reset of the event hit must return 7 finite velocities; return a new array"
+    sentence = "the reset of the event hit must return 7 finite velocities. Return a new array."
     with pytest.raises(ValueError, match=sentence):
         sr.simulate(ball(), until=0.5, events=hit)
 
@@ -154,7 +154,7 @@ def test_impacts_that_accumulate_end_with_a_sentence() -> None:
     [
         ({"direction": 2}, "must be -1, 0 or 1"),
         ({"function": 3.0}, "needs a formula or a function"),
-        ({"function": lambda t, q, v: t, "reset": sr.Impact()}, "needs a direction: Impact"),
+        ({"function": lambda t, q, v: t, "reset": sr.Impact()}, "needs a direction. Give one, as in Impact"),
     ],
 )
 def test_wrong_events_are_refused(wrong: dict, sentence: str) -> None:

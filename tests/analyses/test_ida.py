@@ -67,7 +67,9 @@ def test_it_is_saved_as_it_goes_but_not_gone_on_with(tmp_path: Path) -> None:
     assert (
         sr.simulate(slider_crank(), save=folder, overwrite=True, progress=stop, **given).status == "stopped"
     )
-    with pytest.raises(ValueError, match="cannot be gone on with: IDA keeps its past to itself"):
+    with pytest.raises(
+        ValueError, match="IDA: a saved run cannot be resumed, as its past steps are inside of IDA"
+    ):
         sr.resume(folder)
     assert np.array_equal(sr.repeat(folder).q, plain.q)
 

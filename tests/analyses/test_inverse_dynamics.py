@@ -132,7 +132,7 @@ def test_a_motion_that_needs_more_forces() -> None:
     free = sr.inverse_dynamics(slider_crank(), run)
     assert not free.success
     assert free.status == "not balanced"
-    assert "is missing; add a driver or a force" in free.message
+    assert "is missing. Add a driver or a force" in free.message
     again = sr.inverse_dynamics(run.system, replace(run, lam=0 * run.lam))
     assert again.success
     assert np.allclose(again.lam, run.lam)

@@ -85,9 +85,9 @@ def test_the_spatial_slider_crank() -> None:
 
 def test_inputs_must_be_as_many_as_freedoms() -> None:
     grid = np.linspace(-1, 6, 5)
-    with pytest.raises(ValueError, match="name as many inputs"):
+    with pytest.raises(ValueError, match="need as many inputs"):
         sr.singularities(slider_crank_in_line(), crank_and_slider, grid, inputs=["guide", "centre"])
     with pytest.raises(KeyError, match="has no output 'gide'"):
         sr.singularities(slider_crank_in_line(), crank_and_slider, grid, inputs=["gide"])
-    with pytest.raises(ValueError, match="give a grid"):
+    with pytest.raises(ValueError, match="a function of positions needs one"):
         sr.singularities(slider_crank_in_line(), crank_and_slider)

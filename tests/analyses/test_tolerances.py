@@ -40,7 +40,7 @@ def test_a_run_with_units_is_the_run() -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ("1 um", "goes by kind"),
+        ("1 um", "a unit needs a kind"),
         ({"position": "1 deg"}, "atol of position must be in m"),
         ({"position": "1 mm", "velocity": "1 mm"}, "atol of velocity must be in m/s"),
         ({"position": "1 banana"}, 'unknown unit "banana"'),

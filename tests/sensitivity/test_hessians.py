@@ -156,5 +156,5 @@ def test_second_derivatives_of_every_element() -> None:
 
 
 def test_a_direction_must_name_known_numbers() -> None:
-    with pytest.raises(ValueError, match="not among the numbers"):
+    with pytest.raises(ValueError, match="is not among the parameters"):
         sr.hessian_product(swung("HHT"), "slider.x", {"spring.c": 1.0}, ["spring.k"])

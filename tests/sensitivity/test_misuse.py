@@ -101,7 +101,7 @@ def test_a_design_whose_objective_is_no_number_is_infeasible() -> None:
 
 
 DESIGNS: dict[str, tuple[dict[str, object], str]] = {
-    "no design": ({"formula": lambda d: {"spring.k": 10.0}}, "formula is given without design"),
+    "no design": ({"formula": lambda d: {"spring.k": 10.0}}, "formula: it is given without design"),
     "no number": (
         {"design": {"k": np.nan}, "formula": lambda d: {"spring.k": d["k"]}},
         "'k' must be a finite number",

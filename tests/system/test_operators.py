@@ -127,7 +127,7 @@ def test_complex_and_other_operands_are_refused_in_words() -> None:
 
 def test_unfit_groups_are_refused_in_words() -> None:
     system = slider_crank()
-    with pytest.raises(ValueError, match=r"There is no operator 'Phi_qq'. Did you mean"):
+    with pytest.raises(ValueError, match=r"group: there is no operator 'Phi_qq'. Did you mean"):
         system.group("Phi_qq")
     with pytest.raises(ValueError, match=r"of the family .* Give one group for each family"):
         system.group("Phi_q", "Q")

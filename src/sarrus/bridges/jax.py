@@ -13,7 +13,7 @@ try:
     import jax
     import jax.numpy as jnp
 except ImportError:
-    raise ImportError("this bridge needs JAX; install it with: pip install jax") from None
+    raise ImportError("this bridge needs JAX. Install it with: pip install jax") from None
 
 
 def jax_function(problem: Problem) -> Callable[[Any], Any]:

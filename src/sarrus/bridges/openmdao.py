@@ -14,7 +14,7 @@ from ..analyses.optimization import Infeasible
 try:
     import openmdao.api as om
 except ImportError:
-    raise ImportError("this bridge needs OpenMDAO; install it with: pip install openmdao") from None
+    raise ImportError("this bridge needs OpenMDAO. Install it with: pip install openmdao") from None
 
 
 class MechanismComponent(om.ExplicitComponent):

@@ -11,7 +11,7 @@ from ..analyses import Problem
 try:
     import torch
 except ImportError:
-    raise ImportError("this bridge needs PyTorch; install it with: pip install torch") from None
+    raise ImportError("this bridge needs PyTorch. Install it with: pip install torch") from None
 
 
 class _Responses(torch.autograd.Function):

@@ -116,7 +116,7 @@ def find_output(system: System, name: str, most: Level = Level.ACCELERATION, whe
         If there is none, with the nearest name; or if it depends on more.
     """
     if not isinstance(name, str):
-        raise TypeError(f"An output must be a name, got {name!r:.60}. Give one such as 'slider.x'.")
+        raise TypeError(f"output: it must be a name, got {name!r:.60}. Give one such as 'slider.x'.")
     full = _spelt(name)
     part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
     found = _of_part(system, part, len(PROVIDERS))

@@ -219,7 +219,7 @@ def _run(
 ) -> str:
     """Run cases; returns where, and why there."""
     if workers is not None and workers < 1:
-        raise SarrusError(f"workers must be 1 at least, but is {workers}")
+        raise SarrusError(f"workers must be 1 at least, but is {workers}. Give a number of processes.")
     if executor is not None:
         pool.run_in(executor, task, jobs, write, tick)
         return "in the executor that was passed"

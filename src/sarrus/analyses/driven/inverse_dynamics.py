@@ -106,5 +106,5 @@ def _failure(system: System, run: Trajectory, missing: Array) -> str:
     at, n = np.unravel_index(np.argmax(abs(missing)), missing.shape)
     return (
         f"{system.name} does not move so by itself: at t = {run.t[at]:.6g} s a force of {missing[at, n]:.3g} "
-        f"along {system.coordinate_names[n]} is missing; add a driver or a force"
+        f"along {system.coordinate_names[n]} is missing. Add a driver or a force"
     )

@@ -70,7 +70,7 @@ def kinematics(
     """
     grid = np.atleast_1d(np.asarray(times, dtype=float))
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
-        raise ValueError("times must be rising numbers, at least one")
+        raise ValueError("times must be rising numbers. Give at least one, in s.")
     refuse_other_system(system, "kinematics")
     run = _Run(system, grid, state_of(system, system.q0 if q is None else q))
     with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
@@ -133,8 +133,8 @@ class _Run:
         worst = np.argsort(-abs(residual))[:3]
         rows = ", ".join(f"{self.system.row_names[n]} by {residual[n]:.3g}" for n in worst)
         return (
-            f"{self.system.name} could not be assembled at t = {t:.6g} s; still open: {rows}; "
-            "start from coordinates nearer to the assembled ones"
+            f"{self.system.name} could not be assembled at t = {t:.6g} s; still open: {rows}. "
+            "Start from coordinates nearer to the assembled ones"
         )
 
     def _free(self, t: float, q: Array) -> str:
@@ -143,7 +143,7 @@ class _Run:
         most = self.system.coordinate_names[int(np.argmax((Z * Z).sum(axis=1)))]
         count = f"{Z.shape[1]} degree{'s' if Z.shape[1] > 1 else ''} of freedom"
         return (
-            f"{self.system.name} keeps {count} at t = {t:.6g} s, {most} among them; add a driver for each, "
+            f"{self.system.name} keeps {count} at t = {t:.6g} s, {most} among them. Add a driver for each, "
             "or start away from a singular configuration"
         )
 

@@ -35,11 +35,13 @@ class Path:
         self, system: System, motion: Trajectory | Callable[[float], ArrayLike], grid: ArrayLike | None
     ) -> None:
         if not isinstance(motion, Trajectory) and grid is None:
-            raise ValueError("give a grid of parameters with a function of positions")
+            raise ValueError(
+                "grid: a function of positions needs one. Give the parameters at which it is evaluated."
+            )
         values = motion.t if grid is None and isinstance(motion, Trajectory) else grid
         self.grid = np.asarray(values, dtype=float)
         if self.grid.ndim != 1 or len(self.grid) < 2 or np.any(np.diff(self.grid) <= 0):
-            raise ValueError("the grid must be at least two rising numbers")
+            raise ValueError("grid: it must rise. Give at least two numbers.")
         self._guess = _interpolant(motion) if isinstance(motion, Trajectory) else motion
         self._system, self._timed = system, isinstance(motion, Trajectory)
 

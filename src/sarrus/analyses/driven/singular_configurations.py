@@ -89,7 +89,8 @@ class _Watch:
         self.freedom = system.nq - len(self._rows)
         if names and len(names) != self.freedom:
             raise ValueError(
-                f"{system.name} has {self.freedom} degrees of freedom; name as many inputs, not {len(names)}"
+                f"{system.name}: {self.freedom} degrees of freedom need as many inputs, got {len(names)}. "
+                f"Name {self.freedom}."
             )
         self.motions = [] if names else list(self._directions())
 

@@ -199,7 +199,8 @@ def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
     rising = times.ndim == 1 and len(times) and np.all(np.isfinite(times)) and np.all(np.diff(times) > 0)
     if not rising or times[0] < begin or times[-1] > until:
         raise ValueError(
-            f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s"
+            f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s. "
+            "Give a list of them."
         )
     return times
 

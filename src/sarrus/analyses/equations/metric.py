@@ -29,7 +29,7 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     if isinstance(given, str):
         if given not in ("unit", "mass"):
             raise ValueError(
-                f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}'
+                f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}. Give one of them.'
             )
         return _unit(system) if given == "unit" else _mass(system)
     try:
@@ -37,7 +37,7 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     except (TypeError, ValueError, OverflowError):
         raise TypeError(f'metric must be "unit", "mass" or numbers, got {kind(given)}.') from None
     if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
-        raise ValueError(f"a metric must be {system.nq} positive numbers, one for each coordinate")
+        raise ValueError(f"metric: it must be {system.nq} positive numbers. Give one for each coordinate.")
     return weight
 
 

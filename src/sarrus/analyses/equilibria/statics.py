@@ -69,7 +69,7 @@ def equilibrium(
     assembled, reached = onto(system, start, t, b=search.b)
     if not reached:
         gap = largest(system.Phi(assembled, t, b=search.b))
-        message = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains; assemble it first"
+        message = f"{system.name} could not be assembled, |Φ| = {gap:.3g} remains. Assemble it first"
         return search.result(search.at(assembled), False, message, 0)
     return search.run(assembled, stable, iterations)
 

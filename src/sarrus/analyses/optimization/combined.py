@@ -68,7 +68,9 @@ class Outer:
     def __init__(self, given: Part | Sequence[Part]) -> None:
         some = [given] if isinstance(given, str | Response | Combined) or callable(given) else list(given)
         if not some:
-            raise ValueError("no response is asked for; give one or several, such as Final('slider.x')")
+            raise ValueError(
+                "responses: no response is asked for. Give one or several, such as Final('slider.x')."
+            )
         groups = [
             as_responses(list(one.of)) if isinstance(one, Combined) else as_responses(one) for one in some
         ]

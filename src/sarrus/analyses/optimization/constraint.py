@@ -27,10 +27,10 @@ class Within:
 
     def __post_init__(self) -> None:
         if self.lower is None and self.upper is None:
-            raise ValueError("a constraint needs a lower or an upper limit; give one")
+            raise ValueError("constraint: it needs a lower or an upper limit. Give one.")
         if self.ends[0] > self.ends[1]:
             raise ValueError(
-                f"the limits of a constraint must rise, but are {self.lower:g} and {self.upper:g}"
+                f"the limits of a constraint must rise, but are {self.lower:g} and {self.upper:g}. Exchange them."
             )
 
     @property
@@ -57,7 +57,9 @@ def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
     """
     for one in given:
         if not isinstance(one, Within):
-            raise TypeError(f"a constraint is Within(response, lower=..., upper=...), but not {one!r}")
+            raise TypeError(
+                f"constraints: {one!r} is no constraint. Give Within(response, lower=..., upper=...)."
+            )
     return tuple(given)
 
 

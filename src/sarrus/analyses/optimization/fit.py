@@ -87,7 +87,7 @@ def fit(
     count, size = sum(len(one.at) for one in some), len(problem.names)
     if count < size:
         raise ValueError(
-            f"{count} measured numbers cannot determine {size} parameters; measure more, or fit fewer"
+            f"{count} measured numbers cannot determine {size} parameters. Measure more, or fit fewer."
         )
     with collecting():
         search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
@@ -119,7 +119,7 @@ def _misfits(given: Any) -> list[Misfit]:
     if wrong is not None or not some:
         message = f"fit needs one or several Misfit, got {type(wrong).__name__ if some else 'none'}"
         raise TypeError(
-            f"{message}. Give sr.Misfit(output, at=times, data=measured); for other responses, use optimize."
+            f"{message}. Give sr.Misfit(output, at=times, data=measured), or use optimize for other responses."
         )
     return some
 

@@ -100,7 +100,8 @@ def optimize(
     solver_of(solver, bool(within))
     if not tolerance > 0 or iterations < 1:
         raise ValueError(
-            f"tolerance and iterations must be greater than 0, but are {tolerance:g} and {iterations}"
+            f"tolerance and iterations must be greater than 0, but are {tolerance:g} and {iterations}. "
+            "Give positive numbers."
         )
     several = (
         list(objective) if isinstance(objective, Sequence) and not isinstance(objective, str) else [objective]
@@ -117,7 +118,7 @@ def optimize(
         announce(best.warnings)
         return best
     if starts < 1:
-        raise ValueError(f"starts must be 1 at least, but is {starts}")
+        raise ValueError(f"starts must be 1 at least, but is {starts}. Give a whole number.")
     best = optimum_from_many(task, problem, variables, starts, seed, executor, progress)
     announce(best.warnings)
     return best

@@ -354,7 +354,7 @@ class Point:
         ValueError
         """
         if self.problem.memory is not None:
-            raise ValueError("with memory= there are values and gradients only; leave it away for the rest")
+            raise ValueError("with memory= there are values and gradients only. Leave it out for the rest.")
         steps = self.run.steps
         assert steps is not None
         return steps
@@ -414,7 +414,7 @@ class Point:
         if len(missing):
             name = self.problem.names[missing[0]]
             raise NoDerivative(
-                f"{self.system.name}: responses have no derivative by {name} at this design; move it"
+                f"{self.system.name}: responses have no derivative by {name} at this design. Move it."
             )
         return derivatives
 

@@ -59,7 +59,9 @@ class Variables:
     ) -> None:
         self.names = tuple(names)
         if not names:
-            raise ValueError("wrt names no number that may change; name some, or leave it out for all")
+            raise ValueError(
+                "wrt names no number that may change. Name at least one, or leave it out for all."
+            )
         for what, given in (("bounds", bounds), ("a scale", scale)):
             for name in given or {}:
                 if name not in self.names:
@@ -71,7 +73,9 @@ class Variables:
         self.scale = _scales(self.x0, self.limits)
         for name, size in (scale or {}).items():
             if not size > 0:
-                raise ValueError(f"the scale of {name} must be greater than 0, but is {size}")
+                raise ValueError(
+                    f"the scale of {name} must be greater than 0, but is {size}. Give its typical size."
+                )
             self.scale[self.names.index(name)] = size
 
     @property
@@ -109,7 +113,9 @@ class Variables:
         """
         for name, limits in zip(self.names, self.limits, strict=True):
             if not np.all(np.isfinite(limits)):
-                raise ValueError(f"several starts need both bounds of every variable; {name} lacks one")
+                raise ValueError(
+                    f"{name}: several starts need both bounds of every variable. Give the one it lacks."
+                )
         return np.asarray(generator.uniform(*self.limits.T))
 
 
@@ -356,12 +362,14 @@ def _line(number: int, value: float) -> None:
 def _limit(name: str, given: Any) -> tuple[float, float]:
     if given is not None and np.shape(given) != (2,):
         raise ValueError(
-            f"the bounds of {name} are two numbers, (low, high), None for none; but it is {given}"
+            f"the bounds of {name} are two numbers, but are {given}. Give (low, high), with None for none."
         )
     low, high = given if given is not None else (None, None)
     limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
     if not limits[0] < limits[1]:
-        raise ValueError(f"the bounds of {name} must rise, but are {limits[0]:g} and {limits[1]:g}")
+        raise ValueError(
+            f"the bounds of {name} must rise, but are {limits[0]:g} and {limits[1]:g}. Exchange them."
+        )
     return limits
 
 

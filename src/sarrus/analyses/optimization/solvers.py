@@ -59,9 +59,9 @@ def solver_of(
     """
     chosen = name or ("SLSQP" if constrained else "L-BFGS-B")
     if chosen not in SOLVERS:
-        raise ValueError(f"there is no solver {chosen!r}; take one of {', '.join(SOLVERS)}")
+        raise ValueError(f"there is no solver {chosen!r}. Choose from {', '.join(SOLVERS)}.")
     if constrained and chosen == "L-BFGS-B":
-        raise ValueError("L-BFGS-B takes no constraints; take SLSQP, trust-constr or IPOPT")
+        raise ValueError("L-BFGS-B takes no constraints. Choose SLSQP, trust-constr or IPOPT.")
     if second_order and chosen not in CURVED:
         raise ValueError(f"{chosen} takes no second derivatives. Take {' or '.join(CURVED)}")
     if chosen == "IPOPT":

@@ -129,7 +129,7 @@ def _vector(name: str, value: ArrayLike, size: int) -> Array:
     except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name} must be {size} finite numbers, got {kind(value)}.") from None
     if vector.shape != (size,) or not np.all(np.isfinite(vector)):
-        raise ValueError(f"{name} must be {size} finite numbers")
+        raise ValueError(f"{name} must be {size} finite numbers. Give one for each coordinate.")
     return vector
 
 
@@ -194,8 +194,8 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     ]
     missing = ", ".join(filter(None, [opening, *missed]))
     message = (
-        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {missing}; "
-        "give fewer rates, hold less, or look for a position where the mechanism cannot move that way"
+        f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {missing}. "
+        "Give fewer rates, hold less, or look for a position where the mechanism can move that way"
     )
     return replace(done, success=False, message=message)
 
@@ -207,8 +207,8 @@ def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> A
         open_joints(system, reached.q, reached.Phi, limits, asked.t) or "the unit length of Euler parameters"
     )
     message = (
-        f"{system.name} could not be assembled; still open after {reached.steps} steps: {missing}; "
-        "start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
+        f"{system.name} could not be assembled; still open after {reached.steps} steps: {missing}. "
+        "Start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
     )
     return Assembly(reached.q, asked.v, False, message, reached.residual, reached.steps, asked=asked)
 

@@ -161,8 +161,8 @@ class AssemblyDerivatives:
         if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
             row = self._system.row_names[self._widest(gap)]
             raise NoDerivative(
-                f"{self._system.name}: such a change would open {row}, which repeats other equations; change "
-                "together what keeps them consistent"
+                f"{self._system.name}: such a change would open {row}, which repeats other equations. Change "
+                "together what keeps them consistent."
             )
         v_dot, mu_dot = self._velocity_along(db, dv, q_dot, dc)
         return q_dot, lam_dot, v_dot, mu_dot

@@ -97,7 +97,9 @@ def sensitivity(
     """
     steps = stored(run)
     if method not in METHODS:
-        raise ValueError(f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}")
+        raise ValueError(
+            f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
+        )
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
         parameters, wanted = _parameters(run, steps, wrt, design, formula), as_responses(responses)
         evaluation = Evaluation(run.system, steps, wanted, parameters)
@@ -208,7 +210,7 @@ def state_derivatives(
             "Simulate with corners=False, or ask for responses."
         )
     if not wrt:
-        raise ValueError("wrt names no number by which the states are differentiated; name some")
+        raise ValueError("wrt names no number by which the states are differentiated. Name at least one.")
     with _within(run, False, 2, "differentiated", " stages", time_limit) as report:
         parameters = _parameters(run, steps, wrt, design, formula)
         refuse(run.system, steps, parameters)
@@ -283,9 +285,13 @@ def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
     for name, value in given.items():
         places = [k for k, own in enumerate(names) if own == name or own.startswith(f"{name}.")]
         if not places:
-            raise ValueError(f"the direction names {name!r}, which is not among the numbers of wrt")
+            raise ValueError(
+                f"direction: {name!r} is not among the parameters. Add it to wrt, or leave it out."
+            )
         if np.size(value) != len(places) or not np.isfinite(value).all():
-            raise ValueError(f"the direction of {name} must be {len(places)} finite numbers, but is {value}")
+            raise ValueError(
+                f"the direction of {name} must be {len(places)} finite numbers, but is {value}. Give them as a list."
+            )
         found[places] = np.ravel(value)
     return found
 
@@ -311,7 +317,9 @@ def hessian(
     `error` the error of the response's value is estimated, too.
     """
     if not wrt:
-        raise ValueError("wrt names no number by which the response is differentiated twice; name some")
+        raise ValueError(
+            "wrt names no number by which the response is differentiated twice. Name at least one."
+        )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
         curvature, parameters = _curvature(run, response, wrt, design, formula)
         report(0)
@@ -394,8 +402,8 @@ def stored(run: Trajectory) -> StepsTaken | Pieces:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.steps is None or not len(run.steps):
         raise ValueError(
-            f"{run.name}: derivatives need the steps of the run; call simulate(..., store_steps=True) with HHT(), "
-            "GeneralizedAlpha() or Radau()"
+            f"{run.name}: derivatives need the steps of the run. Call simulate(..., store_steps=True) with HHT(), "
+            "GeneralizedAlpha() or Radau()."
         )
     return run.steps
 
@@ -410,5 +418,7 @@ def as_responses(given: Wanted) -> list[Response]:
     """
     some = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
     if not some:
-        raise ValueError("no response is asked for; give one or several, such as Final('slider.x')")
+        raise ValueError(
+            "responses: no response is asked for. Give one or several, such as Final('slider.x')."
+        )
     return [one if isinstance(one, Response) else Final(one) for one in some]

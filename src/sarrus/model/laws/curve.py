@@ -147,7 +147,7 @@ class Formula:
     def __post_init__(self) -> None:
         given: Any = self.function
         if not callable(given):
-            message = f"Formula takes a function of one number, got {show(given)}"
+            message = f"formula: it must be a function of one number, got {show(given)}"
             raise TypeError(f"{message}. Give a function, as in Formula(lambda x: 3 * x), or a number alone.")
 
     def numbers(self, field: str = "formula") -> tuple[float, ...]:

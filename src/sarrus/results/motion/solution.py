@@ -92,7 +92,8 @@ class Solution:
         flat = times.reshape(-1)
         if np.any((flat < self.t_min) | (flat > self.t_max)) or np.any(np.isnan(flat)):
             raise ValueError(
-                f"The motion is known from t = {self.t_min:g} to {self.t_max:g} s, not at all of {t!r}."
+                f"t: the motion is known from t = {self.t_min:g} to {self.t_max:g} s, not at all of {t!r}. "
+                "Give times between them."
             )
         order = np.argsort(flat, kind="stable")
         found = [self._between(flat[order], *piece) for piece in self._pieces(flat[order])]

@@ -260,7 +260,7 @@ class Trajectory(Result):
             from pandas import DataFrame
         except ImportError:
             raise ImportError(
-                "to_frame needs pandas; install it with: pip install 'sarrus[tables]'"
+                "to_frame needs pandas. Install it with: pip install 'sarrus[tables]'"
             ) from None
         names, table = self._table(outputs)
         return DataFrame(table, columns=names)

@@ -177,7 +177,7 @@ def _refuse_mixed(names: tuple[str, ...]) -> None:
     for name in names:
         if name not in OPERATORS:
             known = [*OPERATORS, *GROUPS]
-            raise ValueError(f"There is no operator {name!r}. {suggest(str(name), known)}")
+            raise ValueError(f"group: there is no operator {name!r}. {suggest(str(name), known)}")
         if OPERATORS[name].family != OPERATORS[names[0]].family:
             family, other = OPERATORS[names[0]].family, OPERATORS[name].family
             raise ValueError(

@@ -49,7 +49,7 @@ SETTLED = 0.03  # of the tolerance, where they end
 PARTS = 8  # pieces of the step between which there are nodes
 BRANCHES = (
     "a singular configuration is passed between t = {:.6g} and {:.6g} s, where the motion could branch. The run "
-    "follows the smooth continuation; change the start or the dimensions if another branch is meant."
+    "follows the smooth continuation. Change the start or the dimensions if another branch is meant."
 )
 
 

@@ -45,7 +45,10 @@ class Impact:
 
     def __post_init__(self) -> None:
         if not 0 <= self.restitution <= 1:
-            raise ValueError(f"restitution of an Impact must be between 0 and 1, but is {self.restitution!r}")
+            raise ValueError(
+                f"restitution of an Impact must be between 0 and 1, but is {self.restitution!r}. "
+                "Give 1 to keep the energy."
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +73,29 @@ class Event:
     def __post_init__(self) -> None:
         direction: object = self.direction
         if not np.isscalar(direction) or direction not in (-1, 0, 1):
-            raise ValueError(f"direction of an event must be -1, 0 or 1, but is {self.direction!r}")
+            raise ValueError(
+                f"direction of an event must be -1, 0 or 1, but is {self.direction!r}. Give 0 for both ways."
+            )
         if isinstance(self.function, type) or not (isinstance(self.function, str) or callable(self.function)):
-            raise TypeError(f"an event needs a formula or a function (t, q, v), but has {self.function!r}")
+            raise TypeError(
+                f"an event needs a formula or a function (t, q, v), but has {self.function!r}. "
+                "Give one, such as 'ball.z - 0.1'."
+            )
         if not isinstance(self.name, str):
-            raise TypeError(f"the name of an event must be a text, but is {self.name!r:.40}")
+            raise TypeError(
+                f"the name of an event must be a text, but is {self.name!r:.40}. Give one, or leave it out."
+            )
         if not isinstance(self.terminal, bool):
             Whole(0)("terminal", self.terminal)
         if not (self.reset is None or isinstance(self.reset, Impact) or callable(self.reset)):
-            raise TypeError(f"reset must be an Impact or a function (t, q, v), but is {self.reset!r:.40}")
+            raise TypeError(
+                f"reset must be an Impact or a function (t, q, v), but is {self.reset!r:.40}. "
+                "Give one of them, such as Impact(0.5)."
+            )
         if isinstance(self.reset, Impact) and not (self.reset.along or isinstance(self.function, str)):
-            raise ValueError('the Impact of a Python function needs a direction: Impact(0.5, along="ball.z")')
+            raise ValueError(
+                'reset: the Impact of a Python function needs a direction. Give one, as in Impact(0.5, along="ball.z").'
+            )
 
     @property
     def title(self) -> str:
@@ -214,7 +229,7 @@ class Watch:
     def _velocities(self, given: Any, size: int) -> Array:
         """What a function of one's own has returned."""
         message = (
-            f"the reset of the event {self.name} must return {size} finite velocities; return a new array"
+            f"the reset of the event {self.name} must return {size} finite velocities. Return a new array."
         )
         try:
             found = np.array(given, dtype=float)

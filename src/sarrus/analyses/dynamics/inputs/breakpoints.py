@@ -53,7 +53,7 @@ def stops_of(
 ) -> Stops:
     """Times at which steps end; where a step is given, at corners only."""
     if given.ndim != 1 or not np.all(np.isfinite(given)):
-        raise ValueError("breakpoints must be a list of times in s")
+        raise ValueError("breakpoints must be finite numbers. Give a list of times in s.")
     every, ends = breakpoints(system)
     corners, soft, longest = features(system, begin, until)
     stops, kinks = (np.concatenate([given, corners, times]) for times in (every, ends))

@@ -47,7 +47,7 @@ class IDA:
             If scikit-sundae is not installed.
         """
         if settings.store_steps:
-            raise ValueError("IDA() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
+            raise ValueError("IDA() stores no steps. Choose HHT(), GeneralizedAlpha() or Radau().")
         return IDAStepper(system, start, settings)
 
 
@@ -125,8 +125,8 @@ class IDAStepper:
             Always.
         """
         raise ValueError(
-            "a run with IDA() is saved as it goes, but cannot be gone on with: IDA keeps its past to itself; read it "
-            "with load_run, or do it once more with repeat"
+            "IDA: a saved run cannot be resumed, as its past steps are inside of IDA. Read it with load_run, or "
+            "run it again with repeat."
         )
 
     def steps(self) -> None:
@@ -137,7 +137,7 @@ def _solver(equations: Equations, settings: Settings, atol: list[Array]) -> Any:
     try:
         from sksundae.ida import IDA as Solver
     except ImportError:
-        raise ImportError("IDA() needs scikit-sundae; install it with: pip install 'sarrus[ida]'") from None
+        raise ImportError("IDA() needs scikit-sundae. Install it with: pip install 'sarrus[ida]'") from None
     m = equations.system.m
     tolerances, max_step = settings.tolerances, settings.max_step
     message: dict[str, Any] = {"max_num_steps": LIMIT, "max_step": 0.0 if np.isinf(max_step) else max_step}

@@ -44,7 +44,7 @@ class ODE:
     def stepper(self, system: System, start: Assembly, settings: Settings) -> ODEStepper:
         """The method at work, see `Stepper`."""
         if settings.store_steps:
-            raise ValueError("ODE() keeps no steps; choose HHT(), GeneralizedAlpha() or Radau()")
+            raise ValueError("ODE() stores no steps. Choose HHT(), GeneralizedAlpha() or Radau().")
         return ODEStepper(system, self.name, start, settings)
 
 

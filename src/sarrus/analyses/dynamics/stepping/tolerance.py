@@ -107,7 +107,7 @@ def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
         return _by_kind(system, name, {kind: _in_si(name, kind, value) for kind, value in given.items()})
     if isinstance(given, str):
         raise ValueError(
-            f'{name} with a unit goes by kind, {{"position": "{given}", "orientation": "0.01 deg"}}'
+            f'{name}: a unit needs a kind. Give {{"position": "{given}", "orientation": "0.01 deg"}}.'
         )
     wanted = f"a number, or {system.nq} numbers"
     values = as_numbers(given, lambda: f"{name} must be {wanted}, got {type(given).__name__}")
@@ -156,4 +156,4 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
 
 def _refuse(name: str, values: Array) -> None:
     if not (np.all(np.isfinite(values)) and np.all(values > 0)):
-        raise ValueError(f"{name} must be positive and finite, but is {values}; give one like 1e-6")
+        raise ValueError(f"{name} must be positive and finite, but is {values}. Give one like 1e-6.")

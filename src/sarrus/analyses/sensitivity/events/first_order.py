@@ -157,8 +157,8 @@ class EventDerivatives:
         if not rate * rate > 2 * bend * SHALLOW * known:
             raise ValueError(
                 f"the event {event.name} at t = {event.t:.6g} s only grazes: its function changes by {rate:.2g} in a "
-                "second there, so that a slightly other motion would not meet it, and its time has no derivative; "
-                "move what it looks for away from where the function has an extreme, or leave the event out"
+                "second there, so that a slightly other motion would not meet it, and its time has no derivative. "
+                "Move what it looks for away from where the function has an extreme, or leave the event out."
             )
 
     def _bend(self) -> float:

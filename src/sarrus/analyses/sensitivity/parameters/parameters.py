@@ -241,7 +241,7 @@ class Parameters:
                 and name not in self.restitutions
             ):
                 raise UnknownParameter(
-                    f"{name} is no number of the model; take one of {', '.join([*self._known][:5])} ..."
+                    f"{name} is no parameter of the model. Choose from {', '.join([*self._known][:5])} ..."
                 )
         model = self.system.model
         own = {name: value for name, value in given.items() if name in model.parameters}
@@ -265,13 +265,13 @@ class Parameters:
                 message = (
                     f"{name} follows from a formula, but is no number that derivatives can be taken through"
                 )
-                raise UnknownParameter(f"{message}; leave the parameters that it depends on away")
+                raise UnknownParameter(f"{message}. Leave out the parameters that it depends on.")
             own = self.restitutions[name] if name in self.restitutions else self._numbers[name]
             given = float(value_of(entry))
             if abs(given - own) > SAME * max(1.0, abs(own)):
                 message = f"the design gives {given:.9g} for {name}, but the model has {own:.9g}"
                 raise UnknownParameter(
-                    f"{message}; make the model with `with_numbers` from the design's numbers"
+                    f"{message}. Make the model with `with_numbers` from the design's values."
                 )
 
     def number(self, name: str, variable: Callable[[str, float], Any]) -> Any:
@@ -347,7 +347,7 @@ def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> Non
     """A formula needs variables, which are finite numbers; variables without one are for responses alone."""
     if formula is not None and not design:
         raise UnknownParameter(
-            "formula is given without design; give the values of the variables, design={...}"
+            "formula: it is given without design. Give the values of the variables, design={...}."
         )
     for name, value in design.items():
         if isinstance(value, str) or not isfinite(value):

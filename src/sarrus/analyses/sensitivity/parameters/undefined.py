@@ -58,8 +58,8 @@ def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -
     if np.any(missing):
         name = parameters.names[int(np.argmax(missing))]
         raise NoDerivative(
-            f"{system.name}: a change of {name} alone contradicts equations that repeat others; change together what "
-            "keeps them consistent, by a formula"
+            f"{system.name}: a change of {name} alone contradicts equations that repeat others. Change together what "
+            "keeps them consistent, by a formula."
         )
 
 

@@ -39,7 +39,8 @@ class Response:
     def __post_init__(self) -> None:
         if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):
             raise TypeError(
-                f"an output is a name, such as 'slider.x', or a function of Outputs, but is {self.of!r}"
+                f"an output is a name, such as 'slider.x', or a function of Outputs, but is {self.of!r}. "
+                "Give one of them."
             )
         given: Any = self.name
         if not isinstance(given, str):
@@ -119,9 +120,7 @@ class Response:
             return found
         if np.asarray(found).dtype.kind not in "biuf" or np.size(found) not in (1, np.size(outputs.t.value)):
             message = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)
-            raise TypeError(
-                f"{self.title}: the function returns {message}, but a response is made of one number"
-            )
+            raise TypeError(f"{self.title}: the function returns {message}. Return one number.")
         return outputs.constant(np.asarray(found, dtype=float))
 
 
@@ -148,7 +147,9 @@ class At(Response):
     def __post_init__(self) -> None:
         super().__post_init__()
         if np.ndim(self.time) or not np.isfinite(self.time):
-            raise ValueError(f"{self.output_label}: time must be one number of seconds, but is {self.time}")
+            raise ValueError(
+                f"{self.output_label}: time must be one number of seconds, but is {self.time}. Give a time of the run."
+            )
 
     @property
     def title(self) -> str:
@@ -287,7 +288,9 @@ class Peak(Response):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.sharpness is not None and not 0 < self.sharpness < np.inf:
-            raise ValueError(f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}")
+            raise ValueError(
+                f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}. Give a positive number."
+            )
 
     def value(self, g: Array, t: Array) -> float:
         if self.sharpness is None:
@@ -375,12 +378,15 @@ class Misfit(Response):
         super().__post_init__()
         if not len(self.at) == len(self.data) > 0:
             message = f"{len(self.at)} times and {len(self.data)} data"
-            raise ValueError(f"{self.title}: there are {message}; give one measured number for each time")
+            raise ValueError(f"{self.title}: there are {message}. Give one measured number for each time.")
         for what, given in (("times", self.at), ("data", self.data)):
             if not np.isfinite(np.asarray(given, dtype=float)).all():
-                raise ValueError(f"{self.title}: its {what} are not all finite numbers; leave gaps out")
+                raise ValueError(f"{self.title}: its {what} are not all finite numbers. Leave gaps out.")
         if not (np.isfinite(self.sigma) and self.sigma > 0):
-            raise ValueError(f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}")
+            raise ValueError(
+                f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}. "
+                "Give the standard deviation of the data."
+            )
 
     def times(self, t: Array) -> Array | None:
         return np.asarray(self.at, dtype=float)

@@ -242,7 +242,7 @@ class WorkspaceMap:
     def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
         name = self.problem.system.name
         if self.stop:
-            message = "The curves traced so far are returned; go on with its `map`, or allow more time"
+            message = "The curves traced so far are returned. Go on with its `map`, or allow more time"
             return self.stop.status, f"{name}: {self.stop.reason}. {message}"
         error = self._failure(region, tests)
         if error:

@@ -56,3 +56,26 @@ def test_long_regular_motions_do_not_warn() -> None:
     system = sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, 0, -9.81)))
     run = sr.simulate(system, until=200.0, store_steps=True)
     assert not sr.sensitivity(run, "bob.x", ["bob.mass"]).warnings
+
+
+def derivatives(kind: str, until: float) -> tuple[str, ...]:
+    """The warnings of some kind of derivatives by the first mass."""
+    system = double_pendulum()
+    if kind == "checkpoints":
+        found = sr.sensitivity_by_checkpoints(system, "b.x", ["a.mass"], until=until, rtol=1e-7, memory=3e6)
+        return found.warnings
+    run = sr.simulate(system, until=until, rtol=1e-7, store_steps=True)
+    calls = {
+        "direct": lambda: sr.sensitivity(run, "b.x", ["a.mass"], method="direct"),
+        "hessian": lambda: sr.hessian(run, "b.x", ["a.mass"]),
+        "product": lambda: sr.hessian_product(run, "b.x", {"a.mass": 1.0}),
+        "states": lambda: sr.state_derivatives(run, ["a.mass"]),
+    }
+    return tuple(calls[kind]().warnings)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", ["direct", "hessian", "product", "states", "checkpoints"])
+def test_all_kinds_of_derivatives_warn(kind: str) -> None:
+    assert any("the adjoint grows" in message for message in derivatives(kind, 20.0))
+    assert not derivatives(kind, 5.0)

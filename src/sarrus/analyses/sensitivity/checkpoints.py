@@ -26,6 +26,7 @@ from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
 from ..position.assembly_derivatives import AssemblyDerivatives
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
+from .accuracy.growth import Growth
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
 from .chain.stretches import Stretches
 from .corners import corners
@@ -42,7 +43,7 @@ from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
-STEP, GRADIENT = 20, 6
+STEP, GRADIENT = 20, 10
 LINEAR = (
     Final,
     At,
@@ -228,6 +229,7 @@ class LongGradient:
         self._run, self._responses, self._parameters = run, responses, parameters
         self._samples = [Samples(run, response) for response in responses]
         self._initial: dict[int, Array] = {}
+        self._growth, self._adjoints = Growth(), list[Array]()
 
     def _evaluation(
         self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
@@ -291,7 +293,7 @@ class LongGradient:
         weights = [np.asarray(one.weights(g, samples.where.t)) for one, g, samples in whole]
         by_times = [np.asarray(one.by_times(g, samples.where.t)) for one, g, samples in whole]
         total = Totals.zeros(run.system, parameters, k)
-        back = Backward(run.system, Stretches(run.system, k), k, parameters.c_size)
+        back = Backward(run.system, Stretches(run.system, k, self._adjoints), k, parameters.c_size)
         for n in reversed(range(len(run))):
             self._over(n, weights, by_times, total, back)
             if report is not None:
@@ -302,6 +304,7 @@ class LongGradient:
                 values[r] = response.value(g, samples.where.t)
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
+        announce(self._growth.warnings(titles, run.rtol, run.precise))
         b, q, v, c = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
         by = Gradients(back.b + b, q, v, by_joints(back.c, c))
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
@@ -323,6 +326,8 @@ class LongGradient:
         del evaluation  # before the buffers of the sweep are allocated
         event_step = partial(self._event_step, stretch, angles)
         back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
+        self._growth.take(stretch.steps, nodes, self._adjoints)
+        self._adjoints.clear()
 
     def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""

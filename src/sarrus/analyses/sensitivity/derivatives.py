@@ -29,7 +29,7 @@ from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import estimated
 from .accuracy.growth import warnings_of_growth
-from .chain.chain import Nodes, by_joints
+from .chain.chain import FIELDS, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, chain_of
 from .hessian import Curvature
@@ -43,6 +43,7 @@ from .sampling.sampling import Sampling
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]
 METHODS = ("adjoint", "direct")
+LOOKED_AT = 3  # responses whose adjoint is looked at where it is not needed: a run is chaotic for all of them
 
 
 class UndefinedResponse(ValueError):
@@ -171,12 +172,12 @@ def differentiated(
     adjoints, given = list[Array](), evaluation.gradients()
     if method == "adjoint":
         found = _adjoint(chain, given, parameters, adjoints)
+        announce(warnings_of_growth(steps, (one.title for one in responses), given[0], adjoints))
     else:
         found = _direct(chain, given, parameters, ~missing)
         if error:
             chain.gradients(given[0], adjoints)
-    if adjoints:
-        announce([*warnings_of_growth(steps, responses, given[0], adjoints)])
+        announce(_growth(chain, given[0], [one.title for one in responses][:LOOKED_AT]))
     errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if error else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
@@ -217,7 +218,10 @@ def state_derivatives(
         announce(corners(run.system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        found = chain_of(run.system, steps).along(*changes)
+        chain, last = chain_of(run.system, steps), Nodes.zeros(steps, 1)
+        found = chain.along(*changes)
+        last.q[-1] = 1.0
+        announce(_growth(chain, last, [f"{run.name} at its end"]))
         report(2)
         along = partial(_output_along, run.system, steps, parameters, found)
         reported = Reported(run.system, steps)
@@ -342,7 +346,19 @@ def _curvature(
     wanted = as_responses(response)
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    return Curvature(chain_of(run.system, steps, parameters.restitutions), evaluation, parameters), parameters
+    chain = chain_of(run.system, steps, parameters.restitutions)
+    announce(_growth(chain, evaluation.gradients()[0], [wanted[0].title]))
+    return Curvature(chain, evaluation, parameters), parameters
+
+
+def _growth(chain: AnyChain, given: Nodes, titles: Sequence[str]) -> list[str]:
+    """Warnings of derivatives that need no adjoint of the first responses, by a sweep for it."""
+    found, adjoints = (
+        Nodes(*(getattr(given, name)[..., : len(titles)].copy() for name in FIELDS)),
+        list[Array](),
+    )
+    chain.gradients(found, adjoints)
+    return warnings_of_growth(chain.steps, titles, found, adjoints)
 
 
 def _adjoint(

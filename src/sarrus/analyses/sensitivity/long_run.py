@@ -102,7 +102,7 @@ class LongRun(TimeLoop):
     Attributes
     ----------
     start : of the simulation
-    precise : see `StepsTaken`
+    precise, rtol : see `StepsTaken`
     course : the nodes, and the events that change velocities or end the run
     late : the last steps before a checkpoint within which states depend on nodes behind it
 
@@ -136,6 +136,7 @@ class LongRun(TimeLoop):
         self._half, self._per_step = buffers / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
         self.start, self.precise = start, not self.stepper.apart
+        self.rtol = float(settings.tolerances.rtol_q.max())
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
         self._begins: list[Begin] = []

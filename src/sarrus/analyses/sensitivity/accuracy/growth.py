@@ -6,51 +6,72 @@ grows from the end of the run backwards.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ..chain.chain import Nodes
-from ..responses.responses import Response
 
 FEW = 2.0  # digits, below which there is a warning
 GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
 EPS = float(np.finfo(float).eps)
+STATES = ("q", "v", "a", "lam")
 
 
-def growths(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Array:
-    """The largest adjoint of each response (k,) over all that it takes from states by itself.
+class Growth:
+    """How much the adjoints of some responses grow in a run, whose stretches may be taken one after another.
 
-    Both are in units of the response: gradients times how much coordinates, velocities, accelerations and multipliers
-    vary within the run, and those by times of events times its duration. Of regular motions this is about one.
+    Adjoints are in units of the response: gradients times how much coordinates, velocities, accelerations and
+    multipliers vary within the run, and those by times of events times its duration. They are compared with what the
+    response takes from states by itself: of regular motions their ratio is about one.
     """
-    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
-    varied = {
-        name: np.ptp(np.concatenate([getattr(one, name) for one in pieces]), axis=0)
-        for name in ("q", "v", "a", "lam")
-    }
-    states = np.concatenate([varied["q"], varied["v"]])
-    largest = np.einsum("j,njk->nk", states, abs(np.concatenate([x[:, 0] for x in adjoints]))).max(axis=0)
-    own = (pieces[-1].t[-1] - pieces[0].t[0]) * abs(given.shift).sum(axis=0)
-    for name, size in varied.items():
-        own = own + np.einsum("j,njk->k", size, abs(getattr(given, name)))
-    grown: Array = np.maximum(np.divide(largest, own, out=np.ones_like(own), where=own > 0), 1.0)
-    return grown
+
+    def __init__(self) -> None:
+        self._low: dict[str, Array] = {}
+        self._high: dict[str, Array] = {}
+        self._own: dict[str, Array] = {}
+        self._largest: Array = np.zeros(1)
+        self._times = np.inf, -np.inf
+
+    def take(self, steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """A stretch of the run: gradients by its states, and its adjoints as `Stretches` stores them."""
+        pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        for name in STATES:
+            found = np.concatenate([getattr(one, name) for one in pieces])
+            self._low[name] = np.minimum(self._low.get(name, np.inf), found.min(axis=0))
+            self._high[name] = np.maximum(self._high.get(name, -np.inf), found.max(axis=0))
+            self._own[name] = self._own.get(name, 0.0) + abs(getattr(given, name)).sum(axis=0)
+        self._own["shift"] = self._own.get("shift", 0.0) + abs(given.shift).sum(axis=0)
+        for own in adjoints:
+            self._largest = np.maximum(self._largest, abs(own[:, 0]).max(axis=0, initial=0.0))
+        self._times = min(self._times[0], pieces[0].t[0]), max(self._times[1], pieces[-1].t[-1])
+
+    def values(self) -> Array:
+        """The largest adjoint of each response over what it takes from states by itself, at least 1 (k,)."""
+        sizes = {name: self._high[name] - self._low[name] for name in STATES}
+        own = (self._times[1] - self._times[0]) * self._own["shift"]
+        own = own + sum(sizes[name] @ self._own[name] for name in STATES)
+        largest = np.concatenate([sizes["q"], sizes["v"]]) @ self._largest
+        grown = np.divide(largest, own, out=np.ones_like(own), where=own > 0)
+        return np.asarray(np.maximum(grown, 1.0))
+
+    def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
+        """One message for each response whose derivatives have few digits; `precise` as of `StepsTaken`."""
+        of_states = rtol ** (5 / 6 if precise else 2 / 3)  # of the order of the error of one period
+        for title, growth in zip(titles, self.values(), strict=True):
+            digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
+            if growth >= GROWN and digits < FEW:
+                few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
+                remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
+                yield f"{title}: its derivatives have {few}, as the adjoint grows by {growth:.0e}. {remedy}."
 
 
 def warnings_of_growth(
-    steps: StepsTaken | Pieces, responses: Sequence[Response], given: Nodes, adjoints: Sequence[Array]
-) -> Iterator[str]:
-    """One message for each response whose derivatives have few digits."""
-    first = steps.pieces[0] if isinstance(steps, Pieces) else steps
-    of_states = first.rtol ** (5 / 6 if first.precise else 2 / 3)  # of the order of the error of one period
-    for response, growth in zip(responses, growths(steps, given, adjoints), strict=True):
-        digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
-        if growth >= GROWN and digits < FEW:
-            few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
-            remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
-            yield (
-                f"{response.title}: its derivatives have {few}, as the adjoint grows by {growth:.0e}. {remedy}."
-            )
+    steps: StepsTaken | Pieces, titles: Iterable[str], given: Nodes, adjoints: Sequence[Array]
+) -> list[str]:
+    """Those of a whole run."""
+    growth, first = Growth(), steps.pieces[0] if isinstance(steps, Pieces) else steps
+    growth.take(steps, given, adjoints)
+    return [*growth.warnings(titles, first.rtol, first.precise)]

@@ -18,18 +18,17 @@ from typing import Any
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.analyses.dynamics.methods.registry import METHODS as REGISTERED
+from sarrus.analyses.dynamics.methods.registry import STORING_STEPS
 from sarrus.cli import main as cli
 
 ROOT = Path(__file__).resolve().parent.parent
 Action = Callable[[], object]
-METHODS: dict[str, Callable[[], Any]] = {
-    "hht": sr.HHT,
-    "generalized_alpha": sr.GeneralizedAlpha,
+TRACED: dict[str, Callable[[], Any]] = {  # their steps have derivatives
+    **{name: REGISTERED[name] for name in STORING_STEPS},
     "stabilized": partial(sr.HHT, stabilized=True),
-    "radau": sr.Radau,
-    "ode": sr.ODE,
 }
-TRACED = ("hht", "generalized_alpha", "stabilized", "radau")  # their steps have derivatives
+METHODS = {**TRACED, "ode": sr.ODE}  # the other solvers need packages that a wheel does not ask for
 
 
 def shipped(name: str) -> sr.System:
@@ -136,6 +135,11 @@ def modes() -> object:
     return sr.modes(system, sr.equilibrium(system))
 
 
+def linearize() -> object:
+    system = pendulum()
+    return sr.linearize(system, sr.equilibrium(system))
+
+
 def events() -> object:
     stop = sr.Event("slider.x - 4.17", terminal=True)
     run = motion(shipped, "slider_crank", store_steps=True, events=[stop])
@@ -146,10 +150,19 @@ def check() -> object:
     return shipped("slider_crank").check_derivatives()
 
 
+def view() -> object:
+    """The page of a model."""
+    with tempfile.TemporaryDirectory() as folder:
+        return sr.load(mechanisms.path("slider_crank")).view(Path(folder) / "page.html")
+
+
 def demo() -> object:
     """The command `sarrus demo`; what it prints does not mix with the times."""
     with tempfile.TemporaryDirectory() as folder, redirect_stdout(sys.stderr):
-        return cli(["demo", "--quiet", "--output", folder])
+        code = cli(["demo", "--quiet", "--output", folder])
+    if code:
+        raise RuntimeError(f"sarrus demo: it ended with code {code}. Run it to see why.")
+    return code
 
 
 def _actions() -> Mapping[str, Action]:
@@ -160,12 +173,14 @@ def _actions() -> Mapping[str, Action]:
         "hessian": partial(hessian, shipped, "slider_crank", None),
         "equilibrium": equilibrium,
         "modes": modes,
+        "linearize": linearize,
         "kinematics": kinematics,
         "workspace": workspace,
         "workspace_range": reach,
         "workspace_field": field,
         "events": events,
         "check_derivatives": check,
+        "view": view,
         "demo": demo,
     }
     for name in mechanisms.names():

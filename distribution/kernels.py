@@ -8,6 +8,8 @@ cannot be run, and are left out. Run it from a clone, in an environment that has
 from __future__ import annotations
 
 import argparse
+import itertools
+import json
 import os
 import subprocess
 import sys
@@ -26,6 +28,7 @@ from .actions import ACTIONS
 SCRIPT = Path(__file__).with_name("actions.py")
 LARGEST = 60e6  # bytes, of all levels
 FIRST = ("simulate", "sensitivity")  # what they compile, the others need, too
+RUN = "actions.json"  # beside the kernels: the names of the actions that have been run
 
 
 def build(target: Path, chosen: Sequence[str], names: Sequence[str] = ()) -> int:
@@ -40,17 +43,26 @@ def _level(level: Level, target: Path, chosen: Sequence[str]) -> int:
     # the folder's name must not be one that another user can make
     with tempfile.TemporaryDirectory(prefix="sarrus-kernels-") as cache:
         compile_into(Path(cache), level, chosen)
-        return pack_from(Path(cache), level, target)
+        size = pack_from(Path(cache), level, target)
+    (target / RUN).write_text(json.dumps(list(chosen)), encoding="ascii")
+    return size
 
 
 def compile_into(cache: Path, level: Level, chosen: Sequence[str]) -> None:
     """Run the actions; those that others build on first, the rest at once in as many processes as processors."""
     first = [name for name in FIRST if name in chosen]
-    for name in first:
-        _run(name, cache, level)
     rest = [name for name in chosen if name not in first]
+    began, count = time.perf_counter(), itertools.count(1)
+
+    def run(name: str) -> None:
+        _run(name, cache, level)
+        elapsed = time.perf_counter() - began
+        print(f"  {level.name}: {next(count)} of {len(chosen)}, {name}, after {elapsed:.0f} s", flush=True)
+
+    for name in first:
+        run(name)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(lambda name: _run(name, cache, level), rest))
+        list(pool.map(run, rest))
 
 
 def pack_from(cache: Path, level: Level, target: Path) -> int:
@@ -63,7 +75,6 @@ def pack_from(cache: Path, level: Level, target: Path) -> int:
 
 
 def _run(name: str, cache: Path, level: Level) -> None:
-    began = time.perf_counter()
     settings = {
         "SARRUS_CACHE_DIR": str(cache),
         "NUMBA_CPU_NAME": level.name,
@@ -71,7 +82,6 @@ def _run(name: str, cache: Path, level: Level) -> None:
         "PYTHONWARNINGS": "ignore",
     }
     subprocess.run([sys.executable, str(SCRIPT), name], env=os.environ | settings, check=True)
-    print(f"  {level.name}: {name} {time.perf_counter() - began:.0f} s", flush=True)
 
 
 def main() -> None:

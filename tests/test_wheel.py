@@ -1,7 +1,8 @@
 """A wheel with kernels, in an environment of its own, with an empty cache and an empty home.
 
 The wheel is the newest in `dist/` that was made from these sources (`make wheel`); without one these tests are skipped.
-If the environment variable SARRUS_WHEELS names another folder, they fail without one.
+If the environment variable SARRUS_WHEELS names a folder, they fail without one. Of a wheel that was built with some of
+the actions, those are tested.
 """
 
 import json
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from distribution.kernels import RUN
 
 from sarrus._jit.linking.processor import levels
 from sarrus._jit.linking.shipped import identity
@@ -24,7 +26,10 @@ ROOT = Path(__file__).parent.parent
 LARGEST = 60e6  # bytes
 LONGEST = 3.0  # s of processor time that a first call may take longer than a second
 DEMO = 10.0  # s of processor time
-FIRST = ("simulate", "sensitivity", "hessian", "equilibrium", "modes", "kinematics", "workspace")
+FIRST = (
+    *("simulate", "sensitivity", "hessian", "equilibrium", "modes", "linearize"),
+    *("kinematics", "workspace", "view"),
+)
 
 
 def _fits(wheel: Path) -> bool:
@@ -32,7 +37,7 @@ def _fits(wheel: Path) -> bool:
     with zipfile.ZipFile(wheel) as opened:
         for level in levels():
             name = f"sarrus/_kernels/{level.name}/index.json"
-            if name in opened.namelist():
+            if {name, f"sarrus/_kernels/{level.name}/{RUN}"} <= {*opened.namelist()}:
                 return bool(json.loads(opened.read(name))["identity"] == identity(level.name))
     return False
 
@@ -40,12 +45,28 @@ def _fits(wheel: Path) -> bool:
 @pytest.fixture(scope="module")
 def wheel() -> Path:
     named = os.environ.get("SARRUS_WHEELS")
-    found = sorted(Path(named or ROOT / "dist").glob("*.whl"), key=lambda file: file.stat().st_mtime)
+    found = sorted(
+        Path(named or ROOT / "dist").resolve().glob("*.whl"), key=lambda file: file.stat().st_mtime
+    )
     fitting = [file for file in found if _fits(file)]
     assert fitting or not named, f"{named} has no wheel with kernels for this processor and these sources"
     if not fitting:
         pytest.skip("there is no wheel with kernels of these sources; `make wheel` builds one")
     return fitting[-1]
+
+
+@pytest.fixture(scope="module")
+def actions(wheel: Path) -> list[str]:
+    """The actions whose kernels the wheel holds, of the level that this processor uses."""
+    with zipfile.ZipFile(wheel) as opened:
+        names = [f"sarrus/_kernels/{level.name}/{RUN}" for level in levels()]
+        (first, *_) = [name for name in names if name in opened.namelist()]
+        return list(json.loads(opened.read(first)))
+
+
+def _needs(name: str, actions: list[str]) -> None:
+    if name not in actions:
+        pytest.skip(f"the wheel was built without the action {name}")
 
 
 @pytest.fixture(scope="module")
@@ -84,14 +105,18 @@ def test_wheel_is_small(wheel: Path) -> None:
 
 
 @pytest.mark.parametrize("name", FIRST)
-def test_first_call_waits_for_no_compiler(name: str, python: Path, tmp_path: Path) -> None:
+def test_first_call_waits_for_no_compiler(
+    name: str, actions: list[str], python: Path, tmp_path: Path
+) -> None:
+    _needs(name, actions)
     script = ROOT / "distribution" / "actions.py"
     found = json.loads(_output(str(python), str(script), name, home=tmp_path))
     assert found[1] - found[2] <= LONGEST
     assert _compiled(tmp_path) == []
 
 
-def test_demo(python: Path, tmp_path: Path) -> None:
+def test_demo(actions: list[str], python: Path, tmp_path: Path) -> None:
+    _needs("demo", actions)
     before = os.times()
     _output(str(python.parent / "sarrus"), "demo", home=tmp_path)
     after = os.times()

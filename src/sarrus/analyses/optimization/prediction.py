@@ -88,7 +88,7 @@ def predicted_step(lagrangian: Lagrangian, z: Array, free: Array, rest: Array) -
     B = np.eye(free.shape[1]) * size / NEARBY if known is None else free.T @ known @ free
     left, total = free.T @ rest, np.zeros(free.shape[1])
     for _ in range(TRIALS):
-        step = np.linalg.solve(B, left)
+        step = np.linalg.lstsq(B, left)[0]  # of a direction that nothing depends on: none
         change = lagrangian.change(z, free @ step)
         if change is None:
             return np.asarray(free @ (total + step))

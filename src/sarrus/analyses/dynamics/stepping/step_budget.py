@@ -43,8 +43,8 @@ class StepBudget:
         """What to try where steps are too short."""
         if self._order_two:
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
-        other = "sr.HHT()" if type(self.method).__name__ == "Radau" else "sr.Radau()"
-        return f"Try method={other}, some damping in the model, or larger tolerances."
+        other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
+        return f"Try {other}some damping in the model, smoother laws of forces, or larger tolerances."
 
     def remark(self, nsteps: int, span: float) -> str:
         """What a finished run of many steps adds to its message."""

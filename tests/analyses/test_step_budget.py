@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 import sarrus as sr
 from sarrus.analyses.dynamics.stepping.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
 from sarrus.analyses.dynamics.stepping.stepper import RunFailure
+from sarrus.analyses.dynamics.time_loop.vibration_check import stiffnesses
 from sarrus.analyses.progress import TimeLimit, monitor
 
 ORDER_TWO = {"method": sr.HHT(), "rtol": 1e-6, "atol": 1e-8}
@@ -188,9 +189,30 @@ def _height(cart: float, inertia: float, times: np.ndarray) -> np.ndarray:
 
 
 def test_a_vibration_between_the_outputs_that_forces_the_steps_is_a_warning() -> None:
-    with pytest.warns(sr.SarrusWarning, match=r"vibration of b.r.x at some 1e\+03 Hz.*some damping"):
+    with pytest.warns(
+        sr.SarrusWarning,
+        match=r"vibration of b.r.x at some 1e\+03 Hz.*stiffest force on it is t\. .*some damping",
+    ):
         run = sr.simulate(spring(1e8), until=1.0)  # 1.6e3 Hz
     assert run.nsteps > 20_000
+
+
+def test_the_stiffest_force_is_named() -> None:
+    """Springs of two points and a bushing beside them: k cos² + tension sin² / length along a coordinate."""
+    body = sr.Body("b", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
+    inclined = sr.TSDA("inclined", sr.ground.point(0, -1, 0), body.point(0, 0, 0), k=8e4, length=1.0)
+    mount = sr.Bushing("mount", sr.ground, body, point=(1, 0, 0), stiffness=(3e4, 9e4, 1e4, 1, 1, 1))
+    drag = sr.PointForce("push", body.point(0, 0, 0), (1, 2, 3))
+    system = sr.System(sr.Model("s", [body], [], [inclined, mount, drag], gravity=(0, 0, -9.81)))
+    state = sr.assemble(system)
+    tension = 8e4 * (np.sqrt(2) - 1)
+    both = 8e4 / 2 + tension / np.sqrt(2) / 2
+    for place, own in enumerate((3e4, 9e4, 1e4)):
+        found = stiffnesses(system, state, place)
+        wanted = both if place < 2 else tension / np.sqrt(2)
+        assert found["inclined"] == pytest.approx(wanted, rel=1e-12)
+        assert found["mount"] == pytest.approx(own, rel=1e-12)
+        assert found["push"] == 0.0
 
 
 def test_a_vibration_that_the_outputs_show_is_none() -> None:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ....algebra import Array
-from ....results import Trajectory
+from ....elements.evaluation import dense, element_from
+from ....elements.operators import OPERATORS
+from ....results import State, Trajectory
+from ....system import System
 
 MANY = 20_000  # steps: fewer take little time
+GROUND = np.array([0.0, 0, 0, 1, 0, 0, 0])  # coordinates of the ground
 EACH = 20  # steps for each output
 OUTPUTS = 100  # so many at least, or the motion between them is not known
 LOOKED_AT = 10_000  # the last outputs, of which statistics are made: a saved run may not fit into memory
@@ -38,8 +42,37 @@ def fast_vibration(run: Trajectory, advice: str) -> list[str]:
         return []
     return [
         f"{run.name}: a vibration of {run.coordinate_names[worst]} at some {omega[worst] / (2 * np.pi):.0e} Hz, which "
-        f"the outputs do not resolve, forced {run.nsteps} steps. {advice}"
+        f"the outputs do not resolve, forced {run.nsteps} steps{_cause(run, worst)}. {advice}"
     ]
+
+
+def _cause(run: Trajectory, place: int) -> str:
+    """Which force pulls a coordinate back most, for a message; nothing without one."""
+    if run.system is None or run.final is None:
+        return ""
+    found = stiffnesses(run.system, run.final, place)
+    name = max(found, key=found.__getitem__, default="")
+    return f"; the stiffest force on it is {name}" if name and found[name] > 0 else ""
+
+
+def stiffnesses(system: System, state: State, place: int) -> dict[str, float]:
+    """|∂Q_k/∂q_k| of each force for one coordinate q_k, by the name of the force. [N/m], of Euler parameters [N m]"""
+    found: dict[str, float] = {}
+    for p in system.populations:
+        for k, owner in enumerate(p.owners if p.is_force else ()):
+            firsts = [-1 if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]
+            bodies = [first // 7 for first in firsts]
+            if place // 7 in bodies:
+                own = 7 * bodies.index(place // 7) + place % 7
+                at = p.at + k * p.kind.size()
+                element = element_from(p.kind, system.b[at : at + p.kind.size()], system.b, state.t)
+                q, v = (
+                    np.concatenate([ground if first < 0 else y[first : first + 7] for first in firsts])
+                    for y, ground in ((state.q, GROUND), (state.v, 0 * GROUND))
+                )
+                Q_q = dense(element, OPERATORS["Q_q"], {"q": q, "v": v, "t": state.t})
+                found[owner] = found.get(owner, 0.0) + abs(float(Q_q[own, own]))
+    return found
 
 
 def _root_mean_square(x: Array) -> Array:

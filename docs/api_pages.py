@@ -41,10 +41,33 @@ def write(app: Any = None) -> None:
     for home, (page, title) in CHAPTERS.items():
         own = sorted((name for name in names if homes[name] == home), key=str.lower)
         entries = (line for name in own for line in _entry(name, getattr(sarrus, name)))
-        _update(folder / f"{page}.md", "\n".join([f"# {title}", "", *entries]))
+        table = _declared() if home == "outputs" else ()
+        _update(folder / f"{page}.md", "\n".join([f"# {title}", "", *table, *entries]))
     lost = [name for name in names if homes[name] not in CHAPTERS]
     if lost:
         raise RuntimeError(f"these public names have no chapter in {__file__}: {', '.join(lost)}")
+
+
+def _declared() -> Iterator[str]:
+    """A table of what forces declare as outputs, with the beginning of its description."""
+    import sarrus
+    from sarrus.elements import BUILT_IN
+
+    kinds = {kind.__name__: kind for kind in BUILT_IN if kind.outputs and hasattr(sarrus, kind.__name__)}
+    common = ("force_on_last_body", "torque_on_last_body")
+    yield from ("## Outputs of forces", "", "| force | output | unit | meaning |", "|---|---|---|---|")
+    rows = [("every force", kinds["Bushing"], one) for one in kinds["Bushing"].outputs.values()]
+    rows += [
+        (f"`{name}`", kind, one)
+        for name, kind in sorted(kinds.items())
+        for one in kind.outputs.values()
+        if one.method not in common
+    ]
+    for name, kind, one in rows:
+        words = ", ".join(f"`.{one.word}.{axis}`" for axis in one.axes) or f"`.{one.word}`"
+        meaning = (inspect.getdoc(getattr(kind, one.method)) or "").split("\n\n")[0].replace("|", "\\|")
+        yield f"| {name} | {words} | {one.unit} | {meaning} |"
+    yield ""
 
 
 def _home(what: Any) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.dynamics.methods import registry
+from sarrus.analyses import integration_methods
 from sarrus.cli import extensions, main, parser
 from sarrus.elements import Element
 from sarrus.io import by_ending
@@ -81,14 +81,18 @@ def loaded(folder: Path) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for holder, name in ((Element, "registry"), (Joint, "kinds"), (Driver, "kinds"), (Force, "kinds")):
             patch.setattr(holder, name, dict(getattr(holder, name)))
-        for module, name in ((by_ending, "IMPORTERS"), (output, "PROVIDERS"), (registry, "STORING_STEPS")):
+        for module, name in (
+            (by_ending, "IMPORTERS"),
+            (output, "PROVIDERS"),
+            (integration_methods, "STORING_STEPS"),
+        ):
             patch.setattr(module, name, list(getattr(module, name)))
         patch.setattr(sys, "path", list(sys.path))
         patch.setenv(extensions.VARIABLE, os.pathsep.join(str(path) for path in sorted(folder.glob("*.py"))))
         extensions.load_extensions()
         yield
     parser.VERBS.pop("weigh")
-    registry.METHODS.pop("euler")
+    integration_methods.METHODS.pop("euler")
     for name in known:
         sys.modules.pop(name, None)
 

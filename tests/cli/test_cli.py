@@ -8,7 +8,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics import METHODS
+from sarrus.analyses.integration_methods import METHODS, method_named
 from sarrus.cli import VERBS, main
 
 SLIDER_CRANK = str(mechanisms.path("slider_crank"))
@@ -166,7 +166,7 @@ def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*line, "--json", "-q"]) == 0
     found = json.loads(capsys.readouterr().out)
     system = sr.System(sr.load(mechanisms.path("slider_crank")))
-    wanted = sr.simulate(system, until=0.2, rtol=1e-6, atol=1e-8, method=METHODS[method]())
+    wanted = sr.simulate(system, until=0.2, rtol=1e-6, atol=1e-8, method=method_named(method)())
     assert found["nsteps"] == wanted.nsteps
     assert found["bodies"]["slider"]["position"] == pytest.approx(wanted["slider"].position[-1])
 

@@ -79,7 +79,7 @@ def tolerances(parser: argparse.ArgumentParser) -> None:
 
 def method(parser: argparse.ArgumentParser, *, stores_steps: bool = False) -> None:
     """``--method``: how a motion is integrated; with stored steps where there are derivatives."""
-    from ..analyses.dynamics.methods.registry import METHODS, STORING_STEPS
+    from ..analyses.integration_methods import METHODS, STORING_STEPS
 
     known = [*(STORING_STEPS if stores_steps else METHODS)]
     parser.add_argument("--method", choices=known, default=known[0], help=f"how to integrate ({known[0]})")
@@ -87,9 +87,9 @@ def method(parser: argparse.ArgumentParser, *, stores_steps: bool = False) -> No
 
 def method_of(chosen: argparse.Namespace) -> Any:
     """The method chosen, with its own settings as they are by default."""
-    from ..analyses.dynamics import METHODS
+    from ..analyses.integration_methods import method_named
 
-    return METHODS[chosen.method]()
+    return method_named(chosen.method)()
 
 
 def rest(parser: argparse.ArgumentParser) -> None:

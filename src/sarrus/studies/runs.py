@@ -21,9 +21,9 @@ from ..analyses import (
     modes,
     simulate,
 )
-from ..analyses.dynamics import METHODS
 from ..analyses.dynamics.methods import Description
 from ..analyses.dynamics.simulation import refuse_end
+from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..defaults import ATOL
 from ..model import SarrusError
@@ -352,7 +352,7 @@ def _method(given: Any) -> Any:
     kind = str(options.pop("type", "radau")).lower()
     if kind not in METHODS:
         raise SarrusError(f"there is no method {kind!r}. {suggest(kind, METHODS)}")
-    return _built(METHODS[kind], f"the method {kind}", options)
+    return _built(method_named(kind), f"the method {kind}", options)
 
 
 def _plain(value: Any) -> Any:

@@ -11,6 +11,7 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics.methods.collocation import radau
 from sarrus.analyses.dynamics.methods.description import Affine, Operation
+from sarrus.analyses.equations.length import kinematic_weights
 from sarrus.analyses.sensitivity.steps.record import STEP, Record
 
 OWN = {  # methods of users, in scripts of the gallery
@@ -37,7 +38,7 @@ def residuals(
     """Of all equations of step n, with the operators of the system; scaled as described."""
     b = steps.b.copy()
     b[steps.places] = steps.memory[n]
-    found = []
+    found, W = [], kinematic_weights(system)
     for kind, s, scale in operation.step.equations:
         x = stages[s]
         q, t = x["q"], x["t"]
@@ -46,7 +47,7 @@ def residuals(
             - system.Q(q, x["v"], t, b=b) - system.S(q, x["v"], b=b),
             "position": lambda q=q, t=t: system.Phi(q, t, b=b),
             "velocity": lambda x=x, q=q, t=t: system.Phi_q_xi(q, x["v"], t, b=b) + system.Phi_t(q, t, b=b),
-            "kinematic": lambda x=x, q=q, t=t: x["rate"] + system.Phi_qT_lam(q, x["mu"], t, b=b),
+            "kinematic": lambda x=x, q=q, t=t: W * x["rate"] + system.Phi_qT_lam(q, x["mu"], t, b=b),
         }[kind]()  # fmt: skip
         found.append(np.broadcast_to(scale, len(steps))[n] * value)
     return found

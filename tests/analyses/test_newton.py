@@ -16,6 +16,7 @@ from sarrus.analyses.dynamics.stepping import newton_matrix
 from sarrus.analyses.dynamics.stepping.alpha_loop import Scheme
 from sarrus.analyses.dynamics.stepping.stabilized_matrix import MATRICES, newton_parts, weigh
 from sarrus.analyses.equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from sarrus.analyses.equations.length import kinematic_weights
 from sarrus.analyses.equations.motion import Motion
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import Occurrences
@@ -150,7 +151,7 @@ def equation(kind: str, x: Mapping[str, np.ndarray]) -> np.ndarray:
     if kind == "motion":
         return unbalanced(q, x["v"], x["a"], x["lam"])
     if kind == "kinematic":
-        return x["rate"] + system.Phi_qT_lam(q, x["mu"])
+        return kinematic_weights(system) * x["rate"] + system.Phi_qT_lam(q, x["mu"])
     return system.Phi(q) if kind == "position" else system.Phi_q_xi(q, x["v"])
 
 
@@ -178,7 +179,7 @@ def radau_steps(without: str = "") -> list[float]:
         a = s * (v - v0)
         evaluate(numbers.views, without, q=q, v=v, a=a, lam=lam)
         weigh(matrix.weights, 1 / s**2, 1 / s)
-        first = s * (q - q0) - v + system.Phi_qT_lam(q, mu)
+        first = kinematic_weights(system) * (s * (q - q0) - v) + system.Phi_qT_lam(q, mu)
         rows = [first / s, unbalanced(q, v, a, lam) / s**2, system.Phi(q), system.Phi_q_xi(q, v) / s]
         place = matrix.pattern()
         place.data[:] = matrix.assembled()

@@ -196,13 +196,15 @@ def slots(
 
 
 @compiled(entry=True)
-def refactor(pointers: Array, rows: Array, diagonal: Array, factors: Array, work: Array) -> float:
+def refactor(
+    pointers: Array, rows: Array, diagonal: Array, factors: Array, work: Array, scale: Array
+) -> float:
     """Factor the matrix in `factors`: U on and above the diagonal, L (unit diagonal) below, in its place.
 
     Returns
     -------
-    smallest |pivot| over the largest entry below it: with small values the pivots no longer fit; zero or nan
-    that the matrix is singular or not finite
+    smallest |pivot| over the largest entry below it, rows multiplied by `scale`: with small values the pivots no longer
+    fit; zero or nan that the matrix is singular or not finite
     """
     worst = 1.0
     for j in range(len(diagonal)):
@@ -218,12 +220,13 @@ def refactor(pointers: Array, rows: Array, diagonal: Array, factors: Array, work
                     work[rows[lower]] -= factors[lower] * u
         pivot = work[j]
         factors[middle] = pivot
-        largest = abs(pivot)
+        size = scale[j] * abs(pivot)
+        largest = size
         for entry in range(middle + 1, end):
-            largest = max(largest, abs(work[rows[entry]]))
+            largest = max(largest, scale[rows[entry]] * abs(work[rows[entry]]))
         if not largest > 0.0 or pivot == 0.0:
             return 0.0
-        worst = min(worst, abs(pivot) / largest)
+        worst = min(worst, size / largest)
         for entry in range(middle + 1, end):
             factors[entry] = work[rows[entry]] / pivot
     return worst

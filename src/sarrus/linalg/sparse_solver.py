@@ -118,7 +118,9 @@ class SparseLU:
         self.factors[self.slots] = data
         self.work = np.empty(self.n, self.factors.dtype)
         return float(
-            link(sparse_lu.refactor)(self.pointers, self.rows, self.diagonal, self.factors, self.work)
+            link(sparse_lu.refactor)(
+                self.pointers, self.rows, self.diagonal, self.factors, self.work, np.ones(self.n)
+            )
         )
 
     def factor(self, data: Array) -> None:

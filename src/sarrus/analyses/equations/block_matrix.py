@@ -21,14 +21,17 @@ from ...linalg.sparse_lu import solve as solve_in_place
 from ...linalg.sparse_solver import SparseLU
 from ...system import System
 from ...system.cached import once_alike
+from .equilibration import CONSTRAINTS, COORDINATES, Block, exponents
+from .length import kinematic_weights
 
 UNIT, LEFT_OUT = (
     "unit",
     "left_out",
-)  # diagonal blocks (nq, nq) of ones, and (m, m) with 1 for equations left out
+)  # diagonal blocks (nq, nq), see `kinematic_weights`, and (m, m) with 1 for equations left out
 PRECISE = 1e-3  # pivot over column, above which an order of pivots chosen for other numbers is as good as new
+DEFINITE = ("M", "Phi_q", UNIT)  # operators whose largest numbers give the scales of rows and columns
 STRETCH = 5000  # numbers that are summed before the next part takes its turn
-FACTORS = ("row_place", "column_order", "factors", "weights")
+FACTORS = ("row_place", "column_order", "factors", "weights", "scale")
 
 
 class Part(NamedTuple):
@@ -41,7 +44,10 @@ class Part(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """What compiled code needs to assemble and factor: see `assemble` and `linalg.sparse_solver.SparseLU`."""
+    """What compiled code needs to assemble and factor: see `assemble` and `linalg.sparse_solver.SparseLU`.
+
+    `scale` are powers of two by which rows are multiplied where pivots are compared, in their order.
+    """
 
     parts: Array
     places: Array
@@ -53,6 +59,7 @@ class Placed(NamedTuple):
     work: Array
     row_place: Array
     column_order: Array
+    scale: Array
 
 
 class Numbers:
@@ -75,7 +82,7 @@ class Numbers:
         self.views = {n: self.values[starts[k] : starts[k + 1]] for k, n in enumerate(names)}
         self.left_out = self.views[LEFT_OUT]
         if UNIT in self.views:
-            self.views[UNIT][:] = 1.0
+            self.views[UNIT][:] = kinematic_weights(system)
 
     def keep(self, rows: Array | None) -> None:
         """Solve only the equations in these places of Φ (None: all)."""
@@ -171,8 +178,26 @@ class PlacedMatrix:
         SingularMatrix
             If the matrix is singular.
         """
-        self.placed = None
-        return self._show(SparseLU(self._layout.indptr, self._layout.indices, self.assembled()))
+        self.placed, (indptr, indices, _, _) = None, self._layout
+        (rows, columns), data = self._exponents(), self.assembled()
+        data *= np.exp2(rows[indices] + np.repeat(columns, np.diff(indptr)))
+        placed = self._show(SparseLU(indptr, indices, data), rows)
+        link(refactor)(self.numbers.values, placed)
+        return placed
+
+    def _exponents(self) -> tuple[Array, Array]:
+        """Exponents of two by which rows and columns are multiplied where pivots are chosen, see `equilibration`."""
+        numbers, like, blocks = self.numbers, dict(self.numbers.like), list[Block]()
+        for part, weight in zip(self._kinds, self.weights, strict=True):
+            operator = like.get(part.name, part.name)
+            if operator in DEFINITE and weight != 0.0:
+                rows, columns = entries_of(numbers.system, operator)
+                first = CONSTRAINTS if operator == "Phi_q" else COORDINATES
+                kinds = (COORDINATES, first) if part.transposed else (first, COORDINATES)
+                sizes = abs(weight) * abs(numbers.views[part.name])
+                rows, columns = (columns, rows) if part.transposed else (rows, columns)
+                blocks.append(Block(part.row, part.column, kinds, rows, columns, sizes))
+        return exponents(self.n, blocks, {COORDINATES: numbers.system.nq, CONSTRAINTS: numbers.system.m})
 
     def solve(self, right: Array) -> Array:
         """x of A x = right, with the factors at hand."""
@@ -185,11 +210,14 @@ class PlacedMatrix:
         """Pivot order, factors and weights; nothing before pivots are chosen."""
         return {} if self.placed is None else {name: getattr(self.placed, name) for name in FACTORS}
 
-    def resume(self, row_place: Array, column_order: Array, factors: Array, weights: Array) -> None:
+    def resume(
+        self, row_place: Array, column_order: Array, factors: Array, weights: Array, scale: Array
+    ) -> None:
         """Take over such a state."""
         self.weights[:] = weights
         pattern = self._layout.indptr, self._layout.indices
-        self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
+        placed = self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
+        self.placed = placed._replace(scale=scale)
 
     def _lodged(self) -> Placed | None:
         """With the order of the host, and memory for factors."""
@@ -198,10 +226,13 @@ class PlacedMatrix:
         found = self._host.placed
         return found._replace(parts=self.parts, weights=self.weights, factors=np.zeros_like(found.factors))
 
-    def _show(self, lu: SparseLU) -> Placed:
+    def _show(self, lu: SparseLU, exponents: Array | None = None) -> Placed:
+        scale = np.ones(self.n)
+        if exponents is not None:
+            scale[lu.row_place] = np.exp2(exponents)
         self.placed = Placed(
             self.parts, lu.slots[self._layout.place], self.weights, lu.pointers, lu.rows, lu.diagonal, lu.factors,
-            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order,
+            np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order, scale,
         )  # fmt: skip
         return self.placed
 
@@ -274,7 +305,9 @@ def assemble(parts: Array, places: Array, weights: Array, values: Array, data: A
 def refactor(values: Array, placed: Placed) -> float:
     """Assemble and factor a matrix; returns how far its pivots can be trusted."""
     assemble(placed.parts, placed.places, placed.weights, values, placed.factors)
-    return factor_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work)
+    return factor_in_place(
+        placed.pointers, placed.rows, placed.diagonal, placed.factors, placed.work, placed.scale
+    )
 
 
 @compiled(entry=True)

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...system import System
-from ...system.cached import once_alike
+from ...system.cached import once, once_alike
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
@@ -40,6 +40,16 @@ def lever(system: System, q: Array, J: csr_array) -> float:
     )
     arms = 0.5 * by_p[by_r > 0] / by_r[by_r > 0]
     return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
+
+
+@once
+def kinematic_weights(system: System) -> Array:
+    """W of W (q' - v) + Φ_qᵀμ = 0, displacements in a power of two near the extent of the system (nq,) [1/m², 1].
+
+    With the unit matrix in their place, by how much μ moves r and p would depend on the unit of length.
+    """
+    length = 2.0 ** int(np.frexp(extent(system, system.q0))[1])
+    return units(system.nq, length**-2)
 
 
 def row_sizes(J: csr_array, length: float) -> Array:

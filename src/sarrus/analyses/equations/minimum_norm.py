@@ -23,12 +23,16 @@ class MinimumNorm:
     ----------
     system : System
     rows : places in Φ of independent equations
+
+    Attributes
+    ----------
+    dropped : places of the others
     """
 
     def __init__(self, system: System, rows: Array) -> None:
         self._nq, self._m = system.nq, system.m
         self._saddle = Saddle(system, "I", rows)
-        self._dropped = np.setdiff1d(np.arange(system.m), rows)
+        self.dropped = np.setdiff1d(np.arange(system.m), rows)
         self._small = system.nq < DENSE_BELOW
 
     def combinations(self, J: csr_array) -> Array:
@@ -40,8 +44,8 @@ class MinimumNorm:
             If the equations chosen are dependent there.
         """
         self._saddle.factor(np.ones(self._nq), J.data)
-        found = -self.forces(J.toarray()[self._dropped].T if self._small else J[self._dropped].toarray().T)
-        found[self._dropped, np.arange(len(self._dropped))] = 1
+        found = -self.forces(J.toarray()[self.dropped].T if self._small else J[self.dropped].toarray().T)
+        found[self.dropped, np.arange(len(self.dropped))] = 1
         return found
 
     def null(self, J: csr_array) -> Array:

@@ -52,8 +52,11 @@ class Saddle:
         SingularSystem
             If it cannot be factored.
         """
-        self._unit, Phi_q = _power_of_two(W), Phi_q[self._used]
+        Phi_q = Phi_q[self._used]
         self._scale(W, Phi_q)
+        places = self._rows[: len(W)], self._columns[: len(W)]
+        by = self._column_scale[places[0]] * self._column_scale[places[1]] if self._weighted else 1.0
+        self._unit = _power_of_two(W * by)
         scale, entries = np.concatenate([self._column_scale, self._row_scale]), len(W)
         numbers = np.concatenate([W / self._unit, Phi_q, Phi_q])
         scaled = slice(

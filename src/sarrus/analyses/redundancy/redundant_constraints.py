@@ -89,8 +89,10 @@ class Independence:
 
     def _poor(self, t: float, q: Array) -> bool:
         try:
-            combinations = self._minimum.combinations(self._system.Phi_q(q, t))
-            return bool(abs(combinations).max() > AMPLIFICATION)
+            J = self._system.Phi_q(q, t)
+            lengths = row_lengths(scaled(J, self.length))
+            sizes = lengths[:, None] * abs(self._minimum.combinations(J))
+            return bool(np.any(sizes > AMPLIFICATION * lengths[self._minimum.dropped]))
         except SingularSystem:
             return True
 

@@ -15,10 +15,11 @@ from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
 from ..stepping.nodes import Nodes, between
 
-PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end
+PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of the length or the largest rate
+INFINITE, TINY = 1e300, 1e-300
 WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
-ROUND = 1e-11  # of the largest coordinate, or of 1: defects below it may be round-off
+ROUND = 1e-11  # of the largest coordinate, or of the length: defects below it may be round-off
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
 REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
@@ -126,49 +127,66 @@ def velocity_defect(entries: Entries, b: Array, t: float, q: Array, v: Array, wo
 
 
 @compiled
-def correct(x: Array, before: float, work: Work, matrix: Matrix) -> tuple[float, int]:
-    """Take the least change that removes the defect from x. Returns the largest defect, and what was done.
+def length_of(placed: Placed) -> float:
+    """The length by which displacements are measured where pivots are chosen [m]."""
+    return float(placed.scale[placed.row_place[0]] / placed.scale[placed.row_place[3]])
 
-    Nothing is DONE if the defect is small, or not half of what it was `before`. If it is no round-off either, the
-    change before has not helped and is UNDONE.
+
+@compiled
+def size_of(x: Array, count: int, length: float) -> float:
+    """The largest of the first entries: displacements, in parts of a length, and Euler parameters; or their rates."""
+    largest = 0.0
+    for k in range(count):
+        largest = max(largest, abs(x[k]) / length if k % 7 < 3 else abs(x[k]))
+    return largest
+
+
+@compiled
+def correct(
+    x: Array, before: float, least: float, work: Work, matrix: Matrix, violation: Array, kind: int
+) -> tuple[float, int]:
+    """Take the least change that removes the defect from x. Returns the largest defect, scaled, and what was done.
+
+    Nothing is DONE if the defect is small against x or `least`, or not half of what it was `before`. If it is no
+    round-off either, the change before has not helped and is UNDONE. `violation` of this kind receives the defect as it
+    is.
     """
-    n, every, worst, length = len(x), 0.0, 0.0, 1.0
+    n, every, worst, placed = len(x), 0.0, 0.0, matrix.placed
     for k in range(len(work.rate)):
-        stored = work.rate[k] * (1.0 - matrix.left_out[k])
+        stored = placed.scale[placed.row_place[n + k]] * work.rate[k] * (1.0 - matrix.left_out[k])
         every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
-    for k in range(n):
-        length = max(length, abs(x[k]))
-    if worst < PROJECTED or (not worst < 0.5 * before and worst < ROUND * length):
-        return every, DONE
+    violation[kind], size = every, max(least, size_of(x, n, length_of(placed)))
+    if worst <= PROJECTED * (least if least > 0.0 else size) or (
+        not worst < 0.5 * before and worst < ROUND * size
+    ):
+        return worst, DONE
     if not worst < 0.5 * before:
         for k in range(n):
             x[k] += work.solution[k]
-        return every, UNDONE
+        return worst, UNDONE
     for k in range(n):
         work.right[k] = 0.0
     for k in range(len(work.rate)):
         work.right[n + k] = work.rate[k] * (1.0 - matrix.left_out[k])
-    backsolve(matrix.placed, work.right, work.solution)
+    backsolve(placed, work.right, work.solution)
     for k in range(n):
         x[k] -= work.solution[k]
-    return every, CHANGED
+    return worst, CHANGED
 
 
 @compiled
-def sensible(v: Array, defect: float, work: Work) -> bool:
+def sensible(v: Array, defect: float, work: Work, length: float) -> bool:
     """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
-    moved, length = 0.0, 0.0
-    for k in range(len(v)):
-        moved, length = max(moved, abs(work.solution[k])), max(length, abs(v[k] + work.solution[k]))
-    return moved < MAGNIFIED * defect or moved < SLIGHT * length
+    moved = size_of(work.solution, len(v), length)
+    return moved < MAGNIFIED * defect or moved < SLIGHT * (size_of(v, len(v), length) + moved)
 
 
 @compiled
 def project(
     entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
-    defect: Array,
+    violation: Array,
 ) -> bool:  # fmt: skip
-    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `defect` receives the largest remaining entries.
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries.
 
     Returns false where constraints are so nearly redundant that the state would become less
     accurate than before.
@@ -176,20 +194,19 @@ def project(
     before = 1e30
     for _ in range(PROJECTIONS):
         position_defect(entries, b, t, q, lam, work)
-        before, done = correct(q, before, work, matrix)
+        before, done = correct(q, before, 1.0, work, matrix, violation, 0)
         if done == UNDONE:
             return False
         if done == DONE:
             break
-    defect[0], before = before, 1e30
+    before = INFINITE
     for _ in range(PROJECTIONS):
         velocity_defect(entries, b, t, q, v, work)
-        before, done = correct(v, before, work, matrix)
-        if done == UNDONE or (done == CHANGED and not sensible(v, before, work)):
+        before, done = correct(v, before, 0.0, work, matrix, violation, 1)
+        if done == UNDONE or (done == CHANGED and not sensible(v, before, work, length_of(matrix.placed))):
             return False
         if done == DONE:
             break
-    defect[1] = before
     return True
 
 
@@ -198,10 +215,10 @@ def solve_motion(
     entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix
 ) -> None:
     """a and λ of the equations of motion, refined from the guess that is there."""
-    n = len(q)
+    n, placed = len(q), matrix.placed
     call_kernels(entries.force, b, t, q, v, work.Q)
     call_kernels(entries.gamma, b, t, q, v, work.gamma)
-    before = 1e30
+    before = INFINITE
     for _ in range(REFINEMENTS):
         call_kernels(entries.momentum, b, q, v, a, work.M_a, work.S)
         call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
@@ -211,16 +228,17 @@ def solve_motion(
         for k in range(len(lam)):
             defect = work.rate[k] - work.gamma[k]
             work.right[n + k] = defect if matrix.left_out[k] == 0.0 else lam[k]
-        backsolve(matrix.placed, work.right, work.solution)
-        moved, length = 0.0, 1e-30
+        backsolve(placed, work.right, work.solution)
         for k in range(n):
             a[k] -= work.solution[k]
-            moved, length = max(moved, abs(work.solution[k])), max(length, abs(a[k]))
-        pulled, force = 0.0, 1e-30
+        length = length_of(placed)
+        change = size_of(work.solution, n, length) / max(size_of(a, n, length), TINY)
+        pulled, force = 0.0, TINY
         for k in range(len(lam)):
             lam[k] -= work.solution[n + k]
-            pulled, force = max(pulled, abs(work.solution[n + k])), max(force, abs(lam[k]))
-        change = max(moved / length, pulled / force)
+            unit = placed.scale[placed.row_place[n + k]]
+            pulled, force = max(pulled, abs(work.solution[n + k]) / unit), max(force, abs(lam[k]) / unit)
+        change = max(change, pulled / force)
         if change <= REFINED or not change < 0.1 * before:
             return
         before = change
@@ -246,9 +264,9 @@ def growth_of(work: Work, matrix: Matrix) -> float:
     """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.
 
     An inverse iteration that goes on from state to state: the length comes close to 1 / σ², σ the smallest singular
-    value of Φ_q M^(-½).
+    value of Φ_q M^(-½), with equations scaled as where pivots are chosen.
     """
-    n, before, length = len(work.right) - len(work.weak), 0.0, 0.0
+    n, before, length, placed = len(work.right) - len(work.weak), 0.0, 0.0, matrix.placed
     for k in range(len(work.weak)):
         before += work.weak[k] ** 2
     rounds = 1
@@ -258,10 +276,12 @@ def growth_of(work: Work, matrix: Matrix) -> float:
         for k in range(n):
             work.right[k] = 0.0
         for k in range(len(work.weak)):
-            work.right[n + k] = work.weak[k] * (1.0 - matrix.left_out[k])
-        backsolve(matrix.placed, work.right, work.solution)
+            unit = placed.scale[placed.row_place[n + k]]
+            work.right[n + k] = work.weak[k] * (1.0 - matrix.left_out[k]) / unit
+        backsolve(placed, work.right, work.solution)
         length = 0.0
         for k in range(len(work.weak)):
+            work.solution[n + k] /= placed.scale[placed.row_place[n + k]]
             length += work.solution[n + k] ** 2
         length = length**0.5
         for k in range(len(work.weak)):

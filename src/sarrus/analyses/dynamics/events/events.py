@@ -24,7 +24,7 @@ AHEAD = 1e-7  # s, after which its direction is seen
 JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
 # of what it moves until then: so near to zero when another event comes, it crosses at the same time
 MEETS = 1e-4
-NEAR = 1e-13  # of the time reached, or of 1 s: where root finding ends
+NEAR = 1e-13  # of the time reached: where root finding ends
 Function = Callable[[float, Array, Array], float]
 
 
@@ -199,7 +199,9 @@ class Watch:
         start = before
         for _ in range(HALVINGS):
             if value(start) * self.last > 0:
-                return float(brentq(value, start, after, xtol=NEAR * max(1.0, abs(after)), rtol=1e-15))
+                return float(
+                    brentq(value, start, after, xtol=NEAR * max(after - before, abs(after)), rtol=1e-15)
+                )
             start = before + 0.5 * ((start if start > before else after) - before)
         return before
 

@@ -16,6 +16,7 @@ from ....results import Assembly, DescribedSteps, StepsTaken
 from ....system import System
 from ....system.cached import once_alike
 from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix
+from ...equations.length import kinematic_weights
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.check import check
 from ..methods.description import Affine, Description
@@ -137,7 +138,7 @@ class DescribedStepper(AlphaStepper):
         x, past = np.zeros(self._layout.size), max(later.exponent - 2, 0)
         right = x[self._passed.right : self._passed.right + tables.n]
         own = [np.zeros(width) for width in (tables.n, m, nq + m)]
-        self._memory = loop.Memory._make([right, *own, motion_work(system)])
+        self._memory = loop.Memory._make([right, *own, kinematic_weights(system), motion_work(system)])
         views = {name: x[own] for name, own in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
         self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)

@@ -96,12 +96,13 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Right side (in x) and solution of Newton's method; round-off of each equation of Φ; the removed defect (s, σ)."""
+    """Right side (in x) and solution of Newton's method; round-off of Φ; the removed defect (s, σ); W (nq,)."""
 
     right: Array
     solution: Array
     noise: Array
     correction: Array
+    unit: Array
     motion: sample_loop.Work
 
 
@@ -246,6 +247,10 @@ def residual(
     """All equations of a step, scaled; see `alpha_loop.residual` for the round-off of Φ that is left out."""
     x, right = state.x, memory.right
     call_operators(scheme, entries, b, t, h, x)
+    for n in range(len(scheme.rates)):
+        of, to = scheme.rates[n, 0], scheme.rates[n, 1]
+        for k in range(len(memory.unit)):
+            x[to + k] = memory.unit[k] * x[of + k]
     apply(scheme, EQUATIONS, state)
     for n in range(len(scheme.positions) if ignored > 0.0 else 0):
         row, factor = scheme.positions[n, 0], ignored * abs(state.r[scheme.positions[n, 1]])

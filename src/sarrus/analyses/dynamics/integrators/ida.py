@@ -167,13 +167,13 @@ class Equations:
         self._cut = np.cumsum([nq, nq, m])
 
     def residual(self, t: float, y: Array, rate: Array, out: Array) -> None:
-        """[q' - v + Φ_qᵀ Μ'; M v' + Φ_qᵀ Λ' - Q - S; Φ; Φ_q v + Φ_t]; Λ' and Μ' of equations left out are 0."""
+        """[W (q' - v) + Φ_qᵀ Μ'; M v' + Φ_qᵀ Λ' - Q - S; Φ; Φ_q v + Φ_t]; Λ' and Μ' of equations left out are 0."""
         self.evaluations += 1
         system, b, stored = self.system, self.motion.b, 1.0 - self._left_out
         q, v, _, _ = np.split(y, self._cut)
         qd, a, lam, mu = (part.copy() for part in np.split(rate, self._cut))
         q, v = q.copy(), v.copy()
-        first = qd - v + system.Phi_qT_lam(q, mu, t, b=b)
+        first = self._numbers.views[UNIT] * (qd - v) + system.Phi_qT_lam(q, mu, t, b=b)
         second = system.M_a(q, a, b=b) + system.Phi_qT_lam(q, lam, t, b=b)
         second -= system.Q(q, v, t, b=b) + system.S(q, v, b=b)
         third = np.where(stored > 0, system.Phi(q, t, b=b), lam)

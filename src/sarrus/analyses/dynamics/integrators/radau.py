@@ -1,6 +1,8 @@
 """Radau IIA, three stages, order 5: for high accuracy; on the stabilized index-2 (GGL) equations
 
-    q' = v - Φ_qᵀμ,    M v' = Q + S - Φ_qᵀλ,    Φ = 0,    Φ_q v + Φ_t = 0.
+    W q' = W v - Φ_qᵀμ,    M v' = Q + S - Φ_qᵀλ,    Φ = 0,    Φ_q v + Φ_t = 0.
+
+W measures displacements in a length of the system, see `kinematic_weights`.
 
 Gear, Gupta and Leimkuhler (1985); Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8 and VII.
 """

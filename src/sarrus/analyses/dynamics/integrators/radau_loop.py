@@ -3,7 +3,7 @@
 Unknowns are the increments of q and v from the start of the step to its three stages, and λ and μ at the stages.
 Simplified Newton: with W = T⁻¹ Z the 3 N equations of a step fall apart into N real and N complex ones,
 
-    [ 1 I                 -I            0     Φ_qᵀ ] [ w_q     ]
+    [ W                   -W            0     Φ_qᵀ ] [ w_q     ]
     [ (...)_q / s²    M + (...)_v / s   Φ_qᵀ  0    ] [ w_v / s ]
     [ Φ_q                  0            0     0    ] [ w_λ / s²]
     [ (Φ_q v + Φ_t)_q / s  Φ_q          0     0    ] [ w_μ / s ],     s = (γ or α + i β) / h,
@@ -65,7 +65,7 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Operators' outputs and work arrays."""
+    """Operators' outputs and work arrays; `unit` is W, see `kinematic_weights`."""
 
     Phi: Array
     Phi_qT_lam: Array
@@ -84,6 +84,7 @@ class Memory(NamedTuple):
     right: Array
     solution: Array
     end: Array
+    unit: Array
 
 
 class Matrices(NamedTuple):
@@ -186,7 +187,7 @@ def residual(
     scheme: Scheme, index: Indices, b: Array, t0: float, h: float, state: State, memory: Memory,
     left_out: Array,
 ) -> None:  # fmt: skip
-    """[q' - v + Φ_qᵀμ; M a + Φ_qᵀλ - Q - S; Φ; Φ_q v + Φ_t] at every stage."""
+    """[W (q' - v) + Φ_qᵀμ; M a + Φ_qᵀλ - Q - S; Φ; Φ_q v + Φ_t] at every stage."""
     n, m = len(state.q0), len(left_out)
     stages(scheme, h, state)
     for i in range(3):
@@ -200,7 +201,7 @@ def residual(
             slope = 0.0
             for j in range(3):
                 slope += scheme.inverse[i, j] * state.zq[j, k]
-            memory.residual[i, k] = slope / h - v[k] + memory.Phi_qT_mu[k]
+            memory.residual[i, k] = memory.unit[k] * (slope / h - v[k]) + memory.Phi_qT_mu[k]
             memory.residual[i, n + k] = memory.M_a[k] + memory.Phi_qT_lam[k] - memory.Q[k] - memory.S[k]
         for k in range(m):
             stored = 1.0 - left_out[k]
@@ -331,7 +332,7 @@ def estimate(
         for j in range(3):
             in_q += scheme.error[j] * state.zq[j, k]
             in_v += scheme.error[j] * state.zv[j, k]
-        right[k] = (in_q / h + state.v0[k]) / s
+        right[k] = memory.unit[k] * (in_q / h + state.v0[k]) / s
         memory.end[k] = (in_v / h + state.a0[k]) / (s * s)
     call_kernels(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
     copied(memory.M_a, right[n : 2 * n])
@@ -341,7 +342,7 @@ def estimate(
     if again and error >= 1.0:
         right[:] = 0.0
         for k in range(n):
-            right[k], memory.end[k] = found[k], found[n + k] / s
+            right[k], memory.end[k] = memory.unit[k] * found[k], found[n + k] / s
         call_kernels(index.momentum, b, state.q0, state.v0, memory.end, memory.M_a, memory.S)
         copied(memory.M_a, right[n : 2 * n])
         backsolve(matrices.real, right, found)

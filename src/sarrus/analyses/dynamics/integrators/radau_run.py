@@ -61,7 +61,7 @@ class RadauStepper(Implicit):
             system, _record(system, self._chunk, settings.store_steps), RadauSteps, settings
         )
         self._control: loop.Control = loop.Control.zeros()
-        self._memory = _memory(nq, m)
+        self._memory = _memory(nq, m, self.numbers.views[UNIT])
         self._arrays: loop.Matrices | None = None
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
@@ -243,9 +243,9 @@ def _record(system: System, capacity: int, stages: bool) -> loop.Record:
     return loop.Record._make(np.zeros(shape) for shape in shapes)
 
 
-def _memory(nq: int, m: int) -> loop.Memory:
+def _memory(nq: int, m: int, unit: Array) -> loop.Memory:
     whole, small = 2 * (nq + m), nq + m
     shapes = (m, nq, nq, nq, nq, nq, m, m, m, (3, whole), whole, whole)
     last = (small, small, nq)
     pair = [np.zeros(whole, dtype=complex) for _ in range(2)]
-    return loop.Memory._make([*(np.zeros(s) for s in shapes), *pair, *(np.zeros(s) for s in last)])
+    return loop.Memory._make([*(np.zeros(s) for s in shapes), *pair, *(np.zeros(s) for s in last), unit])

@@ -1,6 +1,6 @@
 """Stiffly accurate collocation on the stabilized index-2 equations; Radau IIA of order 5, as described data.
 
-    q' = v - Φ_qᵀμ,    M v' = Q + S - Φ_qᵀλ,    Φ = 0,    Φ_q v + Φ_t = 0
+    W q' = W v - Φ_qᵀμ,    M v' = Q + S - Φ_qᵀλ,    Φ = 0,    Φ_q v + Φ_t = 0
 
 at every stage, with q' = Σⱼ (A⁻¹)ᵢⱼ (qⱼ - q₀) / h. Gear, Gupta and Leimkuhler (1985). The unknowns are q, h v, h²λ and
 hμ of each stage; the last stage is the end of the step.

@@ -24,7 +24,7 @@ Affine = Mapping[
 class Stage(NamedTuple):
     """A stage, at t₀ + time · h; each of its quantities by blocks of the state before the step and of the unknowns.
 
-    `rate` is what the kinematic equation sets to -Φ_qᵀμ.
+    `rate` is what the kinematic equation sets to -W⁻¹Φ_qᵀμ.
     """
 
     time: float = 1.0
@@ -45,7 +45,7 @@ class Equation(NamedTuple):
         position      Φ
         velocity      Φ_q v + Φ_t
         acceleration  Φ_q a - γ
-        kinematic     rate + Φ_qᵀμ
+        kinematic     W rate + Φ_qᵀμ      W: see `kinematic_weights`
         impulse       M a + Φ_qᵀλ
 
     Of the equations of constraints and the blocks of multipliers among the unknowns there are equally many: where an

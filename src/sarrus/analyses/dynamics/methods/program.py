@@ -62,6 +62,7 @@ class Program(NamedTuple):
     times : (stages,) parts of the step
     calls : (n, 9) operators of the equations: group, stage, places of q and two operands; of two outputs begin, end
     positions : (n, 2) equations of positions: row, register of the scale
+    rates : (n, 2) rates of kinematic equations: where they are, and where times W, see `kinematic_weights`
     operators : (n, 13) those of the matrix; of four outputs, in their values
     constrained : (n, 2) places of values in rows of constraints, and the constraint
     multipliers : (n, 2) rows of constraints, and the unknowns that are zero where these are redundant
@@ -84,6 +85,7 @@ class Program(NamedTuple):
     times: Array
     calls: Array
     positions: Array
+    rates: Array
     operators: Array
     constrained: Array
     multipliers: Array
@@ -156,6 +158,7 @@ class ProgramBuilder:
         structure = structure_of(Operation(method.state, method.unknowns, self.step))
         self.tables = Tables(structure, system.nq, system.m)
         self._nq, self._m = system.nq, system.m
+        self._rates = list[list[int]]()
         self.size, tables = 0, self.tables
         widest = max(system.nq, system.m)
         names = (
@@ -320,7 +323,9 @@ class ProgramBuilder:
                 place = calls[known[key]][5 + 2 * OUTPUTS[group].index(output)]
                 add(row, place, self._output_size(output), sign * scale)
             if kind == "kinematic":
-                add(row, self.quantity(s, "rate"), self._nq, scale)
+                weighted = self._take(self._nq)
+                self._rates.append([self.quantity(s, "rate"), weighted])
+                add(row, weighted, self._nq, scale)
         return calls, terms
 
     def _output_size(self, name: str) -> int:
@@ -392,7 +397,7 @@ class ProgramBuilder:
         return Program(
             tape=tape, constants=constants, terms=terms, bounds=bounds, calls=_table(calls, 9),
             times=np.array([stage.time for stage in self.step.stages]),
-            positions=positions,
+            positions=positions, rates=_table(self._rates, 2),
             operators=_table(self._operators(values), 13), constrained=constrained,
             multipliers=_table(self._multipliers(), 2), forces=forces, weights=registers[weights], n=self.tables.n,
             exponent=exponent, constant=constant, estimated=bool(error), own_accelerations="a" in self.step.update,

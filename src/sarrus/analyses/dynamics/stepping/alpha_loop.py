@@ -20,7 +20,7 @@ from ...._jit.kernels.pointer import Entry, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, PlacedMatrix, backsolve, leave_out, refactor
-from .motion_scale import Tolerance, follow_motion
+from .motion_scale import LENGTH, Tolerance, follow_motion
 from .newton_matrix import weigh
 from .step_control import StepControl
 
@@ -295,11 +295,13 @@ def renew(
 @compiled
 def round_off(h: float, state: State, tol: Tolerance) -> float:
     """How large in v, over the tolerances, the round-off of Φ becomes by h: see `AlphaStepper._finest`."""
+    length = tol.size[LENGTH] if tol.size[LENGTH] > 0.0 else 1.0
     largest, total = 0.0, 0.0
     for k in range(len(state.q0)):
-        largest = max(largest, abs(state.q0[k]))
+        largest = max(largest, abs(state.q0[k]) / length if k % 7 < 3 else abs(state.q0[k]))
     for k in range(len(state.v0)):
-        relative = 1.0 / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
+        unit = length if k % 7 < 3 else 1.0
+        relative = unit / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
         total += relative * relative
     return float(2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5)
 

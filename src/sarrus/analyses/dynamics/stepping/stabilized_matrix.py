@@ -1,6 +1,6 @@
 """The Newton matrix of Radau on the stabilized index-2 equations: where operators stand, and their weights.
 
-    [ 1 I             -I             0     Φ_qᵀ] [ δq    ]
+    [ W               -W             0     Φ_qᵀ] [ δq    ]
     [ β' (...)_q      M + γ' (...)_v  Φ_qᵀ  0  ] [ β' δa ]
     [ Φ_q              0             0     0   ] [ β' δλ ]
     [ β'/γ' (Φ_q v + Φ_t)_q   Φ_q    0     0   ] [ δη    ],    δv = γ' δa,

@@ -21,6 +21,7 @@ from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...dynamics.stepping.entries import joined
 from ...equations.block_matrix import Numbers
 from ...equations.block_matrix import layout_of as pattern_of
+from ...equations.length import kinematic_weights
 from ..lagrangians.by_parameters import gradient_entry
 from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedRows
 from .changes import UNCHANGED, changes
@@ -103,9 +104,10 @@ class Blocks:
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
         values, adjoint = buffer(layout.values_size), int(layout.adjoints[-1, 1])
         for tables, (_, redundant, _) in zip(self.tables, layout.values, strict=True):
-            if tables:  # the ones of the unit matrix, behind the numbers of redundant equations
+            if tables:  # W of the kinematic equation, behind the numbers of redundant equations
                 first = redundant + tables.m
-                values[first * LANES : (first + tables.nq) * LANES] = 1.0
+                weights = np.repeat(kinematic_weights(system), LANES)
+                values[first * LANES : (first + tables.nq) * LANES] = weights
         refined = np.ones((OPERATIONS, 3))
         refined[:, 2] = PLAIN if record.damps else 0.0
         moved = UNCHANGED

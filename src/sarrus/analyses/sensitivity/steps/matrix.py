@@ -103,4 +103,5 @@ class OperationMatrix(PlacedMatrix):
     def _expanded(self, one: Placed, count: int) -> Placed:
         rows = np.concatenate([count * one.row_place.astype(np.int64) + i for i in range(count)])
         columns = one.column_order.astype(np.int64)[:, None] + len(one.column_order) * np.arange(count)
-        return self._show(SparseLU.ordered(self._layout.indptr, self._layout.indices, rows, columns.ravel()))
+        order = SparseLU.ordered(self._layout.indptr, self._layout.indices, rows, columns.ravel())
+        return self._show(order, self._exponents()[0])

@@ -1,0 +1,93 @@
+"""Powers of two by which rows and columns of a matrix of operators are multiplied, so that units do not matter.
+
+The unknowns of such a matrix are changes of coordinates, in metres and Euler parameters, and of multipliers. Pivots
+chosen by the numbers as they are would depend on the units in which a model is written. Displacements are measured in
+a length of the system, each equation of Φ by its gradient; then blocks of rows and of columns are scaled so that the
+largest entries of M, Φ_q and unit matrices are near 1. Powers of two leave all digits as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+
+COORDINATES, CONSTRAINTS = "coordinates", "constraints"
+
+
+class Block(NamedTuple):
+    """Sizes of the numbers of M, Φ_q or W: where it begins, kinds of its rows and columns, places in it."""
+
+    row: int
+    column: int
+    kinds: tuple[str, str]
+    rows: Array
+    columns: Array
+    sizes: Array
+
+
+def exponents(n: int, blocks: list[Block], size: Mapping[str, int]) -> tuple[Array, Array]:
+    """Exponents of two of all rows and columns of a matrix (n, n); `size` is that of each kind of block."""
+    scale = _within_blocks(blocks, size)
+    rows, columns = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    edges = [(one.row, one.column, _largest(one, scale)) for one in blocks]
+    of_rows, of_columns = _of_blocks([edge for edge in edges if edge[2] is not None])  # type: ignore[misc]
+    for one in blocks:
+        for to, at, kind, of in (
+            (rows, one.row, one.kinds[0], of_rows),
+            (columns, one.column, one.kinds[1], of_columns),
+        ):
+            to[at : at + size[kind]] = scale[kind] + of.get(at, 0)
+    return rows, columns
+
+
+def _within_blocks(blocks: list[Block], size: Mapping[str, int]) -> dict[str, Array]:
+    """Exponents of coordinates, by the length, and of equations, by the largest number of their gradients."""
+    coordinates = np.where(np.arange(size[COORDINATES]) % 7 < 3, length_exponent(blocks), 0)
+    largest = np.zeros(size[CONSTRAINTS])
+    for one in blocks:
+        if CONSTRAINTS in one.kinds:
+            rows, columns = (one.rows, one.columns)[:: 1 if one.kinds[0] == CONSTRAINTS else -1]
+            np.maximum.at(largest, rows, np.ldexp(one.sizes, coordinates[columns]))
+    return {COORDINATES: coordinates, CONSTRAINTS: np.where(largest > 0, -np.frexp(largest)[1], 0)}
+
+
+def length_exponent(blocks: Iterable[Block]) -> int:
+    """Exponent of a length: the radius of gyration by the largest numbers of M, else a lever of Φ_q; 0 without."""
+    moving, turning = 0.0, 0.0
+    for one in blocks:
+        if one.kinds == (COORDINATES, COORDINATES) and np.any(one.rows != one.columns):
+            at = one.rows % 7 >= 3
+            moving = max(moving, float(one.sizes[~at].max(initial=0.0)))
+            turning = max(turning, float(one.sizes[at].max(initial=0.0)))
+    return int(np.frexp(np.sqrt(turning / moving))[1]) if moving > 0 and turning > 0 else 0
+
+
+def _largest(one: Block, scale: Mapping[str, Array]) -> int | None:
+    """Exponent of the largest number of a block; None if all are zero."""
+    by = scale[one.kinds[0]][one.rows] + scale[one.kinds[1]][one.columns]
+    found = float(np.ldexp(one.sizes, by).max(initial=0.0))
+    return int(np.frexp(found)[1]) if found > 0 else None
+
+
+def _of_blocks(edges: list[tuple[int, int, int]]) -> tuple[dict[int, int], dict[int, int]]:
+    """Exponents of blocks of rows and of columns with which the largest numbers of a tree of blocks are near 1."""
+    rows: dict[int, int] = {}
+    columns: dict[int, int] = {}
+    for _, start, _ in edges:
+        if start in columns:
+            continue
+        columns[start], grew = 0, True
+        while grew:
+            grew = False
+            for row, column, size in edges:
+                if (row in rows) != (column in columns):
+                    grew = True
+                    if row in rows:
+                        columns[column] = -size - rows[row]
+                    else:
+                        rows[row] = -size - columns[column]
+    return rows, columns

@@ -1,0 +1,190 @@
+"""The same mechanisms in other units: the same steps and the same digits, with default settings.
+
+Units differ by powers of two, which change no digit of a model's numbers: near 1e-9 and 1e6 for lengths, 1e-12 and
+1e12 for masses, 1e-6 and 1e4 for times. So whatever differs was decided by a number with a unit.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.functions import sin
+
+Z = (0, 0, 1)
+END = 1.0  # [s] of runs, in SI units
+
+
+class Units(NamedTuple):
+    """Exponents of two of the units of length, mass and time, and numbers in such units."""
+
+    length: int = 0
+    mass: int = 0
+    time: int = 0
+
+    def __call__(self, value: float, length: float = 0, mass: float = 0, time: float = 0) -> float:
+        return value * 2.0 ** (length * self.length + mass * self.mass + time * self.time)
+
+    def coordinates(self, count: int) -> np.ndarray:
+        """The unit of each coordinate."""
+        return np.tile(np.repeat([self(1, 1), 1.0], (3, 4)), count // 7)
+
+
+OTHERS = [
+    Units(-30, 0, 0), Units(20, 0, 0), Units(0, -40, 0), Units(0, 40, 0), Units(0, 0, -20), Units(0, 0, 13),
+    Units(-30, -40, -20), Units(20, 40, 13),
+]  # fmt: skip
+EXTREMES = OTHERS[-2:]
+
+
+def rod(u: Units, name: str, p: tuple[float, float], q: tuple[float, float], mass: float) -> sr.Body:
+    d, middle = np.subtract(q, p), np.add(q, p) / 2
+    J = mass * float(d @ d) / 12
+    return sr.Body(
+        name, u(mass, 0, 1), (u(0.01 * J, 2, 1), u(J, 2, 1), u(J, 2, 1)),
+        position=(u(middle[0], 1), u(middle[1], 1), 0), orientation=sr.AxisAngle(Z, float(np.arctan2(d[1], d[0]))),
+    )  # fmt: skip
+
+
+def pin(u: Units, name: str, i: sr.Body, j: sr.Body, at: tuple[float, float]) -> sr.Revolute:
+    return sr.Revolute(name, i, j, point=(u(at[0], 1), u(at[1], 1), 0), axis=Z)
+
+
+def weight(u: Units) -> tuple[float, float, float]:
+    return (0, u(-9.81, 1, 0, -2), 0)
+
+
+def slider_crank(u: Units, *drivers: sr.AngleDriver) -> sr.Model:
+    C, S = (0.06, 0.08), (0.06 + np.sqrt(0.3**2 - 0.08**2), 0.0)
+    crank, coupler = rod(u, "crank", (0, 0), C, 0.5), rod(u, "rod", C, S, 0.8)
+    slider = sr.Body("slider", u(1.2, 0, 1), (u(1e-3, 2, 1),) * 3, position=(u(S[0], 1), 0, 0))
+    joints = [
+        pin(u, "O", sr.ground, crank, (0, 0)), pin(u, "C", crank, coupler, C), pin(u, "S", coupler, slider, S),
+        sr.Translational("guide", sr.ground, slider, point=(0, 0, 0), axis=(1, 0, 0)),
+    ]  # fmt: skip
+    return sr.Model("slider-crank", [crank, coupler, slider], joints, drivers=[*drivers], gravity=weight(u))
+
+
+def driven(u: Units) -> sr.Model:
+    second = u(1, 0, 0, 1)
+
+    def angle(t):  # type: ignore[no-untyped-def]
+        return 3.0 * (t / second) + 0.2 * sin(5.0 * (t / second))
+
+    return slider_crank(u, sr.AngleDriver("motor", "O", angle))
+
+
+def four_bar(u: Units) -> sr.Model:
+    A, B, C, D = (0.0, 0.0), (0.2, 0.9), (1.6, 1.1), (1.5, 0.0)
+    bodies = [rod(u, "crank", A, B, 1.3), rod(u, "coupler", B, C, 2.1), rod(u, "rocker", C, D, 1.7)]
+    joints = [
+        pin(u, "A", sr.ground, bodies[0], A), pin(u, "B", bodies[0], bodies[1], B),
+        pin(u, "C", bodies[1], bodies[2], C), pin(u, "D", sr.ground, bodies[2], D),
+    ]  # fmt: skip
+    return sr.Model("four-bar", bodies, joints, gravity=weight(u))
+
+
+def double_pendulum(u: Units) -> sr.Model:
+    A, B, C = (0.0, 0.0), (0.7, -0.3), (1.1, 0.4)
+    upper, lower = rod(u, "upper", A, B, 1.3), rod(u, "lower", B, C, 0.6)
+    spring = sr.TSDA(
+        "spring", sr.ground.point(u(0.9, 1), u(0.2, 1), 0), lower.point(u(0.1, 1), 0, 0),
+        k=u(120.0, 0, 1, -2), c=u(2.5, 0, 1, -1), length=u(0.6, 1),
+    )  # fmt: skip
+    joints = [pin(u, "A", sr.ground, upper, A), pin(u, "B", upper, lower, B)]
+    return sr.Model("double pendulum", [upper, lower], joints, [spring], gravity=weight(u))
+
+
+def sliding_ball(u: Units) -> sr.Model:
+    """A ball falls on the ground, slides and rolls; beside it a pendulum with friction in its pin."""
+    ball = sr.Body(
+        "ball",
+        u(0.7, 0, 1),
+        (u(0.003, 2, 1),) * 3,
+        position=(0, 0, u(0.16, 1)),
+        velocity=(u(0.8, 1, 0, -1), 0, 0),
+    )
+    floor = sr.SphereContact(
+        "floor", ball.point(0, 0, 0), sr.ground.frame((0, 0, 0)), radius=u(0.1, 1), stiffness=u(2e3, 0, 1, -2),
+        exponent=1.0, damping=u(0.5, -1, 0, 1), rounding=u(1e-3, 1), mu=0.3, creep=u(1e-2, 1, 0, -1),
+    )  # fmt: skip
+    arm = rod(u, "arm", (2.0, 0.0), (2.3, 0.4), 0.9)
+    friction = sr.AngleFriction(
+        "friction", sr.ground, arm, point=(u(2.0, 1), 0, 0), axis=Z,
+        load=u(6.0, 1, 1, -2), mu=0.2, creep=u(1e-2, 1, 0, -1),
+        stribeck=u(2e-2, 1, 0, -1),
+        radius=u(0.01, 1),
+    )  # fmt: skip
+    pins = [pin(u, "pin", sr.ground, arm, (2.0, 0.0))]
+    return sr.Model(
+        "ball", [ball, arm], pins, [floor, friction], gravity=(0, 0.5 * weight(u)[1], weight(u)[1])
+    )
+
+
+MODELS = [slider_crank, driven, four_bar, double_pendulum, sliding_ball]
+Maker = Callable[[Units], sr.Model]
+
+
+@cache
+def run(make: Maker, u: Units, method: str) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
+    """Counts of a run with default settings; coordinates and velocities in SI units."""
+    system = sr.System(make(u))
+    found = sr.simulate(system, until=u(END, 0, 0, 1), method=getattr(sr, method)())
+    assert found.success, found.message
+    unit = u.coordinates(system.nq)
+    counts = found.nsteps, found.nrejected, found.nfev, found.njev
+    return counts, found.q / unit, found.v / unit * u(1, 0, 0, 1)
+
+
+@pytest.mark.parametrize("u", OTHERS)
+@pytest.mark.parametrize("make", MODELS)
+def test_a_run_takes_the_same_steps(make: Maker, u: Units) -> None:
+    same_runs(make, u, "Radau")
+
+
+@pytest.mark.parametrize("u", EXTREMES)
+@pytest.mark.parametrize("make", MODELS)
+def test_a_run_by_the_method_of_order_two(make: Maker, u: Units) -> None:
+    same_runs(make, u, "HHT")
+
+
+def same_runs(make: Maker, u: Units, method: str) -> None:
+    counts, q, v = run(make, Units(), method)
+    others, r, w = run(make, u, method)
+    assert others == counts
+    assert abs(r - q).max() <= 1e-13 * abs(q).max()
+    assert abs(w - v).max() <= 1e-12 * abs(v).max()
+
+
+@pytest.mark.parametrize("u", EXTREMES)
+@pytest.mark.parametrize("make", [slider_crank, four_bar, double_pendulum])
+def test_equilibria_and_modes(make: Maker, u: Units) -> None:
+    found = []
+    for units in (Units(), u):
+        system = sr.System(make(units))
+        rest = sr.equilibrium(system)
+        assert rest.success, rest.message
+        found.append(
+            (rest.q / units.coordinates(system.nq), sr.modes(system, rest).eigenvalues * units(1, 0, 0, 1))
+        )
+    (q, values), (r, others) = found
+    assert abs(r - q).max() < 1e-10
+    assert abs(others - values).max() < 1e-8 * abs(values).max()
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+@pytest.mark.parametrize("u", EXTREMES)
+def test_assembly(u: Units) -> None:
+    """From a rough guess; the metric has units, and is given in those of the model."""
+    found = []
+    for units in (Units(), u):
+        system = sr.System(four_bar(units))
+        unit = units.coordinates(system.nq)
+        guess = system.q0 + 0.05 * unit * np.random.default_rng(3).normal(size=system.nq)
+        assembly = sr.assemble(system, guess, metric=unit**-2.0)
+        assert assembly.success, assembly.message
+        found.append((assembly.q / unit, assembly.iterations))
+    assert abs(found[1][0] - found[0][0]).max() < 1e-10

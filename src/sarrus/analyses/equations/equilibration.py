@@ -56,14 +56,28 @@ def _within_blocks(blocks: list[Block], size: Mapping[str, int]) -> dict[str, Ar
 
 
 def length_exponent(blocks: Iterable[Block]) -> int:
-    """Exponent of a length: the radius of gyration by the largest numbers of M, else a lever of Φ_q; 0 without."""
-    moving, turning = 0.0, 0.0
+    """Exponent of a length: the larger of a radius of gyration, by the largest numbers of M, and a lever of Φ_q."""
+    length = 0.0
     for one in blocks:
         if one.kinds == (COORDINATES, COORDINATES) and np.any(one.rows != one.columns):
-            at = one.rows % 7 >= 3
-            moving = max(moving, float(one.sizes[~at].max(initial=0.0)))
-            turning = max(turning, float(one.sizes[at].max(initial=0.0)))
-    return int(np.frexp(np.sqrt(turning / moving))[1]) if moving > 0 and turning > 0 else 0
+            alike = (one.rows % 7 >= 3) == (one.columns % 7 >= 3)
+            together = np.zeros(int(alike.sum()), np.int64)
+            length = max(length, float(np.sqrt(_ratio(one.columns[alike], one.sizes[alike], together))))
+        elif CONSTRAINTS in one.kinds and COORDINATES in one.kinds:
+            equations, at = (one.rows, one.columns)[:: 1 if one.kinds[0] == CONSTRAINTS else -1]
+            length = max(length, _ratio(at, one.sizes, equations))
+    return int(np.frexp(length)[1]) if length > 0 else 0
+
+
+def _ratio(at: Array, sizes: Array, equations: Array) -> float:
+    """The largest number of an equation that belongs to a rotation over the largest that belongs to a displacement.
+
+    Equations without displacements have no length.
+    """
+    turning, moving = np.zeros((2, int(equations.max(initial=0)) + 1))
+    np.maximum.at(turning, equations, np.where(at % 7 >= 3, sizes, 0.0))
+    np.maximum.at(moving, equations, np.where(at % 7 < 3, sizes, 0.0))
+    return float(np.divide(turning, moving, out=np.zeros_like(moving), where=moving > 0).max(initial=0.0))
 
 
 def _largest(one: Block, scale: Mapping[str, Array]) -> int | None:

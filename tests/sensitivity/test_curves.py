@@ -101,7 +101,7 @@ def test_changes_of_the_step_size_remove_defects() -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str, method: str) -> None:
-    wanted = differenced(swung(method), RESPONSES, name, 2e-3, METHODS[method])
+    wanted = differenced(swung(method), RESPONSES, name, 1e-3, METHODS[method])
     own = found("adjoint", method)
     limits = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7]) * abs(own).max(axis=1)
     assert np.all(abs(own[:, NAMES.index(name)] - wanted) < limits)
@@ -181,7 +181,7 @@ def test_hessians_by_tables_and_formulas_are_those_of_differenced_gradients(meth
     wanted = differenced_gradients(run, RESPONSES, EVERYTHING, DIRECTION, METHODS[method])
     for response, row in zip(RESPONSES, wanted, strict=True):
         found = sr.hessian(run, response, EVERYTHING)
-        assert found.asymmetry < 1e-13
+        assert found.asymmetry < 1e-11  # Radau's multipliers have round-off of 1e-12 in some steps
         assert found.matrix @ DIRECTION == pytest.approx(row, rel=0, abs=1e-7 * abs(row).max())
 
 

@@ -18,14 +18,13 @@ from typing import Any
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.methods.registry import METHODS as REGISTERED
-from sarrus.analyses.dynamics.methods.registry import STORING_STEPS
+from sarrus.analyses.integration_methods import STORING_STEPS, method_named
 from sarrus.cli import main as cli
 
 ROOT = Path(__file__).resolve().parent.parent
 Action = Callable[[], object]
 TRACED: dict[str, Callable[[], Any]] = {  # their steps have derivatives
-    **{name: REGISTERED[name] for name in STORING_STEPS},
+    **{name: method_named(name) for name in STORING_STEPS},
     "stabilized": partial(sr.HHT, stabilized=True),
 }
 METHODS = {**TRACED, "ode": sr.ODE}  # the other solvers need packages that a wheel does not ask for

@@ -176,6 +176,7 @@ def simulate(
             plan = Plan(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None else None,
+                free=step is None and not isinstance(chosen, IDA),
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -37,6 +37,7 @@ CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
 PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
+KNOWN = 256  # laws whose features are kept
 LEAST = 1e-12  # of a run: parts that are not divided; of the size of a law: a range that is round-off
 
 
@@ -57,9 +58,19 @@ class Features(NamedTuple):
 
 def features(system: System, begin: float, until: float) -> Features:
     """The features of all laws over the time that are formulas or Python functions; tables have their points."""
-    found = [_features(law, begin, until) for law in _laws(system)]
+    found = [features_of(law, begin, until) for law in _laws(system)]
     corners, ends = (np.unique(np.concatenate([np.zeros(0), *(f[n] for f in found)])) for n in range(2))
     return Features(corners, ends, min((f.longest for f in found), default=np.inf))
+
+
+class Examined(Hashable, Protocol):
+    """A law that can be examined; equal laws are examined once."""
+
+    def __call__(self, x: Array) -> Array:
+        """Its values (n,)."""
+
+    def zeros(self, x: Array) -> tuple[Array, Array]:
+        """Arguments at which it has corners, and others around which it is looked at closely."""
 
 
 class Law:
@@ -153,8 +164,9 @@ def _number(value: Any) -> Any:
     return np.nan if isinstance(value, Curve | Formula) else value
 
 
-@lru_cache(256)
-def _features(law: Law, begin: float, until: float) -> Features:
+@lru_cache(KNOWN)
+def features_of(law: Examined, begin: float, until: float) -> Features:
+    """The features of one law between two arguments."""
     span = until - begin
     even = np.linspace(begin, until, SAMPLES)
     corners, others = law.zeros(even)
@@ -176,7 +188,7 @@ def _features(law: Law, begin: float, until: float) -> Features:
     return Features(corners, np.setdiff1d(ends, corners), longest)
 
 
-def _parts(law: Law, t: Array, values: Array, tolerance: float, between: Array) -> Array:
+def _parts(law: Examined, t: Array, values: Array, tolerance: float, between: Array) -> Array:
     """Ends of parts in each of which the law is nearly a cubic; as many as show that there are too many."""
     ends, low, high = between, between[:-1], between[1:]
     least = LEAST * (between[-1] - between[0])
@@ -188,7 +200,7 @@ def _parts(law: Law, t: Array, values: Array, tolerance: float, between: Array) 
     return np.sort(ends)
 
 
-def _are_cubic(law: Law, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
+def _are_cubic(law: Examined, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
     """Whether a law is within a tolerance of its cubic in parts (n,); their very ends do not count."""
     start, width = low + AHEAD * (high - low), (1 - 2 * AHEAD) * (high - low)
     own = law((start[:, None] + width[:, None] * SHARES).ravel()).reshape(len(low), -1)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ....algebra import Array
 from ....system import System
 from ..events.force_corners import Corner, ForceCorners, Located, width
 from ..stepping.nodes import Nodes, joined
 from ..stepping.stepper import RunFailure
+from .rewind import Rewind
 
 SEARCHES = 8  # times the last step is taken again
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
@@ -39,39 +38,15 @@ class CornerSteps:
 
     def __init__(self, system: System, stepper: Any) -> None:
         self._corners, self._stepper = ForceCorners(system), stepper
-        self._store: Any = getattr(stepper, "_inner", stepper).store if self._corners else None
+        self._rewind = Rewind(stepper)
         self.count = 0
 
     def __bool__(self) -> bool:
         return bool(self._corners)
 
     def mark(self) -> dict[str, Any]:
-        """The state of the method, without copies of the steps stored so far."""
-        store, tally = self._store, self._stepper.tally
-        wanted, store.wanted = store.wanted, False
-        try:
-            state = {name: np.array(array) for name, array in self._stepper.state().items()}
-        finally:
-            store.wanted = wanted
-        return {"state": state, "taken": store._taken, "count": store.count, "history": list(tally.history)}
-
-    def rewind(self, mark: dict[str, Any]) -> None:
-        """Go back to such a state; what was computed since counts."""
-        store, stepper, counts = self._store, self._stepper, self._stepper.tally
-        wanted, store.wanted = store.wanted, False
-        try:
-            stepper.resume({name: array.copy() for name, array in mark["state"].items()})
-        finally:
-            store.wanted = wanted
-        store._taken, store.count = mark["taken"], mark["count"]
-        taken, before = stepper.tally.nsteps, stepper.tally
-        before.nfev, before.njev, before.nlu, before.nrejected = (
-            counts.nfev,
-            counts.njev,
-            counts.nlu,
-            counts.nrejected,
-        )
-        before.nsteps, before.history = taken, list(mark["history"])
+        """The method before steps that are taken next."""
+        return self._rewind.mark()
 
     def cut(self, mark: dict[str, Any], nodes: Nodes) -> Cut | None:
         """The steps since a state up to the first corner that they pass; they are taken again."""
@@ -86,21 +61,21 @@ class CornerSteps:
         except RunFailure:
             cut = None
         if cut is None:
-            self.rewind(mark)
-            self._until(end)
+            self._rewind.back(mark)
+            self._rewind.until(end)
             return None
         self.count += 1
         return cut
 
     def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
         """The steps up to a corner, whose last one ends just before it."""
-        self.rewind(mark)
-        parts = [self._until(float(nodes.t[found.step]))] if found.step else []
-        own, t, rate = self.mark(), found.t, found.rate
+        self._rewind.back(mark)
+        parts = [self._rewind.until(float(nodes.t[found.step]))] if found.step else []
+        own, t, rate = self._rewind.mark(), found.t, found.rate
         begin = float(nodes.t[found.step])
         for _ in range(SEARCHES):
-            self.rewind(own)
-            taken = self._until(t)
+            self._rewind.back(own)
+            taken = self._rewind.until(t)
             wide = width(t, t - begin)
             last = taken.part(slice(-1, None))
             value = float(self._corners.value(found.corner, self._stepper.b, last)[0])
@@ -113,13 +88,6 @@ class CornerSteps:
             if not begin < t < nodes.t[found.step + 1] + (nodes.t[found.step + 1] - begin):
                 return None
         return None
-
-    def _until(self, t: float) -> Nodes:
-        """Steps up to a time."""
-        parts = [self._stepper.advance(t, 1000)]
-        while self._stepper.t < t:
-            parts.append(self._stepper.advance(t, 1000))
-        return joined(parts)
 
 
 def ahead_of(nodes: Nodes, ahead: float) -> tuple[Array, Array]:

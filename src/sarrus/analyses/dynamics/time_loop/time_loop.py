@@ -30,6 +30,7 @@ from ..stepping.stepper import RunFailure, Stepper
 from ..stepping.tolerance import Tolerances
 from .corner_steps import CornerSteps, Cut, ahead_of
 from .error_growth import ErrorGrowth
+from .feature_steps import FeatureSteps
 from .initial_warnings import initial_warnings
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
@@ -58,6 +59,7 @@ class Plan:
     budget : how many steps the run may take
     corners : whether steps end at the corners of forces
     tolerances : where it is watched how much errors of that size grow
+    free : whether steps can be taken again, so that they end where a law varies; else a warning says so
     """
 
     times: Array
@@ -71,6 +73,7 @@ class Plan:
     budget: StepBudget = field(default_factory=StepBudget)
     corners: bool = False
     tolerances: Tolerances | None = None
+    free: bool = True
 
 
 class TimeLoop:
@@ -88,6 +91,7 @@ class TimeLoop:
         self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
         self.corners = CornerSteps(system, stepper) if plan.corners else None
+        self.features = FeatureSteps(system, stepper, plan.free)
         self.nearness = Nearness(system, stepper.independence)
         self.winding = Winding(system)
         self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
@@ -103,7 +107,7 @@ class TimeLoop:
     @property
     def portion(self) -> int:
         """How many steps are taken by one call of the method."""
-        return WATCHED if self.watches or self.corners else CHUNK
+        return min(WATCHED if self.watches or self.corners else CHUNK, self.features.portion)
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
@@ -148,6 +152,7 @@ class TimeLoop:
         self.nearness.resume(state)
         if self.growth:
             self.growth.resume(state)
+        self.features.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
@@ -207,7 +212,7 @@ class TimeLoop:
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
-            state |= self.growth.state() if self.growth else {}
+            state |= self.features.state() | (self.growth.state() if self.growth else {})
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
@@ -234,8 +239,9 @@ class TimeLoop:
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
-        mark = self.corners.mark() if self.corners else None
+        mark = self.corners.mark() if self.corners else self.features.mark() if self.features else None
         nodes = self.stepper.advance(stop, self.portion)
+        nodes = self.features.seen(mark, nodes) if self.features and mark else nodes
         cut = self.corners.cut(mark, nodes) if self.corners and mark else None
         nodes = cut.nodes if cut else nodes
         for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():

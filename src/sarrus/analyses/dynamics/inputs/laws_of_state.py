@@ -1,0 +1,109 @@
+"""Laws over a length, an angle, a rate or a place along a motion: profiles of roads, tables and formulas of springs.
+
+Their features are found as those of laws over the time are, within the arguments that the motion has reached.
+"""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.program import program
+from ...._jit.formulas.replay import needed
+from ....algebra import Array
+from ....elements.operators import OPERATORS
+from ....elements.recorder import Variant
+from ....model import Curve, Formula
+from ....system import System
+from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, formula_graph, stored
+from ....system.structure.population import Population
+from ..events.force_corners import force_functions
+from ..stepping.nodes import Nodes
+from .features import Law
+from .laws_of_time import fields_of_time
+
+
+class Table:
+    """A table over a state variable, as `features` examines laws; two are equal if their numbers are."""
+
+    def __init__(self, curve: Curve) -> None:
+        self._curve = curve
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Table) and self._curve == other._curve
+
+    def __hash__(self) -> int:
+        return hash(self._curve)
+
+    def __call__(self, x: Array) -> Array:
+        """Its values (n,)."""
+        return np.asarray(MANY["curve"](self._curve, x))
+
+    def zeros(self, x: Array) -> tuple[Array, Array]:
+        """No corners, and its points: between them it is a cubic."""
+        return np.zeros(0), np.array(self._curve.knots)
+
+
+class StateLaw(NamedTuple):
+    """A law, the part of the model that has it, its element's population and index there, which argument it has."""
+
+    law: Law | Table
+    owner: str
+    population: Population
+    element: int
+    argument: int
+
+
+class StateLaws:
+    """The laws of a system's forces over state variables.
+
+    Attributes
+    ----------
+    all : of them
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system, self._derivatives = system, CurveDerivatives(system)
+        self.all = [
+            StateLaw(law, p.owners[k], p, k, n)
+            for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family and self._derivatives.concerns(p)
+            for n, place in _over_states(p) for k in range(p.count)
+            if (law := _examined(stored(p, k, place))) is not None
+        ]  # fmt: skip
+
+    def arguments(self, b: Array, at: Nodes) -> Array:
+        """Their arguments (laws, nt)."""
+        places = dict(zip(self._system.memory_places.tolist(), at.memory.T, strict=True))
+        operands, found = {"q": at.q, "v": at.v, "t": at.t}, {}
+        for p in {id(one.population): one.population for one in self.all}.values():
+            found[id(p)] = self._derivatives.on_elements(p, *_arguments(p.variant), b, places, operands)
+        return np.array([found[id(one.population)][one.argument, one.element] for one in self.all])
+
+
+@cache
+def _arguments(variant: Variant) -> tuple[Graph, list[Expression], list[int]]:
+    """The arguments of all curves of a kind of force, and the order in which they are evaluated."""
+    known = force_functions(variant)
+    wanted = [x for _, x in known.curves]
+    return known.graph, wanted, needed(known.graph, wanted)
+
+
+def _over_states(p: Population) -> list[tuple[int, int]]:
+    """Of each call of a curve with a state variable: its index, and the number that holds the curve."""
+    of_time = fields_of_time(p.variant)
+    calls = enumerate(force_functions(p.variant).curves)
+    fields = {place: field for field, place in curves_of(p.kind)}
+    return [(n, place) for n, (place, _) in calls if fields[place] not in of_time]
+
+
+@lru_cache(256)
+def _examined(curve: object) -> Law | Table | None:
+    """A law with features that can be short; a single cubic has none."""
+    if isinstance(curve, Curve):
+        return Table(curve) if len(curve.cubics) > 1 else None
+    return (
+        Law(program(curve.function), *formula_graph(curve), "x", {}) if isinstance(curve, Formula) else None
+    )

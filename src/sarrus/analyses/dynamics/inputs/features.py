@@ -37,7 +37,7 @@ CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
 PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
-KNOWN = 256  # laws whose features are kept
+KNOWN = 256  # laws whose features are stored
 LEAST = 1e-12  # of a run: parts that are not divided; of the size of a law: a range that is round-off
 
 

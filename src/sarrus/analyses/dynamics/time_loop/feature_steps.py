@@ -24,7 +24,7 @@ from .rewind import Rewind
 AGAIN = 8  # times that steps are taken again; the time at which a part begins becomes better known
 MORE = 1.5  # parts that a step passes over are shorter by this factor than the step
 FEW, MOST = 8, 400  # steps that are taken at once
-REACHED = 0.1  # of a part: so near to its beginning it has begun
+REACHED = 0.1  # of a part: so near to its beginning a step is within it
 AROUND = 0.25  # of the arguments reached: so much more is examined on both sides
 
 
@@ -47,7 +47,7 @@ class FeatureSteps:
         self._laws, self._rewind = StateLaws(system), Rewind(stepper)
         count = len(self._laws.all)
         self._reached = np.array([np.full(count, np.inf), np.full(count, -np.inf)])
-        self._examined, self._told = np.zeros((2, count)), False
+        self._examined, self._warned = np.zeros((2, count)), False
         self.portion = MOST
         self._parts: list[tuple[Array, float]] = [(np.zeros(0), np.inf)] * count
 
@@ -79,8 +79,8 @@ class FeatureSteps:
                 break
             t, law = passed
             if not self._free:
-                announce([] if self._told else [self._message(t, law)])
-                self._told = True
+                announce([] if self._warned else [self._message(t, law)])
+                self._warned = True
                 break
             self.portion = FEW
             self._rewind.back(mark)

@@ -59,7 +59,7 @@ class Plan:
     budget : how many steps the run may take
     corners : whether steps end at the corners of forces
     tolerances : where it is watched how much errors of that size grow
-    free : whether steps can be taken again, so that they end where a law varies; else a warning says so
+    free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     """
 
     times: Array

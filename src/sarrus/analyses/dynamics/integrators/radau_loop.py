@@ -27,7 +27,7 @@ from ..stepping.step_control import StepControl
 
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
-STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
+STALLED = 1.0  # of the tolerance: corrections that are smaller and no longer fall are round-off
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
 HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most

@@ -1,7 +1,6 @@
 """The bar of a run, and tables of what it gave."""
 
 import re
-import time
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.progress import Bar, duration, monitor
+from sarrus.analyses.progress import Bar, duration
 
 
 def test_the_bar_tells_simulated_time_and_time_to_go() -> None:
@@ -29,25 +28,7 @@ def test_a_run_in_a_pipe_leaves_one_line(capsys: pytest.CaptureFixture[str]) -> 
     sr.simulate(slider_crank(), until=0.5, progress=True)
     *first, last = capsys.readouterr().err.splitlines()
     assert "simulated 0.5 of 0.5 s in" in last
-    assert all("compiling kernels" in line for line in first)  # with an empty cache
-
-
-def test_a_wait_for_kernels_is_explained(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sarrus.analyses.progress.PATIENCE", 0.05)
-    monkeypatch.setattr("sarrus.analyses.progress.compiles", lambda thread: True)
-    with monitor(True, 1.0) as report:
-        time.sleep(0.3)
-        report(1.0)
-    assert capsys.readouterr().err.count("compiling kernels") == 1
-    with monitor(None, 1.0):  # no terminal here: nothing is printed unless it is asked for
-        time.sleep(0.2)
-    monkeypatch.setattr("sarrus.analyses.progress.PATIENCE", 1.0)
-    with monitor(True, 1.0) as report:
-        report(0.5)
-        time.sleep(1.5)
-    assert "compiling" not in capsys.readouterr().err
+    assert all("compiling" in line for line in first)  # with an empty cache
 
 
 def test_derivatives_and_films_show_their_progress(

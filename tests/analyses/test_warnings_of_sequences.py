@@ -1,15 +1,12 @@
 """Results that are a tuple, a list or an array carry warnings, too; kernels that are not compiled are not announced."""
 
 import pickle
-import time
-from threading import get_ident
 from typing import Any
 
 import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses import progress
 from sarrus.model.announcement import announce, reports_warnings
 from sarrus.results import Product, ResultList, Singularities
 
@@ -39,17 +36,3 @@ def test_arithmetic_with_such_an_array_is_plain() -> None:
     assert type(2 * found) is np.ndarray
     assert float(found @ found) == 5.0
     assert np.array_equal(found, [1.0, 2.0])
-
-
-@pytest.mark.parametrize("busy", [False, True])
-def test_compilation_is_announced_only_while_there_is_some(
-    busy: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(progress, "PATIENCE", 0.05)
-    monkeypatch.setattr(progress, "AGAIN", 0.05)
-    scope = {"__name__": "numba.core.compiler" if busy else "somewhere", "sleep": time.sleep}
-    exec("def work(): sleep(0.5)", scope)  # a frame as of the compiler
-    with progress.monitor(True):
-        scope["work"]()
-    assert (progress.COMPILING in capsys.readouterr().err) == busy
-    assert not progress.compiles(get_ident())

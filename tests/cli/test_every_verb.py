@@ -6,12 +6,11 @@ import argparse
 import json
 import shutil
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
-from sarrus.cli import VERBS, main, progress
+from sarrus.cli import VERBS, main
 from sarrus.cli.parser import build
 
 ARM = """
@@ -137,21 +136,6 @@ def test_completion_is_a_script_of_its_shell(shell: str, capsys: pytest.CaptureF
     program = shutil.which(shell)
     if program is not None and shell != "powershell":
         subprocess.run([program, "-n"], input=script, text=True, check=True)
-
-
-def test_a_bar_without_progress_says_why(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(progress, "PATIENCE", 0.05)
-    monkeypatch.setattr(progress, "is_quiet", lambda: False)
-    with progress.Bar("simulating 1 s", 1.0) as bar:
-        time.sleep(0.2)
-        bar.reach(1.0)
-    assert "(the first run of a kind compiles its kernels" in capsys.readouterr().err
-    with progress.Bar("simulating 1 s", 1.0) as bar:
-        bar.reach(0.5)
-        time.sleep(0.2)
-    assert "compiles" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("more", [["lower.y", "--inputs", "q1", "q2", "--field", "solutions"], []])

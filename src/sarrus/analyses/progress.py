@@ -6,22 +6,15 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Timer, get_ident
 from typing import TypeAlias
 
 import numpy as np
 
+from .._jit.linking.compilation import showing
 from ..model.checks.arguments import CHECKS
 
 WIDTH = 28
 PAUSE = 0.1  # s between two drawings
-PATIENCE = 3.0  # s before the first report, after which the reason of the wait is printed
-AGAIN = 0.5  # s after which it is looked again whether kernels are compiled
-COMPILERS = (
-    "numba.core.compiler",
-    "llvmlite.",
-)  # modules that work while kernels are compiled, not when they run
-COMPILING = "compiling kernels, which the first run of a kind does once (they are cached)"
 
 Progress: TypeAlias = Callable[[float], None]
 
@@ -94,43 +87,6 @@ def refuse_time_limit(time_limit: float | None, name: str = "time_limit") -> Non
         CHECKS["time_limit"](name, time_limit)
 
 
-def compiles(thread: int) -> bool:
-    """Whether a thread is in Numba's compiler or LLVM at this moment."""
-    frame = sys._current_frames().get(thread)
-    while frame is not None:
-        if str(frame.f_globals.get("__name__", "")).startswith(COMPILERS):
-            return True
-        frame = frame.f_back
-    return False
-
-
-class _Wait:
-    """Prints once that kernels are compiled, where that is so and nothing was reported for `PATIENCE` seconds."""
-
-    def __init__(self, wanted: bool) -> None:
-        self._thread = get_ident()
-        self._timer: Timer | None = None
-        if wanted:
-            self._look_after(PATIENCE)
-
-    def _look_after(self, seconds: float) -> None:
-        self._timer = Timer(seconds, self._explain)
-        self._timer.daemon = True
-        self._timer.start()
-
-    def _explain(self) -> None:
-        if compiles(self._thread):
-            print(f"  {COMPILING} ...", file=sys.stderr, flush=True)
-        elif self._timer is not None:
-            self._look_after(AGAIN)
-
-    def end(self) -> None:
-        """There is progress, or the analysis is over."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-
-
 @contextmanager
 def monitor(
     progress: bool | Progress | None,
@@ -144,12 +100,12 @@ def monitor(
 
     It draws a bar (``progress=True``) or calls the user's function, and raises `TimeLimit` once `time_limit` seconds
     have passed since the monitor was made. The analysis catches that, as it catches KeyboardInterrupt, and returns what
-    it has with the status "time limit". Where nothing is reported for some seconds, since kernels are compiled for the
-    first time, that is printed on a terminal, and with ``progress=True``.
+    it has with the status "time limit". Compilation of kernels within it is shown on a terminal, with ``progress=True``
+    also in a file or pipe, and with ``progress=False`` nowhere.
 
     Parameters
     ----------
-    progress : True for a bar on standard error, a function of the value reached, or None
+    progress : True for a bar on standard error, False for silence, a function of the value reached, or None
     total, done, unit : as for `Bar`
     time_limit : seconds of the clock, or None
 
@@ -168,18 +124,16 @@ def monitor(
     refuse_time_limit(time_limit)
     began, bar = time.perf_counter(), Bar(total, done, unit) if progress is True else None
     show = bar if bar is not None else progress or None
-    wait = _Wait(bar is not None or (progress is None and sys.stderr.isatty()))
 
     def report(reached: float) -> None:
-        wait.end()
         if callable(show):
             show(reached)
         if time_limit is not None and time.perf_counter() - began > time_limit:
             raise TimeLimit(f"the time limit of {duration(time_limit)} has passed")
 
     try:
-        yield report
+        with showing(progress if isinstance(progress, bool) else None):
+            yield report
     finally:
-        wait.end()
         if bar is not None:
             bar.close()

@@ -13,12 +13,13 @@ import time
 import traceback
 from collections.abc import Sequence
 
+from .._jit.linking.compilation import showing
 from . import verbs  # which registers them
 from .answer import Answer
 from .extensions import load_extensions
 from .parser import VERBS as VERBS
 from .parser import Misuse, build
-from .terminal import listen, painted, warnings_to
+from .terminal import is_quiet, listen, painted, warnings_to
 
 FAILED, WRONG, DEFECT, STOPPED, NO_READER = 1, 2, 3, 130, 141
 
@@ -42,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(chosen: argparse.Namespace, answer: Answer) -> int:
     began = time.perf_counter()
     try:
-        with warnings_to(answer.warn):
+        with warnings_to(answer.warn), showing(False if is_quiet() else None):
             code = int(VERBS[chosen.verb].run(chosen, answer))
         if chosen.strict and answer.warnings and not code:
             code = _refuse(f"--strict does not allow warnings, and there are {len(answer.warnings)}", FAILED)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
-from threading import Timer
 from types import TracebackType
 
+from .._jit.linking.compilation import allowed
 from .terminal import is_quiet
 
 WIDTH = 28
-PATIENCE = 3.0  # [s] without progress, before a message explains the possible reason
-FIRST = "the first run of a kind compiles its kernels, which are cached for the next"
 
 
 class Bar:
@@ -20,20 +18,16 @@ class Bar:
     def __init__(self, title: str, total: float) -> None:
         self.title, self.total = title, total
         self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
-        self._quiet = is_quiet()
+        self._quiet = is_quiet() or not allowed()
         self._live = sys.stderr.isatty() and not self._quiet
-        self._slow = Timer(PATIENCE, self._explain)
-        self._slow.daemon = True
 
     def __enter__(self) -> Bar:
         self._show("")
         if not self._live and not self._quiet:
             print(f"  {self.title} ...", file=sys.stderr, flush=True)
-        self._slow.start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
-        self._slow.cancel()
         if self._live:
             print("\r\033[K", end="", file=sys.stderr)
         if self._quiet:
@@ -47,24 +41,14 @@ class Bar:
 
     def step(self, what: str = "") -> None:
         """One more of `total` is about to be done."""
-        self._slow.cancel()
         self._show(what)
         self._done += 1
 
     def reach(self, value: float) -> None:
         """So much of `total` is done."""
-        if value > 0:
-            self._slow.cancel()
         self._done = value
         if time.perf_counter() - self._shown > 0.1:
             self._show("")
-
-    def _explain(self) -> None:
-        """Explain why there is no visible progress."""
-        if self._live:
-            self._show(FIRST)
-        elif not self._quiet:
-            print(f"  ({FIRST})", file=sys.stderr, flush=True)
 
     def _show(self, what: str) -> None:
         if self._live:

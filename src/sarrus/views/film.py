@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .._jit.linking.compilation import allowed
 from ..algebra import Array
 from ..analyses.progress import monitor
 from ..results.saving.exported_file import exporting
@@ -69,7 +70,7 @@ def write_film(
         raise OSError(NO_FFMPEG)
     studio = _Studio(shown, SIZE, view)
     times = _times(shown, speed, RATE[ending])
-    wanted = sys.stderr.isatty() if progress is None else progress
+    wanted = (sys.stderr.isatty() and allowed()) if progress is None else progress
     with exporting(file), monitor(wanted, len(times), done="drew", unit=" pictures") as report:
         images = _reported((studio.image(t) for t in times), report)
         if ending == ".gif":

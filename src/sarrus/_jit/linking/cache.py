@@ -28,7 +28,9 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.event import Listener, register
 
+from .compilation import Compilation
 from .folders import PACKAGE, made_private
 from .processor import target
 from .shipped import lanes, shipped
@@ -237,6 +239,27 @@ class KernelCache(FunctionCache):
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except (ImportError, AttributeError):
             return None
+
+
+class _Compilations(Listener):
+    """Reports each kernel that Numba compiles, since the cache does not have it."""
+
+    def __init__(self) -> None:
+        self._shown = Compilation()
+
+    def on_start(self, event: Any) -> None:
+        if isinstance(event.data["dispatcher"]._cache, KernelCache):
+            self._shown.begin(event.data["dispatcher"])
+
+    def on_end(self, event: Any) -> None:
+        kernel = event.data["dispatcher"]
+        if isinstance(kernel._cache, KernelCache):
+            self._shown.end(
+                tuple(event.data["args"]) in kernel.overloads
+            )  # Numba's `is_failed` has the sign wrong
+
+
+register("numba:compile", _Compilations())
 
 
 def _fields(kind: Any) -> Any:

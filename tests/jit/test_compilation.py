@@ -88,6 +88,7 @@ def test_elsewhere_the_log_has_it(
     capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(logging.getLogger("sarrus"), "propagate", True)
+    monkeypatch.setattr(logging.getLogger("sarrus"), "handlers", [])  # the command line adds one
     with caplog.at_level(logging.INFO, logger="sarrus"):
         compile_three()
     assert caplog.messages
@@ -102,6 +103,7 @@ def test_it_can_be_silenced(
 ) -> None:
     stream = kind()
     monkeypatch.setattr(logging.getLogger("sarrus"), "propagate", True)
+    monkeypatch.setattr(logging.getLogger("sarrus"), "handlers", [])  # the command line adds one
     monkeypatch.setattr(sys, "stderr", stream)
     if way == "environment":
         monkeypatch.setenv("SARRUS_PROGRESS", "0")

@@ -77,8 +77,8 @@ def test_a_line_is_redrawn_and_removed(
     assert all(re.fullmatch(LINE, text) for text in seen)
     counts = [tuple(map(int, re.findall(r"\d+", text)[:2])) for text in seen]
     assert counts == sorted(counts)
-    assert counts[0][1] - counts[0][0] == 2
-    assert counts[-1][0] == counts[-1][1]
+    (total,) = {total for _, total in counts}
+    assert {number for number, _ in counts} <= {total - 2, total - 1, total}
     assert "\n" not in stream.getvalue()
     if kind is Notebook:
         assert "\033" not in stream.getvalue()
@@ -138,14 +138,16 @@ def test_what_is_short_is_not_shown(
 
 
 def test_a_kernel_that_cannot_be_compiled_does_not_count(capsys: pytest.CaptureFixture[str]) -> None:
-    function = link(fresh(callee_1=fresh()))
+    def total() -> int:
+        """Of kernels, in the last line."""
+        with showing(True):
+            compile_three()
+        return int(re.findall(r"of (\d+) kernels", capsys.readouterr().err)[-1])
+
+    before = total()
     with pytest.raises(numba.core.errors.TypingError):
-        function("a text")
-    with showing(True):
-        compile_three()
-    first = capsys.readouterr().err.split(",")[0]
-    done, total = map(int, re.findall(r"\d+", first))
-    assert total == done + 2  # nothing is left open of the other
+        link(fresh(callee_1=fresh()))("a text")
+    assert total() == before + 3
 
 
 def test_the_time_left_follows_from_the_code_that_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from threading import Event, Thread
+from threading import Event, Lock, Thread
 from typing import Any
 
 VARIABLE = "SARRUS_PROGRESS"
@@ -75,7 +75,7 @@ class Compilation:
         self._reported = -REPORTS
         self._open: list[Any] = []
         self._calls = False  # whether the kernel that began first calls others that are compiled with it
-        self._over = Event()
+        self._over, self._counting = Event(), Lock()
         self._watching: Thread | None = None
 
     def begin(self, kernel: Any) -> None:
@@ -93,8 +93,9 @@ class Compilation:
         """The compilation of the kernel that began last is over."""
         now = time.perf_counter()
         self._spent, self._moment = self._spent + now - self._moment, now
-        self._size += _size(self._open.pop())
-        self.done += success
+        with self._counting:
+            self._size += _size(self._open.pop())
+            self.done += success
         if not self._open and self._watching is not None:
             self._over.set()
             self._watching.join()
@@ -102,10 +103,12 @@ class Compilation:
 
     def text(self, root: Any) -> str:
         """The line while a kernel and what it calls are compiled; without a time once the estimate has passed."""
-        rest = missing(root)
+        with self._counting:
+            done, rest = self.done, {*missing(root), *self._open}
         if not self._calls:
-            return f"compiling kernel {self.done + 1}, once"
-        line = f"compiling {self.done + 1} of {self.done + max(len(rest), 1)} kernels, once"
+            return f"compiling kernel {done + 1}, once"
+        total = done + len(rest)
+        line = f"compiling {min(done + 1, total)} of {total} kernels, once"
         size = sum(map(_size, rest))
         left = self._spent * size / self._size - (time.perf_counter() - self._moment) if self._size else 0.0
         return f"{line}, {left:.0f} s left" if left >= 1 and len(rest) > 1 else line

@@ -1,9 +1,9 @@
-"""The units of numbers by name, as the parts of a model declare them."""
+"""Units of parameters by name, as the parts of a model declare them, and of derivatives by them."""
 
 import pytest
 
 import sarrus as sr
-from sarrus.studies.file import unit_of_number
+from sarrus.outputs.units import unit_of_parameter
 
 ARM = sr.Body("arm", mass=1.0, inertia=(1, 1, 1))
 MODEL = sr.Model(
@@ -19,20 +19,22 @@ MODEL = sr.Model(
 )
 UNITS = {
     "arm.mass": "kg",
-    "arm.inertia.xx": "kg m^2",
+    "arm.inertia.xx": "kg m²",
     "arm.angular_velocity.z": "rad/s",
     "pin.point.x": "m",
     "pin.axis.x": "1",
     "coil.k": "N m/rad",
-    "coil.k.2.y": "",  # of a table: not told apart from numbers in formulas
-    "motor.motion.1": "",
-    "push.force.x": "",
-    "gravity.y": "m/s^2",
+    "coil.k.2.y": "N m/rad",
+    "coil.k.2.x": "rad",
+    "motor.motion.1": "",  # a constant of a formula
+    "push.force.x": "N",
+    "gravity.y": "m/s²",
     "size": "",
-    "start.q.arm.r.x": "",
+    "start.q.arm.r.x": "m",
+    "start.v.arm.p.e0": "1/s",
 }
 
 
 @pytest.mark.parametrize("name", UNITS)
 def test_units_by_name(name: str) -> None:
-    assert unit_of_number(MODEL, name) == UNITS[name]
+    assert unit_of_parameter(MODEL, name) == UNITS[name]

@@ -74,3 +74,8 @@ def measures(kind: type) -> dict[str, In]:
     except (NameError, TypeError):
         return {}
     return {name: typed(hint).measure for name, hint in hints.items()}
+
+
+def measures_of(part: Any) -> dict[str, In]:
+    """Return what each field of a part measures, which may depend on its other fields."""
+    return {**measures(part.__class__), **getattr(part, "law_measures", {})}

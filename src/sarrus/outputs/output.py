@@ -54,7 +54,12 @@ class Output:
     @property
     def label(self) -> str:
         """The name with the unit, for axes and columns."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return labelled(self.name, self.unit)
+
+
+def labelled(name: str, unit: str) -> str:
+    """A name with its unit, for axes and columns."""
+    return f"{name} [{unit}]" if unit else name
 
 
 class UnknownOutput(SarrusError, KeyError):

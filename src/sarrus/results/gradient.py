@@ -10,6 +10,8 @@ import numpy as np
 
 from ..algebra import Array
 from ..model.checks.arguments import refuse_place
+from ..outputs.output import labelled
+from ..outputs.units import quotient
 from ..rendering import renderer
 from .error_estimate import ErrorEstimate
 from .motion.trajectory import place_of
@@ -47,6 +49,7 @@ class Gradient(Result):
     at : (p,) values of the numbers
     matrix : (r, p) derivatives; not a number for those that do not exist
     errors : of the responses' values, where they were asked for
+    response_units, units : of the responses and of the numbers; empty where they are not known
     """
 
     responses: tuple[str, ...]
@@ -55,6 +58,13 @@ class Gradient(Result):
     at: Array = field(repr=False)
     matrix: Array = field(repr=False)
     errors: tuple[ErrorEstimate, ...] = ()
+    response_units: tuple[str, ...] = field(default=(), repr=False)
+    units: tuple[str, ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        for name, count in (("response_units", len(self.responses)), ("units", len(self.names))):
+            if len(getattr(self, name)) != count:
+                object.__setattr__(self, name, ("",) * count)
 
     @property
     def undefined(self) -> tuple[str, ...]:
@@ -110,6 +120,20 @@ class Gradient(Result):
         """The value of the first response."""
         return float(self.values[0])
 
+    def unit(self, name: str, response: int = 0) -> str:
+        """The unit of a derivative, ``m²/N``; empty where it is not known.
+
+        Raises
+        ------
+        KeyError
+            If it was not asked for.
+        """
+        refuse_place("response", response, len(self.responses))
+        found = _places(name, self.names, "derivative")
+        return quotient(
+            self.response_units[response], self.units[found if isinstance(found, int) else found[0]]
+        )
+
     def influences(self, response: int = 0) -> Array:
         """Change of a response for one hundredth more of each number (p,): nothing where the number is 0."""
         refuse_place("response", response, len(self.responses))
@@ -158,6 +182,7 @@ class StateDerivatives(Result):
     lam_b : (n, m, p)
     coordinates : their names, in the order of q_b
     along : gives the derivatives of any output by its name (n, p)
+    units : of the numbers
     """
 
     names: tuple[str, ...]
@@ -168,6 +193,7 @@ class StateDerivatives(Result):
     lam_b: Array = field(repr=False)
     coordinates: tuple[str, ...] = field(repr=False, default=())
     along: Callable[[str], Array] | None = field(repr=False, default=None)
+    units: tuple[str, ...] = field(repr=False, default=())
 
     def summary(self) -> str:
         """What is differentiated, by what, and when."""
@@ -210,12 +236,15 @@ class Hessian(Result):
     names : of the numbers
     matrix : (p, p), symmetric to round-off
     error : of the response's value, where it was asked for
+    response_unit, units : of the response and of the numbers; empty where they are not known
     """
 
     response: str
     names: tuple[str, ...]
     matrix: Array = field(repr=False)
     error: ErrorEstimate | None = None
+    response_unit: str = field(default="", repr=False)
+    units: tuple[str, ...] = field(default=(), repr=False)
 
     def __getitem__(self, pair: tuple[str, str]) -> float | Array:
         """One entry, ``H["spring.k", "rod.mass"]``, or those of a vector's three, ``H["pin.point", "rod.mass"]``.
@@ -231,14 +260,23 @@ class Hessian(Result):
         found = self.matrix[row][..., column]
         return found if np.ndim(found) else float(found)
 
+    def unit(self, first: str, second: str) -> str:
+        """The unit of an entry, ``m³/N²``; empty where it is not known."""
+        places = (_places(name, self.names, "second derivative") for name in (first, second))
+        found = [self.units[place if isinstance(place, int) else place[0]] for place in places if self.units]
+        return quotient(self.response_unit, *found) if found else ""
+
     def summary(self) -> str:
-        """The result in words."""
-        width = max(12, *map(len, self.names)) + 2
-        head = " " * width + "".join(f"{name:>{width}}" for name in self.names)
-        rows = zip(self.names, self.matrix, strict=True)
+        """The result in words; the unit of an entry is the response's over those of its row and of its column."""
+        names = [*map(labelled, self.names, self.units or [""] * len(self.names))]
+        width = max(12, *map(len, names)) + 2
+        head = " " * width + "".join(f"{name:>{width}}" for name in names)
+        rows = zip(names, self.matrix, strict=True)
         lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
         bar = [str(self.error)] if self.error else []
-        return "\n".join([f"second derivatives of {self.response}", head, *lines, *bar])
+        return "\n".join(
+            [f"second derivatives of {labelled(self.response, self.response_unit)}", head, *lines, *bar]
+        )
 
     @property
     def asymmetry(self) -> float:

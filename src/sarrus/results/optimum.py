@@ -65,6 +65,7 @@ class Optimum(Result):
     seconds : that it took
     model : the model of the best design
     run : its simulation
+    unit, units : of the objective and of the variables; empty where they are not known
     """
 
     names: tuple[str, ...]
@@ -90,6 +91,8 @@ class Optimum(Result):
     seconds: float = field(default=0.0, repr=False)
     model: Any = field(default=None, repr=False)
     run: Any = field(default=None, repr=False)
+    unit: str = field(default="", repr=False)
+    units: tuple[str, ...] = field(default=(), repr=False)
 
     def __getitem__(self, name: str) -> float:
         """The value of a design variable.

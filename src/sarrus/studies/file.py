@@ -14,8 +14,8 @@ from ..model.expression.dimensions import fits, unit_of
 from ..model.expression.units import unit_text
 from ..model.file.load import read
 from ..model.file.text.document import Document
-from ..model.measure import measures
 from ..model.show import suggest
+from ..outputs.units import unit_of_parameter
 from ..system import System
 from .conduct import Asked, ask
 from .parameters import parameter_of, seconds
@@ -71,26 +71,13 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
 
 def refuse_other_units(model: Model, name: str, given: Any) -> None:
     """Raise a SarrusError for a text among the values of a number, ``5 kN/m``, that is in another unit than it."""
-    unit = unit_of_number(model, name)
+    unit = unit_of_parameter(model, name)
     for text in _texts(given) if unit else ():
         powers = unit_of(parse_expression(text), {})
         if not fits(powers, unit):
             expected = "a plain number" if unit == "1" else unit
             message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
             raise SarrusError(f"{message}. Give it in {expected}, or leave the unit away.")
-
-
-def unit_of_number(model: Model, name: str) -> str:
-    """The unit of a number of the model, as its part declares it; none for parameters, and numbers in functions."""
-    part, *path = name.split(".")
-    if part == "gravity":
-        return "m/s^2"
-    parts = [one for section in model.sections().values() for one in section if one.name == part]
-    kind: Any = type(parts[0]) if parts else Model
-    measure = measures(kind).get(path[0]) if parts and path else None
-    if measure is None or (measure.over != "1" and len(path) > 1):
-        return ""
-    return measure.unit
 
 
 def _texts(given: Any) -> Iterator[str]:

@@ -19,6 +19,7 @@ from ..analyses.sensitivity import sensitivity
 from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
 from ..model.announcement import announce, reports_warnings
+from ..outputs.output import labelled
 from ..results.result import Result
 from ..system import System
 from .conduct import Asked, ask
@@ -39,6 +40,7 @@ class Uncertainty(Result):
     matrix : (r, p) their derivatives there
     deviations : (p,) standard deviations of the parameters
     std : (r,) of the responses
+    units : of the responses; empty where they are not known
     """
 
     parameters: tuple[str, ...]
@@ -46,6 +48,7 @@ class Uncertainty(Result):
     values: Array = field(repr=False)
     matrix: Array = field(repr=False)
     deviations: Array = field(repr=False)
+    units: tuple[str, ...] = field(default=(), repr=False)
 
     @property
     def std(self) -> Array:
@@ -61,9 +64,10 @@ class Uncertainty(Result):
 
     def summary(self) -> str:
         """The result in words."""
-        width = max([8, *(len(name) for name in self.responses)])
+        names = [*map(labelled, self.responses, self.units or [""] * len(self.responses))]
+        width = max(8, *map(len, names))
         lines = [f"{'response':<{width}}{'mean':>14}{'std':>14}  parts in the variance"]
-        for name, mean, std, parts in zip(self.responses, self.values, self.std, self.shares, strict=True):
+        for name, mean, std, parts in zip(names, self.values, self.std, self.shares, strict=True):
             order = [k for k in np.argsort(-parts, kind="stable") if parts[k] > 0.005][:4]
             message = ", ".join(f"{self.parameters[k]} {100 * parts[k]:.0f} %" for k in order)
             lines.append(f"{name:<{width}}{mean:>14.6g}{std:>14.6g}  {message}")
@@ -134,7 +138,9 @@ def uncertainty_of(
             f"{gradient.undefined[0]} alone cannot vary: there is no derivative by it. See Gradient.undefined."
         )
     values, slopes = outer.linear(gradient.values)
-    return Uncertainty(names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1])
+    return Uncertainty(
+        names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1], outer.units(system)
+    )
 
 
 def _moments(parameter: Parameter) -> tuple[float, float]:

@@ -17,6 +17,8 @@ from ..analyses.sensitivity import Response as Differentiable
 from ..model import Expression, ModelError, SarrusError
 from ..model.expression import Call, Name, Number, parse
 from ..model.expression.tree import Function, call
+from ..outputs.units import unit_of_formula, unit_of_tree
+from ..system import System
 from .parameters import Array
 
 Lookup = Callable[[str], Any]
@@ -167,7 +169,7 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
         elif isinstance(node, Call):
             made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
         elif isinstance(node, Name):
-            made[node] = _standing(Final(_function(node)), inner)
+            made[node] = _standing(Final(OutputFormula(node)), inner)
         else:
             made[node] = node
     whole, names = made[tree], made[tree].names()
@@ -175,11 +177,7 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
         raise SarrusError(
             f"response {response.name!r} names no output of the motion. Name one, such as max(slider.x)."
         )
-    return Combined(
-        lambda *values: whole.value(dict(zip(names, values, strict=True))),
-        [inner[name] for name in names],
-        name=response.name,
-    )
+    return Combined(PartsFormula(whole, names), [inner[name] for name in names], name=response.name)
 
 
 def _standing(response: Differentiable, inner: dict[str, Differentiable]) -> Name:
@@ -193,12 +191,12 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
     word, of = node.function.name, node.args[0]
     if any(isinstance(one, Call) and one.function.partials is _no_partials for one in of.nodes()):
         raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here.")
-    span, g = Number(until - begin), _function(of)
+    span, g = Number(until - begin, "s"), OutputFormula(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)
         return whole if word == "integral" else whole / span
     if word == "rms":
-        return call("sqrt", _standing(Integral(_function(of * of)), inner) / span)
+        return call("sqrt", _standing(Integral(OutputFormula(of * of)), inner) / span)
     if word == "at":
         return _standing(At(g, time=float(node.args[1].value())), inner)
     if word == "initial":
@@ -207,10 +205,30 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
     return _standing(kinds[word](g), inner)
 
 
-def _function(of: Expression) -> Callable[[Any], Any]:
+@dataclass(frozen=True)
+class PartsFormula:
+    """A formula of responses as a function of their values."""
+
+    tree: Expression
+    names: tuple[str, ...]
+
+    def __call__(self, *values: Any) -> Any:
+        return self.tree.value(dict(zip(self.names, values, strict=True)))
+
+    def unit(self, *units: str) -> str:
+        """The unit of its value, of those of the responses."""
+        return unit_of_tree(self.tree, dict(zip(self.names, units, strict=True)))
+
+
+@dataclass(frozen=True)
+class OutputFormula:
     """A formula as a function of `Outputs`."""
 
-    def evaluate(outputs: Any) -> Any:
-        return of.value({name: outputs.output_or_parameter(name) for name in of.names()})
+    tree: Expression
 
-    return evaluate
+    def __call__(self, outputs: Any) -> Any:
+        return self.tree.value({name: outputs.output_or_parameter(name) for name in self.tree.names()})
+
+    def unit(self, system: System) -> str:
+        """The unit of its value."""
+        return unit_of_formula(system, self.tree)

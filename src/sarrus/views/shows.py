@@ -13,6 +13,7 @@ from ..model import Model, Point
 from ..model.coordinates import number_of
 from ..model.expansion.blueprint import blueprint
 from ..outputs.bodies import point_of
+from ..outputs.output import labelled
 from ..results import Gradient, Modes, Trajectory
 from ..system import System
 from .browser import Page, Shown, write_page
@@ -187,7 +188,8 @@ def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
 
 def _influences(found: Gradient, response: int) -> Influences:
     names, changes = found.largest(response, LARGEST)
-    return Influences(f"{found.responses[response]}, by 1 % more of", names, changes)
+    title = labelled(found.responses[response], found.response_units[response])
+    return Influences(f"{title}, by 1 % more of", names, changes)
 
 
 def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:

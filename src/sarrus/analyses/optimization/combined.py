@@ -9,7 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...model.expression import Expression, Name
 from ...model.tape import Tape, Traced
+from ...outputs.units import unit_of_tree
+from ...system import System
 from ..sensitivity.derivatives import as_responses
 from ..sensitivity.responses.responses import Output, Response, distinct_titles
 
@@ -35,6 +38,17 @@ class Combined:
     def title(self) -> str:
         """Its name in tables."""
         return self.name or getattr(self.function, "__name__", "").strip("<>") or "combined"
+
+    def unit(self, system: System) -> str:
+        """The unit of its value, where the function is a formula, or arithmetic on its arguments."""
+        units = {f"part{n}": one.unit(system) for n, one in enumerate(as_responses(list(self.of)))}
+        if hasattr(self.function, "unit"):
+            return str(self.function.unit(*units.values()))
+        try:
+            found = self.function(*map(Name, units))
+        except Exception:  # a user's function, which need not know formulas
+            return ""
+        return unit_of_tree(found, units) if isinstance(found, Expression) else ""
 
     def value_and_slopes(self, values: Array) -> tuple[float, Array]:
         """The value, and its derivatives by the values of the responses."""
@@ -75,13 +89,17 @@ class Outer:
             as_responses(list(one.of)) if isinstance(one, Combined) else as_responses(one) for one in some
         ]
         self.parts = [part for group in groups for part in group]
-        self.titles = distinct_titles(
-            one.title if isinstance(one, Combined) else group[0].title
-            for one, group in zip(some, groups, strict=True)
-        )
+        self._wanted = [
+            one if isinstance(one, Combined) else group[0] for one, group in zip(some, groups, strict=True)
+        ]
+        self.titles = distinct_titles(one.title for one in self._wanted)
         self._functions = [one if isinstance(one, Combined) else None for one in some]
         ends = np.cumsum([len(group) for group in groups])
         self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
+
+    def units(self, system: System) -> tuple[str, ...]:
+        """The units of what is asked for."""
+        return tuple(one.unit(system) for one in self._wanted)
 
     def values(self, parts: Array) -> Array:
         """What is asked for (r,), of the values of the parts."""

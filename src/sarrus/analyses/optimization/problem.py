@@ -70,7 +70,7 @@ class Problem:
 
     Attributes
     ----------
-    names : of the design variables
+    names, units : of the design variables
     x0 : their values at the start (p,)
     titles : of the responses
 
@@ -119,7 +119,7 @@ class Problem:
         self._parameters = Parameters(
             system, wrt, design=design, formula=formula, restitutions=self.restitutions
         )
-        self.names = tuple(self._parameters.names)
+        self.names, self.units = tuple(self._parameters.names), self._parameters.units
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
@@ -424,7 +424,10 @@ class Point:
         found, outer = self.of_parts(), self.problem.outer
         values, slopes = outer.linear(found.values)
         self._defined(outer.titles, values)
-        return replace(found, responses=outer.titles, values=values, matrix=slopes @ found.matrix)
+        units = outer.units(self.system)
+        return replace(
+            found, responses=outer.titles, values=values, matrix=slopes @ found.matrix, response_units=units
+        )
 
     def of_parts(self) -> Gradient:
         """The gradients of all responses of which those asked for are made."""

@@ -122,6 +122,7 @@ def optimum_of(
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"
         )
+    units = {*problem.outer.units(problem.system)[:limited]}
     history = search.history
     tried = f"{len(history)} simulations"
     missed = f" and {len(search.failures)} that failed" if search.failures else ""
@@ -133,5 +134,6 @@ def optimum_of(
         status=answer.status or ("converged" if success else "not converged"), optimality=open_by,
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
+        unit=units.pop() if len(units) == 1 else "", units=problem.units,
         model=point.system.model, run=point.run, warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip

@@ -310,7 +310,10 @@ class LongGradient:
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)
         matrix[:, missing] = np.nan
-        return Gradient(titles, tuple(parameters.names), values, parameters.values, matrix)
+        return Gradient(
+            titles, tuple(parameters.names), values, parameters.values, matrix, units=parameters.units,
+            response_units=tuple(one.unit(run.system) for one in self._responses),
+        )  # fmt: skip
 
     def _over(
         self, n: int, weights: Sequence[Array], by_times: Sequence[Array], total: Totals, back: Backward

@@ -181,7 +181,10 @@ def differentiated(
     errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if error else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
-    return Gradient(titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors)
+    return Gradient(
+        titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors,
+        response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+    )  # fmt: skip
 
 
 @reports_warnings
@@ -228,7 +231,9 @@ def state_derivatives(
         if reported.redundant:
             found = reported.along(found, changes[0])
     states, names = (found.q, found.v, found.a, found.lam), tuple(parameters.names)
-    return StateDerivatives(names, steps.t, *states, coordinates=run.coordinate_names, along=along)
+    return StateDerivatives(
+        names, steps.t, *states, coordinates=run.coordinate_names, along=along, units=parameters.units
+    )
 
 
 def _output_along(
@@ -333,7 +338,9 @@ def hessian(
             report(number)
         matrix = np.array(rows)
     bar = error_estimates(run, response)[0] if error else None
-    return Hessian(as_responses(response)[0].title, tuple(parameters.names), matrix, bar)
+    one = as_responses(response)[0]
+    names, units = tuple(parameters.names), parameters.units
+    return Hessian(one.title, names, matrix, bar, response_unit=one.unit(run.system), units=units)
 
 
 def _curvature(

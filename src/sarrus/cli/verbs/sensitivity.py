@@ -67,10 +67,16 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     for row in range(len(found.responses)):
         answer.show(found.table(row, chosen.most))
     answer.put(model=system.name, message=f"responses: {len(found.responses)}, numbers: {len(found.names)}")
-    answer.put(names=found.names, at=found.at)
+    answer.put(names=found.names, at=found.at, units=found.units)
     answer.put(
         responses={
-            name: {"value": found.values[row], "gradient": found.matrix[row], "ranked": found.ranked(row)}
+            name: {
+                "value": found.values[row],
+                "unit": found.response_units[row],
+                "gradient": found.matrix[row],
+                "units": [found.unit(one, row) for one in found.names],
+                "ranked": found.ranked(row),
+            }
             for row, name in enumerate(found.responses)
         }
     )

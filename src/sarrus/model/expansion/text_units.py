@@ -13,7 +13,7 @@ from ..expression.dimensions import Powers, fits, unit_of
 from ..expression.tree import Number
 from ..expression.units import powers_of, unit_text
 from ..laws.prescribed import parsed
-from ..measure import In, measures
+from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote
 
@@ -98,8 +98,7 @@ def check_texts(part: Any) -> None:
 
 def _laws(part: Any) -> dict[str, In]:
     """The fields of a part that may hold a formula in a variable, and what they measure."""
-    both: dict[str, In] = {**measures(part.__class__), **getattr(part, "law_measures", {})}
-    return {field: measure for field, measure in both.items() if measure.over != "1"}
+    return {field: measure for field, measure in measures_of(part).items() if measure.over != "1"}
 
 
 def _formulas(value: Any) -> Iterator[str | Expression]:

@@ -5,6 +5,7 @@ The names are looked up by Pint, which is imported when the first unit is met.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ COMMON = (
 )
 SPELT = {"°": "deg", "Nm": "N*m", "Nmm": "N*mm", "kNm": "kN*m"}  # as engineers write them
 BASE = {"meter": "m", "kilogram": "kg", "second": "s", "radian": "rad", "ampere": "A", "kelvin": "K"}
+RAISED, ASCII = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"
 DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "1": {}}
 
 
@@ -53,11 +55,16 @@ def unit_text(powers: dict[str, float]) -> str:
     return " ".join(left) or "1"
 
 
+def in_ascii(unit: str) -> str:
+    """Return a unit with ``^2`` in the place of raised exponents."""
+    return re.sub(f"[{RAISED}]+", lambda found: "^" + found[0].translate(str.maketrans(RAISED, ASCII)), unit)
+
+
 @cache
 def powers_of(symbol: str) -> dict[str, float]:
     """Return the powers of SI base units in a declared unit such as ``N m/rad``, without Pint."""
     powers: dict[str, float] = {}
-    above, _, below = symbol.partition("/")
+    above, _, below = in_ascii(symbol).partition("/")
     for words, sign in ((above, 1), (below, -1)):
         for word in words.split():
             name, _, power = word.partition("^")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...outputs.output import labelled
 from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
 
 if TYPE_CHECKING:
@@ -20,15 +21,20 @@ TINY = 1e-16  # drawn in the place of a gradient of zero
 
 def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
-    lines = [f"{found.responses[response]} = {found.values[response]:.9g}"]
-    width = max([len(name) for name in found.names] + [10])
-    lines.append(f"  {'number':<{width}}{'value':>14}{'derivative':>16}{'by 1 % more':>14}")
-    influences = found.influences(response)
+    (own,) = _shown(found.response_units[response])
+    lines = [f"{found.responses[response]} = {found.values[response]:.9g} {own}".rstrip()]
     ranked, undefined = found.ranked(response), found.undefined
-    for name in ranked[:most]:
-        k = found.names.index(name)
-        change = f"{influences[k]:>+14.4g}" if found.at[k] else f"{'(value 0)':>14}"
-        lines.append(f"  {name:<{width}}{found.at[k]:>14.6g}{found.matrix[response, k]:>+16.7g}{change}")
+    places = [found.names.index(name) for name in ranked[:most]]
+    units = [_shown(found.units[k], found.unit(found.names[k], response)) for k in places]
+    width = max([len(name) for name in found.names] + [10])
+    wide, wider = (max([len(pair[n]) for pair in units] + [0]) for n in (0, 1))
+    head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{'by 1 % more':>14}"
+    lines.append(f"  {'number':<{width}}{head}")
+    influences = found.influences(response)
+    for k, (unit, by) in zip(places, units, strict=True):
+        change = f"{influences[k]:>+14.4g} {own}" if found.at[k] else f"{'(value 0)':>14}"
+        value = f"{found.at[k]:>14.6g} {unit:<{wide}}{found.matrix[response, k]:>+16.7g} {by:<{wider}}"
+        lines.append(f"  {found.names[k]:<{width}}{value}{change}".rstrip())
     if len(ranked) > most:
         lines.append(f"  and {len(ranked) - most} more of less influence")
     if undefined:
@@ -36,6 +42,11 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
         many = "has" if len(undefined) == 1 else "have"
         lines.append(f"  {len(undefined)} {many} no derivative, see Gradient.undefined: {text}")
     return "\n".join(lines)
+
+
+def _shown(*units: str) -> list[str]:
+    """Units beside numbers: none for plain ones."""
+    return ["" if unit == "1" else unit for unit in units]
 
 
 def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int = 15) -> Any:
@@ -50,7 +61,9 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     ax.set_axisbelow(True)
     ax.barh(names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]])
     ax.axvline(0, color=GREY, linewidth=0.8)
-    ax.set_xlabel(f"change of {found.responses[response]} for 1 % more")
+    ax.set_xlabel(
+        labelled(f"change of {found.responses[response]} for 1 % more", found.response_units[response])
+    )
     return ax
 
 
@@ -66,18 +79,20 @@ def tornado_figure(found: Gradient, most: int = 15) -> Any:
 
 def optimum_table(found: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
-    lines = [f"objective {found.value0:.6g} -> {found.value:.6g}: {found.message}"]
+    (own,), units = _shown(found.unit), _shown(*(found.units or [""] * len(found.names)))
+    wide = max(map(len, units))
+    lines = [f"objective {found.value0:.6g} -> {f'{found.value:.6g} {own}'.rstrip()}: {found.message}"]
     width, fitted = max([len(name) for name in found.names] + [8]), bool(found.covariance.size)
     more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
-    lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14}{more}")
+    lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{wide}}{more}".rstrip())
     for k, name in enumerate(found.names):
-        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g}"
+        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g} {units[k]:<{wide}}"
         if fitted:
             low, high = found.interval(name)
             wide = found.deviations[k] > WIDE * max(abs(found.x[k]), abs(found.x0[k]) or 1.0)
             text = "not determined" if wide else f"{low:.6g} to {high:.6g}"
             line += f"{found.deviations[k]:>12.3g}{text:>28}"
-        lines.append(line)
+        lines.append(line.rstrip())
     lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
     for one in found.start_reports:
         value = "no value" if np.isnan(one.value) else f"{one.value:.6g}"

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...outputs.output import labelled
+from ...outputs.units import quotient
 from ...results import Reaction, Trajectory
 from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
 
@@ -209,8 +211,9 @@ def plot_sensitivities(
     ax = plot_axes(ax)
     for k in np.argsort(-sizes, kind="stable")[:most]:
         if sizes[k] > 0:
-            ax.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
-    ax.set(xlabel="t [s]", ylabel=f"derivative of {output} [{unit} per unit of the parameter]")
+            by = quotient(unit, found.units[k]) if found.units else ""
+            ax.plot(found.t, curves[:, k], linewidth=1.3, label=labelled(found.names[k], by))
+    ax.set(xlabel="t [s]", ylabel=f"derivative of {output} by")
     ax.legend(frameon=False)
     return ax
 

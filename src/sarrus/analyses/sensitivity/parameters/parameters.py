@@ -21,6 +21,7 @@ from ....model.laws.formulas import Formulas
 from ....model.show import suggest
 from ....model.tape import Tape, Traced, value_of
 from ....model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
+from ....outputs.units import units_of
 from ....system import System
 from ....system.cached import once
 from ....system.structure.population import places_of
@@ -106,6 +107,13 @@ class Parameters:
             whole = self.system.q0 if name.startswith(GUESS[0]) else self.system.v0
             return float(whole[_coordinate(self.system, name)])
         return float(self.system.b[self._element_numbers[name]])
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units; empty for design variables, and others whose unit is not known."""
+        found = dict(zip(self.names, units_of(self.system, tuple(self.names)), strict=True))
+        found |= dict.fromkeys(found.keys() & self.restitutions.keys(), "1")
+        return tuple("" if name in self._design else unit for name, unit in found.items())
 
     @cached_property
     def _element_numbers(self) -> dict[str, int]:

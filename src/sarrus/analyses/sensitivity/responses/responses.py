@@ -15,6 +15,8 @@ import numpy as np
 from ....algebra import Array
 from ....model.tape import Traced
 from ....outputs import Outputs
+from ....outputs.units import product, unit_of_name
+from ....system import System
 from .panels import Panels
 from .peaks import Peaks, Vertex, vertex_of
 
@@ -64,6 +66,13 @@ class Response:
         """The label of its output."""
         name = self.of if isinstance(self.of, str) else getattr(self.of, "__name__", "response")
         return name.strip("<>")
+
+    def unit(self, system: System) -> str:
+        """The unit of its value; empty for a function of `Outputs`, unless it has a method ``unit(system)``."""
+        if isinstance(self.of, str):
+            return unit_of_name(system, self.of)
+        found: str = self.of.unit(system) if hasattr(self.of, "unit") else ""
+        return found
 
     def times(self, t: Array) -> Array | None:
         """The times at which the output is needed; None: at all nodes."""
@@ -199,6 +208,9 @@ class Integral(Response):
 
     Steps in which the output has a kink, as ``np.abs`` has at zero, are split there.
     """
+
+    def unit(self, system: System) -> str:
+        return product((super().unit(system), 1), ("s", 1))
 
     @property
     def pointwise(self) -> bool:
@@ -387,6 +399,9 @@ class Misfit(Response):
                 f"{self.title}: sigma must be greater than 0, but is {self.sigma:g}. "
                 "Give the standard deviation of the data."
             )
+
+    def unit(self, system: System) -> str:
+        return "1"
 
     def times(self, t: Array) -> Array | None:
         return np.asarray(self.at, dtype=float)

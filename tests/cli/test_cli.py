@@ -19,9 +19,15 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = capsys.readouterr()
     assert "operators checked, all agree" in told.out
     assert "final of slider.x = 4.749343" in told.out  # by an independent program 4.749343770
-    assert [
-        line.split()[0] for line in told.out.splitlines() if re.search(r"[+-][\d.e-]+ +[+-][\d.e-]+$", line)
-    ] == ["spring.length", "cross.point.x", "gravity.z", "crank.position.z", "pin.point.y"]
+    rows = [line.split() for line in told.out.splitlines() if re.search(r"[+-][\d.e-]+ m$", line)]
+    assert [row[0] for row in rows] == [
+        "spring.length",
+        "cross.point.x",
+        "gravity.z",
+        "crank.position.z",
+        "pin.point.y",
+    ]
+    assert rows[2][2::2] == ["m/s²", "s²", "m"]
     assert "slider.x can be from 3.65282709 to 4.96556686 m. Ends: 3.65282709 by singularity" in told.out
     assert "compiling kernels" in told.err
     page = tmp_path / "slider_crank.html"

@@ -57,11 +57,3 @@ class Panels(NamedTuple):
         np.add.at(found, self.last, means)
         np.add.at(found, self.first, -means)
         return found
-
-    def before(self, joint: int) -> slice:
-        """The samples of the panel that ends at a kink."""
-        return slice(joint + 1 - len(self.shares), joint + 1)
-
-    def behind(self, joint: int) -> slice:
-        """Those of the panel that begins there."""
-        return slice(joint + 1, joint + 1 + len(self.shares))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
-from operator import add
-from typing import NamedTuple
+from operator import add, mul
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,49 +20,86 @@ SHARPNESS = (
 NEAR = (
     0.1  # of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
 )
+SIDE = 4  # samples on each side of a kink through which its output is taken there: a panel of Lobatto's rule
 
 
-class Parabola:
-    """The value at the vertex of a parabola through three samples, recorded as a function of outputs and times."""
+class Extreme:
+    """An extreme value, recorded as a function of some samples of an output, and of their times."""
+
+    _value: Traced
 
     def __init__(self, g: Array, t: Array) -> None:
-        self._tape = Tape()
-        (g0, g1, g2), (t0, t1, t2) = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
+        self._tape, self._count = Tape(), len(g)
+        self._g, self._t = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
+
+    def derivatives(self) -> Array:
+        """Those by the outputs, and by the times (2, samples)."""
+        return self._by_samples(self._tape.gradient({self._value.at: 1.0}))
+
+    def change(self, dots: Array) -> Array:
+        """Their change with changes of the outputs and of the times (2, samples)."""
+        along = self._tape.along(dict(enumerate(dots.ravel().tolist())))
+        return self._by_samples(self._tape.gradient_along({self._value.at: 1.0}, {}, along)[1])
+
+    def _by_samples(self, found: Sequence[Any]) -> Array:
+        return np.array(found[: 2 * self._count]).reshape(2, self._count)
+
+
+class Parabola(Extreme):
+    """The value at the vertex of a parabola through three samples."""
+
+    def __init__(self, g: Array, t: Array) -> None:
+        super().__init__(g, t)
+        (g0, g1, g2), (t0, t1, t2) = self._g, self._t
         a, c = t0 - t1, t2 - t1
         first, middle, last = g0 / (a * (a - c)), g1 / (a * c), g2 / (c * (c - a))
         bend = 2 * (first + middle + last)
         slope = -(first * c + middle * (a + c) + last * a)  # at the middle sample
         self.is_straight = not bend.value
         if not self.is_straight:
-            self._value: Traced = g1 - slope * slope / (2 * bend)
+            self._value = g1 - slope * slope / (2 * bend)
 
-    def derivatives(self) -> Array:
-        """Those by the outputs, and by the times (2, 3)."""
-        return np.array(self._tape.gradient({self._value.at: 1.0})[:6]).reshape(2, 3)
 
-    def change(self, dots: Array) -> Array:
-        """Their change with changes of the outputs and of the times (2, 3)."""
-        along = self._tape.along(dict(enumerate(dots.ravel().tolist())))
-        return np.array(self._tape.gradient_along({self._value.at: 1.0}, {}, along)[1][:6]).reshape(2, 3)
+class Corner(Extreme):
+    """The value where the polynomials through the samples on both sides of a kink intersect.
+
+    A mean of both whose slope is zero there is that value to the third order, at a time that is right to the second.
+    `count` samples are before the kink; `left` and `right` are the slopes of both sides there.
+    """
+
+    def __init__(self, g: Array, t: Array, count: int, left: float, right: float) -> None:
+        super().__init__(g, t)
+        at, sides = float(t[count]), (slice(None, count), slice(count, None))
+
+        def values(time: Any) -> list[Any]:
+            return [_polynomial(self._g[side], self._t[side], time) for side in sides]
+
+        before, behind = values(at)
+        before, behind = values(at + (before - behind) / (right - left))
+        self._value = (right * before - left * behind) / (right - left)
+
+
+def _polynomial(g: Sequence[Any], t: Sequence[Any], time: Any) -> Any:
+    """The value at a time of the polynomial through some samples."""
+    others = [[x for x in t if x is not one] for one in t]
+    return sum(
+        value * reduce(mul, ((time - x) / (one - x) for x in rest))
+        for value, one, rest in zip(g, t, others, strict=True)
+    )
 
 
 class Vertex(NamedTuple):
-    """Of a parabola through three samples, or one sample, or the corner between two samples at one time.
+    """Of a parabola through three samples, or one sample, or the corner between the samples on both sides of a kink.
 
     near : which samples
     basis, by_times : the derivatives of its value by them, and by their times
-    parabola : None for others
+    recorded : None for one sample
     """
 
     near: slice
     basis: Array
     by_times: Array
-    parabola: Parabola | None = None
-
-    @property
-    def is_corner(self) -> bool:
-        """Whether it is at a kink."""
-        return len(self.basis) == 2
+    recorded: Extreme | None = None
 
     def placed(self, values: Array, count: int) -> Array:
         """Zeros but for these samples (count,)."""
@@ -71,9 +109,9 @@ class Vertex(NamedTuple):
 
     def moved(self, g_dot: Array, t_dot: Array) -> Array:
         """The changes of its derivatives with those of the output and of the times (nt,)."""
-        if self.parabola is None:
+        if self.recorded is None:
             return np.zeros((2, len(self.basis)))
-        return self.parabola.change(np.array([g_dot[self.near], t_dot[self.near]]))
+        return self.recorded.change(np.array([g_dot[self.near], t_dot[self.near]]))
 
 
 def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
@@ -85,8 +123,8 @@ def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Verte
             basis, by_times = parabola.derivatives()
             return Vertex(near, basis, by_times, parabola)
     joint = next((k for k in (n, n - 1) if panels is not None and k in panels.joints), None)
-    if panels is not None and joint is not None:
-        return _corner(g, t, n, joint, panels)
+    if joint is not None:
+        return _corner(g, t, n, joint)
     return _sample(n)
 
 
@@ -94,18 +132,25 @@ def _sample(n: int) -> Vertex:
     return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
 
 
-def _corner(g: Array, t: Array, n: int, joint: int, panels: Panels) -> Vertex:
+def _corner(g: Array, t: Array, n: int, joint: int) -> Vertex:
     """The extreme at a kink, where the output rises on one side and falls on the other.
 
     Its time moves, as the kink does: the mean of both sides whose slope is zero does not change with the time, so that
     its derivative at a fixed time is that of the extreme.
     """
-    sides = panels.before(joint), panels.behind(joint)
+    first, end = joint, joint + 2
+    while first > 0 and t[first - 1] < t[first] and joint + 1 - first < SIDE:
+        first -= 1
+    while end < len(t) and t[end - 1] < t[end] and end - joint - 1 < SIDE:
+        end += 1
+    sides = slice(first, joint + 1), slice(joint + 1, end)
     left, right = (float((lagrange((t[side] - t[joint])[None])[1] @ g[side])[0]) for side in sides)
     if not left * right < 0:
         return _sample(n)
-    share = right / (right - left)
-    return Vertex(slice(joint, joint + 2), np.array([share, 1 - share]), np.zeros(2))
+    near = slice(first, end)
+    corner = Corner(g[near], t[near], joint + 1 - first, left, right)
+    basis, by_times = corner.derivatives()
+    return Vertex(near, basis, by_times, corner)
 
 
 class Peaks:

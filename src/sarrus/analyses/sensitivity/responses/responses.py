@@ -95,13 +95,7 @@ class Response:
         return np.zeros_like(g)
 
     def at_kinks(self, g: Array, t: Array) -> Array:
-        """Its derivatives by the output's integrals over parts of the run, per unit of the output, at each time (nt,).
-
-        Raises
-        ------
-        ValueError
-            Where second derivatives at kinks are not known.
-        """
+        """Its derivatives by the output's integrals over parts of the run, per unit of output, at each time (nt,)."""
         return np.zeros_like(g)
 
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
@@ -270,10 +264,6 @@ class _Extreme(Response):
         vertex = self._vertex(g, t)
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
-    def at_kinks(self, g: Array, t: Array) -> Array:
-        refuse_corners(self.title, [self._vertex(g, t)])
-        return np.zeros_like(g)
-
     def _vertex(self, g: Array, t: Array) -> Vertex:
         return vertex_of(g, t, self.outermost(g), self.panels)
 
@@ -353,7 +343,6 @@ class Peak(Response):
 
     def at_kinks(self, g: Array, t: Array) -> Array:
         if self.sharpness is None:
-            refuse_corners(self.title, self._peaks(g, t).vertices)
             return np.zeros_like(g)
         share = np.exp(self.sharpness * (g - g.max()))
         return np.asarray(share / (self.rule(t) @ share))
@@ -427,20 +416,6 @@ def distinct_titles(titles: Iterable[str]) -> tuple[str, ...]:
         choices = (f"{title} {n}" if n > 1 else title for n in count(1))
         found[next(choice for choice in choices if choice not in found)] = None
     return tuple(found)
-
-
-def refuse_corners(title: str, vertices: Sequence[Vertex]) -> None:
-    """Refuse an extreme at a kink.
-
-    Raises
-    ------
-    ValueError
-    """
-    if any(vertex.is_corner for vertex in vertices):
-        raise ValueError(
-            f"{title}: its extreme is at a kink (abs, max, min or clip), where second derivatives are not supported. "
-            "Use a smooth function, such as sqrt(x**2 + e**2)."
-        )
 
 
 def _by_length(t: Array) -> Array:

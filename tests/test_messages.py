@@ -77,6 +77,8 @@ def faults(message: Message) -> Iterator[str]:
         yield "the remedy is a sentence of its own: it follows a full stop"
     if not message.text.endswith((".", "?", UNKNOWN)):
         yield "it ends with a full stop"
+    if message.text.endswith(UNKNOWN) and not re.search(r"[.:?}] ([A-Z]|{)|one of {}$|^({})+$", message.text):
+        yield "a remedy follows the value"
     if re.match(r"[A-Z][a-z]+ ", message.text):
         yield "it begins with the part"
 
@@ -107,6 +109,8 @@ def test_no_message_contains_a_retired_word() -> None:
         ("mass: must be positive; give it in kg.", 1),
         ("{}: could not be assembled. Check {}", 0),
         ("rod: is {}. Choose one of {}", 0),
+        ("rod must be short, but is {}", 1),
+        ("rod must be short, but is {}. Give a length.", 0),
         ("Nothing moves. Add a joint.", 1),
         ("Nothing moves; add a joint", 3),
     ],

@@ -12,7 +12,9 @@ def register(cls: type[Kind], kinds: dict[str, type[Kind]]) -> None:
     """Enter ``cls`` under the name that a model file gives as its ``type``."""
     name = kind_name(cls)
     if name in kinds and kinds[name].__module__ != cls.__module__:
-        raise TypeError(f"{cls.__module__} and {kinds[name].__module__} both define the type {name!r}")
+        raise TypeError(
+            f"{cls.__module__} and {kinds[name].__module__} both define the type {name!r}. Rename one of the classes."
+        )
     kinds[name] = cls
 
 

@@ -147,7 +147,7 @@ def _simulation(given: Any, folder: Path) -> Simulation:
 
 def _known(mapping: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
     if not isinstance(mapping, dict):
-        raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}")
+        raise SarrusError(f"{what} is a mapping with the keys {', '.join(keys)}. Write it as one.")
     for key in mapping:
         if key not in keys:
             raise SarrusError(f"{what} has no key {key!r}. {suggest(str(key), keys)}")
@@ -187,7 +187,9 @@ def _misfit(given: Any, folder: Path) -> Misfit:
     )
     sigma = number(mapping["sigma"])
     if not sigma > 0:
-        raise SarrusError(f"sigma must be greater than 0, but is {sigma:g}")
+        raise SarrusError(
+            f"sigma must be greater than 0, but is {sigma:g}. Give the standard deviation of the data."
+        )
     return Misfit(output, name=output, at=tuple(rows[0]), data=tuple(rows[1]), sigma=sigma)
 
 
@@ -226,13 +228,13 @@ def _solver(given: Any) -> str:
 
 def _second_order(given: Any) -> bool:
     if not isinstance(given, bool):
-        raise SarrusError(f"second_order is true or false, but not {given!r}")
+        raise SarrusError(f"second_order is true or false, but not {given!r}. Write one of both.")
     return given
 
 
 def _noise(given: Any) -> str:
     if given not in ("given", "estimated"):
-        raise SarrusError(f"noise is given or estimated, but not {given!r}")
+        raise SarrusError(f"noise is given or estimated, but not {given!r}. Write one of both.")
     return str(given)
 
 

@@ -36,7 +36,9 @@ class Values:
 
     def __post_init__(self) -> None:
         if not self.values or not all(isfinite(value) for value in self.values):
-            raise SarrusError(f"listed values must be finite numbers, one at least, but are {self.values}")
+            raise SarrusError(
+                f"listed values must be finite numbers, one at least, but are {self.values}. Give such a list."
+            )
 
     def grid(self) -> Array:
         """The values."""
@@ -67,12 +69,18 @@ class Range:
     def __post_init__(self) -> None:
         if not (isfinite(self.low) and isfinite(self.high) and self.low < self.high):
             raise SarrusError(
-                f"a range must rise from a low to a high number, but is {self.low} to {self.high}"
+                f"a range must rise from a low to a high number, but is {self.low} to {self.high}. "
+                "Exchange its ends, or give others."
             )
         if self.log and self.low <= 0:
-            raise SarrusError(f"a range in the logarithm must be positive, but begins at {self.low}")
+            raise SarrusError(
+                f"a range in the logarithm must be positive, but begins at {self.low}. "
+                "Leave `log` out, or give positive ends."
+            )
         if self.count < 2:
-            raise SarrusError(f"a range has two values at least on a grid, but count is {self.count}")
+            raise SarrusError(
+                f"a range has two values at least on a grid, but count is {self.count}. Give a larger count."
+            )
 
     def grid(self) -> Array:
         """`count` values with both ends."""
@@ -174,7 +182,7 @@ def _of_mapping(given: dict[str, Any]) -> Parameter:
         raise SarrusError(f"{message}. Give from and to (and count, log), or distribution and its arguments.")
     log = given.get("log", False)
     if not isinstance(log, bool):
-        raise SarrusError(f"log must be true or false, but is {show(log)}")
+        raise SarrusError(f"log must be true or false, but is {show(log)}. Write one of both.")
     return Range(number(given["from"]), number(given["to"]), log=log, **count)
 
 
@@ -206,7 +214,9 @@ def whole(given: Any, what: str, least: int = 1) -> int:
     """A whole number, by default of at least 1."""
     is_number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
     if not is_number or not isfinite(given) or int(given) != given or given < least:
-        raise SarrusError(f"{what} must be a whole number of at least {least}, but is {show(given)}")
+        raise SarrusError(
+            f"{what} must be a whole number of at least {least}, but is {show(given)}. Give one."
+        )
     if given > LARGEST:
-        raise SarrusError(f"{what} must be at most {LARGEST:,}, but is {show(given)}")
+        raise SarrusError(f"{what} must be at most {LARGEST:,}, but is {show(given)}. Give fewer.")
     return int(given)

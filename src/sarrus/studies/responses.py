@@ -17,7 +17,7 @@ from ..analyses.sensitivity import Response as Differentiable
 from ..model import Expression, ModelError, SarrusError
 from ..model.expression import Call, Name, Number, parse
 from ..model.expression.tree import Function, call
-from ..outputs.units import unit_of_formula, unit_of_tree
+from ..outputs.units import unit_of_formula
 from ..system import System
 from .parameters import Array
 
@@ -116,7 +116,9 @@ def responses_of(given: Any) -> tuple[Response, ...]:
     if isinstance(given, str) or callable(given):
         given = [given]
     if not isinstance(given, Sequence):
-        raise SarrusError(f"responses must be formulas such as max(slider.x), but are {given!r:.60}")
+        raise SarrusError(
+            f"responses must be formulas such as max(slider.x), but are {given!r:.60}. Give one or several."
+        )
     return tuple(Response(_title(of), _formula(of, _title(of))) for of in given)
 
 
@@ -126,7 +128,7 @@ def _formula(of: Any, name: Any) -> str | Callable[[Any], float]:
     if callable(of):
         function: Callable[[Any], float] = of
         return function
-    raise SarrusError(f"response {name!r} must be a formula such as max(slider.x), but is {of!r}")
+    raise SarrusError(f"response {name!r} must be a formula such as max(slider.x), but is {of!r}. Give one.")
 
 
 def _title(of: Any) -> str:
@@ -177,7 +179,7 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
         raise SarrusError(
             f"response {response.name!r} names no output of the motion. Name one, such as max(slider.x)."
         )
-    return Combined(PartsFormula(whole, names), [inner[name] for name in names], name=response.name)
+    return Combined(PartsFormula(whole, names, tree), [inner[name] for name in names], name=response.name)
 
 
 def _standing(response: Differentiable, inner: dict[str, Differentiable]) -> Name:
@@ -191,7 +193,7 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
     word, of = node.function.name, node.args[0]
     if any(isinstance(one, Call) and one.function.partials is _no_partials for one in of.nodes()):
         raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here.")
-    span, g = Number(until - begin, "s"), OutputFormula(of)
+    span, g = Number(until - begin), OutputFormula(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)
         return whole if word == "integral" else whole / span
@@ -207,17 +209,26 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
 
 @dataclass(frozen=True)
 class PartsFormula:
-    """A formula of responses as a function of their values."""
+    """A formula of responses as a function of their values; `given` is the user's, with reductions."""
 
     tree: Expression
     names: tuple[str, ...]
+    given: Expression
 
     def __call__(self, *values: Any) -> Any:
         return self.tree.value(dict(zip(self.names, values, strict=True)))
 
-    def unit(self, *units: str) -> str:
-        """The unit of its value, of those of the responses."""
-        return unit_of_tree(self.tree, dict(zip(self.names, units, strict=True)))
+    def unit(self, system: System) -> str:
+        """The unit of its value: reductions keep that of their output, integrals multiply it by seconds."""
+        made: dict[Expression, Expression] = {}
+        for node in self.given.nodes():
+            if isinstance(node, Call) and node.function.partials is _no_partials:
+                of = made[node.args[0]]
+                made[node] = of * Name("t") if node.function.name == "integral" else of
+            else:
+                args = tuple(made[arg] for arg in node.args)
+                made[node] = Call(node.function, args) if isinstance(node, Call) else node
+        return unit_of_formula(system, made[self.given])
 
 
 @dataclass(frozen=True)

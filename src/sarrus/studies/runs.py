@@ -344,7 +344,7 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
 def _refuse_other(value: Any, kind: str, what: str) -> None:
     if not isinstance(value, {"str": str, "bool": bool}[kind]):
         wanted = {"str": "a text", "bool": "true or false"}[kind]
-        raise SarrusError(f"{what} must be {wanted}, but is {show(value)}")
+        raise SarrusError(f"{what} must be {wanted}, but is {show(value)}. Change it.")
 
 
 def _method(given: Any) -> Any:
@@ -369,7 +369,7 @@ def _refuse_late(times: tuple[float, ...], until: float, begin: float = 0.0) -> 
     wrong = [t for t in times if not begin <= t <= until]
     if wrong:
         raise SarrusError(
-            f"at(..., t) needs times between {begin:g} and {until:g} s, but is given {wrong[0]:g}"
+            f"at(..., t) needs times between {begin:g} and {until:g} s, but is given {wrong[0]:g}. Give such a time."
         )
 
 

@@ -215,7 +215,10 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
     messages = [""] * n
     for case, outcome in outcomes.items():
         if not case < n:
-            raise SarrusError(f"{facts['name']}: the results hold a case {case}, but there are {n}")
+            raise SarrusError(
+                f"{facts['name']}: the results hold a case {case}, but there are {n}. "
+                "Repeat the study in another folder."
+            )
         found[case], success[case], seconds[case] = outcome.responses, outcome.success, outcome.seconds
         messages[case] = outcome.message
     warned = {case: outcome.warnings for case, outcome in sorted(outcomes.items()) if outcome.warnings}

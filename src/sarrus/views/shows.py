@@ -84,7 +84,9 @@ def _position(model: Model, q: Array | None) -> Array:
     """The position asked for, or the model's own, as the only row."""
     own = blueprint(model).q
     if q is not None and np.shape(q) != own.shape:
-        raise ValueError(f"{model.name} has {len(own)} coordinates, but q has {np.size(q)}")
+        raise ValueError(
+            f"{model.name} has {len(own)} coordinates, but q has {np.size(q)}. Give coordinates of this model."
+        )
     return np.asarray(own if q is None else q, dtype=float)[None]
 
 
@@ -207,7 +209,7 @@ def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
 def _ending(file: str | Path | None, known: Sequence[str]) -> str:
     ending = ".html" if file is None else Path(file).suffix.lower()
     if ending not in known:
-        raise ValueError(f"{file}: the ending must be one of {', '.join(known)}")
+        raise ValueError(f"{file}: the ending must be one of {', '.join(known)}. Rename the file.")
     return ending
 
 

@@ -80,7 +80,7 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
             f"inverse_dynamics needs the Trajectory of a run, got {kind(run)}. Call sr.simulate first."
         )
     if run.bodies != tuple(system.bodies):
-        raise ValueError(f"{run.name} has other bodies than {system.name}")
+        raise ValueError(f"{run.name} has other bodies than {system.name}. Give a run of this system.")
     b, found, states = system.b.copy(), list[Multipliers](), list[RecordedState]()
     for t, q, v, a in zip(run.t, run.q, run.v, run.a, strict=True):
         system.remember(q, b, t)

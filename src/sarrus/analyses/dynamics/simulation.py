@@ -52,7 +52,7 @@ def refuse_end(until: float, begin: float = 0.0) -> None:
     """
     after = "a positive time in s" if begin == 0.0 else f"a time in s after the start at {begin:g}"
     if not (np.isfinite(until) and until - begin > max(SHORTEST, 4 * np.spacing(abs(begin)))):
-        raise ValueError(f"until must be {after}, but is {until}")
+        raise ValueError(f"until must be {after}, but is {until}. Give the time of the end in s.")
     if until > LATEST:
         raise ValueError(f"until must be at most {LATEST:g} s, but is {until:g}. Check its unit.")
 
@@ -229,7 +229,7 @@ def _longest(given: float, found: float) -> float:
 
 def _first(step: float | None) -> float:
     if step is not None and not (np.isfinite(step) and step > 0):
-        raise ValueError(f"first_step must be a positive time in s, but is {step}")
+        raise ValueError(f"first_step must be a positive time in s, but is {step}. Give one, or None.")
     return step or 0.0
 
 

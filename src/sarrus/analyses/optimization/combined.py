@@ -41,9 +41,9 @@ class Combined:
 
     def unit(self, system: System) -> str:
         """The unit of its value, where the function is a formula, or arithmetic on its arguments."""
-        units = {f"part{n}": one.unit(system) for n, one in enumerate(as_responses(list(self.of)))}
         if hasattr(self.function, "unit"):
-            return str(self.function.unit(*units.values()))
+            return str(self.function.unit(system))
+        units = {f"part{n}": one.unit(system) for n, one in enumerate(as_responses(list(self.of)))}
         try:
             found = self.function(*map(Name, units))
         except Exception:  # a user's function, which need not know formulas

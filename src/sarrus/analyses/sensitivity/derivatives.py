@@ -419,7 +419,7 @@ def stored(run: Trajectory) -> StepsTaken | Pieces:
     """
     if not isinstance(run, Trajectory):
         raise TypeError(
-            f"derivatives are those of a run, as simulate() gives it, but not of a {type(run).__name__}"
+            f"derivatives are those of a run, as simulate() gives it, but not of a {type(run).__name__}. Give one."
         )
     if not run.success:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")

@@ -80,5 +80,7 @@ def _is_known(x: Any) -> bool:
 
 def _method(x: Any, name: str) -> Any:
     if not hasattr(x, name):
-        raise TypeError(f"numbers of type {type(x).__name__} have no method {name}")
+        raise TypeError(
+            f"numbers of type {type(x).__name__} have no method {name}. Use arithmetic and NumPy's functions."
+        )
     return getattr(x, name)

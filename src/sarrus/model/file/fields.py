@@ -304,5 +304,8 @@ def form_of(annotation: Any, field: str = "") -> Any:
     members, measure = typed(annotation)
     if members not in _FORMS:
         words = annotation.__name__ if isinstance(annotation, type) else annotation
-        raise TypeError(f"there is no form for the type {words} of its field {field}")
+        raise TypeError(
+            f"there is no form for the type {words} of its field {field}. "
+            "Annotate it with one of the types of the built-in parts."
+        )
     return _FORMS[members](measure)

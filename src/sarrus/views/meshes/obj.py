@@ -55,7 +55,7 @@ def _corner(word: str, places: int, normals: int) -> Corner:
 def _place(number: int, count: int) -> int:
     place = number + count if number < 0 else number - 1
     if not 0 <= place < count:
-        raise ValueError(f"a face has corner {number}, but there are {count}")
+        raise ValueError(f"a face has corner {number}, but there are {count}. Export the mesh again.")
     return place
 
 

@@ -108,4 +108,4 @@ class EventOutput:
 
 
 def _no_parameter(name: str, _: Any) -> float:
-    raise ValueError(f"an event cannot depend on the parameter {name!r}")
+    raise ValueError(f"an event cannot depend on the parameter {name!r}. Name outputs of the motion.")

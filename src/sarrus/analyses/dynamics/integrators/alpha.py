@@ -65,7 +65,9 @@ class HHT(_Alpha):
 
     def scheme(self) -> loop.Scheme:
         if not -1 / 3 <= real("alpha", self.alpha) <= 0:
-            raise ValueError(f"alpha of HHT must lie between -1/3 and 0, but is {self.alpha}")
+            raise ValueError(
+                f"alpha of HHT must lie between -1/3 and 0, but is {self.alpha}. Give one of these."
+            )
         return _scheme(0.0, -self.alpha)
 
 
@@ -82,7 +84,7 @@ class GeneralizedAlpha(_Alpha):
 
     def scheme(self) -> loop.Scheme:
         if not 0 <= real("rho_inf", self.rho_inf) <= 1:
-            raise ValueError(f"rho_inf must lie between 0 and 1, but is {self.rho_inf}")
+            raise ValueError(f"rho_inf must lie between 0 and 1, but is {self.rho_inf}. Give one of these.")
         rho = self.rho_inf
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 

@@ -51,7 +51,9 @@ class Settings:
 
     def __post_init__(self) -> None:
         if not self.max_step > 0:
-            raise ValueError(f"max_step must be a positive time in s, but is {self.max_step}")
+            raise ValueError(
+                f"max_step must be a positive time in s, but is {self.max_step}. Give one, or leave it out."
+            )
 
 
 @dataclass

@@ -113,7 +113,8 @@ def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
     values = as_numbers(given, lambda: f"{name} must be {wanted}, got {type(given).__name__}")
     if values.shape not in ((), (system.nq,)):
         raise ValueError(
-            f"{name} must be a number or {system.nq} numbers, one for each coordinate, but has {values.size}"
+            f"{name} must be a number or {system.nq} numbers, one for each coordinate, but has {values.size}. "
+            "Give one of both."
         )
     _refuse(name, values)
     every = np.broadcast_to(values, system.nq).copy()
@@ -125,7 +126,7 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
     if unknown or "position" not in given:
         raise ValueError(
             f'{name} by kind needs "position" and may have {", ".join(list(KINDS)[1:])}, '
-            f"but has {', '.join(map(str, given))}"
+            f"but has {', '.join(map(str, given))}. Name these kinds."
         )
     for kind, value in given.items():
         _refuse(f"{name} of {kind}", np.asarray(value, dtype=float))
@@ -147,10 +148,10 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
         formula = parse(value)
         powers, number = unit_of(formula, {}), formula.value({})
     except (ModelError, KeyError) as error:
-        raise ValueError(f"{name} of {kind} is {value!r}, which {error}") from None
+        raise ValueError(f"{name} of {kind} is {value!r}, which {error}. Give a number.") from None
     if not fits(powers, "1" if name == "rtol" else KINDS[kind]):
         wanted = "a plain number" if name == "rtol" else f"in {KINDS[kind]}, or another unit of that kind"
-        raise ValueError(f"{name} of {kind} must be {wanted}, but is {value!r}")
+        raise ValueError(f"{name} of {kind} must be {wanted}, but is {value!r}. Change its unit.")
     return HALF * number if powers and "rad" in powers else number
 
 

@@ -184,4 +184,4 @@ def _variables(tape: Tape, values: Array) -> Array:
 
 def unknown(name: str, _: Variable) -> float:
     """Refuse a parameter in an event."""
-    raise ValueError(f"an event cannot depend on the number {name!r}")
+    raise ValueError(f"an event cannot depend on the number {name!r}. Name outputs of the motion.")

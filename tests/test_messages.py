@@ -69,6 +69,8 @@ def messages_of(tree: ast.AST, file: str) -> Iterator[Message]:
             match node:
                 case ast.Raise(exc=ast.Call(func=ast.Name(id=name), args=[first, *_])) if name in ERRORS:
                     yield Message(file, node.lineno, text_of(first, variables))
+                case ast.Call(func=ast.Name(id="RunFailure"), args=[_, text, *_]):
+                    yield Message(file, node.lineno, text_of(text, variables))
 
 
 def faults(message: Message) -> Iterator[str]:

@@ -161,12 +161,6 @@ def _driver(group: Group) -> tuple[Any, Any, str]:
     return bundle, indices, str(bundle.py_func.__name__)
 
 
-def exact_seconds(system: System, name: str, state: dict[str, Any]) -> float:
-    """Median seconds of one exact group."""
-    timed = _timed_group(system, name, state)
-    return float(np.median([timed.seconds() for _ in range(ROUNDS)]))
-
-
 def _timed_group(system: System, name: str, state: dict[str, Any]) -> _Timed:
     group, outputs = _exact(system, GROUPS[name], state)
     driver, index, suffix = _driver(group)

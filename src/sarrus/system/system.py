@@ -185,11 +185,6 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         return float(self.potentials(np.asarray(q, dtype=float), numbers, t).sum())
 
     @property
-    def has_memory(self) -> bool:
-        """Whether any element has a state variable between steps."""
-        return bool(len(self.memory_places))
-
-    @property
     def parameter_names(self) -> list[str]:
         """A name for every parameter in `b`, e.g. ``spring[tsda].k``."""
         return self.axis_names(Axis.PARAMETERS)

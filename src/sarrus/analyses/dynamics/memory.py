@@ -44,5 +44,5 @@ def refuse_too_large(system: System, rows: int, all_steps: bool) -> None:
         raise RunFailure(
             "memory",
             f"{rows} states of {system.name} take {wanted / 1e9:.3g} GB ({wanted} bytes), but {free / 1e9:.3g} GB are "
-            "free; give fewer times in t_eval, or save=... to write them to disk as they are computed",
+            "free. Give fewer times in t_eval, or save=... to write them to disk as they are computed.",
         )

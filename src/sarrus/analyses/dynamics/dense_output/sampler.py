@@ -148,10 +148,6 @@ class Sampler:
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
         out.energy[n] = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
 
-    def singular_at(self, t: float) -> bool:
-        """Whether the state at a time could not be settled."""
-        return bool(self.unsettled) and self.unsettled[-1] == t
-
     def _choose(self, t: float, q: Array) -> None:
         """Where equations are dependent, another choice of those to solve, if the present one is poor."""
         if self.independence.renew(t, q):
@@ -214,7 +210,7 @@ class Sampler:
         if not self._factored(t, q):
             raise RunFailure(
                 "singular configuration",
-                f"the position at t = {t:.6g} s is singular: an impulse has no one answer",
+                f"the position at t = {t:.6g} s is singular: an impulse has no one answer. Change the start or the event.",
             )
         right = np.concatenate([f, np.zeros(self.system.m)])
         return self.matrix.solve(right)[: self.system.nq]

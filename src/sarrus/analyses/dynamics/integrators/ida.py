@@ -88,7 +88,9 @@ class IDAStepper:
         rows = [self._node(self.t, self._q, self._v)]
         step, before, nq = self._solver.step(stop, method="onestep", tstop=stop), self.t, self.system.nq
         if not step.success:
-            raise RunFailure("step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}")
+            raise RunFailure(
+                "step too small", f"IDA gave up at t = {step.t:.6g} s: {step.message}. Take Radau()."
+            )
         self.t = float(step.t)
         y = step.y.copy()
         times = self.settings.times[(self.settings.times > before) & (self.settings.times < self.t)]

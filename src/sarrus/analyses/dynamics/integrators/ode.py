@@ -204,5 +204,5 @@ class ODEStepper:
 
 WHY = (
     "a force is very stiff, or the mechanism reaches a singular configuration, where motions branch; `singularities` "
-    "locates such positions along a motion, and HHT() takes stiff forces"
+    "locates such positions along a motion, and Radau() takes stiff forces."
 )

@@ -95,8 +95,8 @@ def failure_of(
         if names:
             return RunFailure(
                 "not finite",
-                f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s; look for a "
-                "root or logarithm of what may become negative there, or a division by zero",
+                f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s. Look for a "
+                "root or logarithm of what may become negative there, or a division by zero.",
             )
     rows, lacking = redundant_rows(system, q, t, first), missing_inertia(system, q, t, b)
     if lacking and len(redundant_rows(system, q, t, first, LOST)) == 0:
@@ -111,8 +111,8 @@ def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:
     if not rows:
         return error
     message = (
-        f"{error.message}; constraints are not far from being dependent there, as in a singular configuration, "
-        f"among {', '.join(rows)}"
+        f"{error.message.removesuffix('.')}. Constraints are not far from being dependent there, as in a singular "
+        f"configuration, among {', '.join(rows)}."
     )
     return RunFailure(error.status, message)
 
@@ -122,6 +122,6 @@ def singular(t: float, rows: list[str]) -> RunFailure:
     among = f" among {', '.join(rows)}" if rows else ""
     return RunFailure(
         "singular configuration",
-        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there; "
-        "change the start or the dimensions, add a force that decides, or let `singularities` show where it happens",
+        f"the constraints become dependent near t = {t:.6g} s{among}: the mechanism can go on in several ways there. "
+        "Change the start or the dimensions, add a force that decides, or let `singularities` show where it happens.",
     )

@@ -210,7 +210,8 @@ class Sampler:
         if not self._factored(t, q):
             raise RunFailure(
                 "singular configuration",
-                f"the position at t = {t:.6g} s is singular: an impulse has no one answer. Change the start or the event.",
+                f"the position at t = {t:.6g} s is singular: an impulse has no one answer. "
+                "Change the start or the event.",
             )
         right = np.concatenate([f, np.zeros(self.system.m)])
         return self.matrix.solve(right)[: self.system.nq]

@@ -91,7 +91,9 @@ class Implicit:
             if self._vain > PATIENCE:
                 raise self._explained(state.q0, state.v0)
         if status == loop.TOO_SMALL and not taken:
-            message = f"steps become too small near t = {self.t:.6g} s: {self._why_small()}"
+            message = (
+                f"steps become too small near t = {self.t:.6g} s: {self._why_small().removesuffix('.')}."
+            )
             raise self._explained(state.q0, state.v0, RunFailure("step too small", message))
 
     def _motion(self) -> Accelerations:

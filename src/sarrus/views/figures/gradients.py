@@ -80,13 +80,13 @@ def tornado_figure(found: Gradient, most: int = 15) -> Any:
 def optimum_table(found: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
     (own,), units = _shown(found.unit), _shown(*(found.units or [""] * len(found.names)))
-    wide = max(map(len, units))
+    span = max(map(len, units))
     lines = [f"objective {found.value0:.6g} -> {f'{found.value:.6g} {own}'.rstrip()}: {found.message}"]
     width, fitted = max([len(name) for name in found.names] + [8]), bool(found.covariance.size)
     more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
-    lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{wide}}{more}".rstrip())
+    lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{span}}{more}".rstrip())
     for k, name in enumerate(found.names):
-        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g} {units[k]:<{wide}}"
+        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g} {units[k]:<{span}}"
         if fitted:
             low, high = found.interval(name)
             wide = found.deviations[k] > WIDE * max(abs(found.x[k]), abs(found.x0[k]) or 1.0)

@@ -75,6 +75,12 @@ def test_studies() -> None:
     assert found["speedup"] > 0
 
 
+def test_first_uses_are_timed() -> None:
+    (found,) = figures("start.py", "--warm", "simulate").values()
+    assert 0 < found["warm_cpu_s"]
+    assert 0 < found["warm_s"]
+
+
 def test_linear_solvers_agree() -> None:
     found = figures("linear.py", "--quick")
     for mechanism in ("slider_crank", "hmmwv"):

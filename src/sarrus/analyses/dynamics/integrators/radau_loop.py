@@ -27,7 +27,8 @@ from ..stepping.step_control import StepControl
 
 PRECISE = 1e-4  # the same where a and λ are solved for, whose round-off is not corrected by iterations
 NEWTON_LIMIT = 10  # iterations
-STALLED = 1.0  # of the tolerance: corrections that are smaller and no longer fall are round-off
+STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
+REPEATED = 1.0  # the same where equations repeat others, whose combination may be weak
 SLOW = 0.03  # contraction above which the matrices are renewed for the next step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 8.0
 HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most
@@ -306,7 +307,7 @@ def newton(
             return 0, 2.0
         if iteration > 0:
             rate = max(0.5 * rate, change / before) if before > 0.0 else 0.0
-            if rate >= 0.99 and change > STALLED:
+            if rate >= 0.99 and change > (REPEATED if matrices.left_out.any() else STALLED):
                 return 0, rate
             if rate >= 0.99:  # round-off, of which shorter steps make more: constraints are divided by h
                 stages(scheme, h, state)

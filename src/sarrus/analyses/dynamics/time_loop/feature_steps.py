@@ -24,6 +24,7 @@ from .rewind import Rewind
 AGAIN = 8  # times that steps are taken again; the time at which a part begins becomes better known
 MORE = 1.5  # parts that a step passes over are shorter by this factor than the step
 FEW, MOST = 8, 400  # steps that are taken at once
+BEFORE = 0.05  # of a part: so far before it steps end, so that a corner is within the next one
 REACHED = 0.1  # of a part: so near to its beginning a step is within it
 AROUND = 0.25  # of the arguments reached: so much more is examined on both sides
 
@@ -136,7 +137,8 @@ def _passing(x: Array, marks: Array, longest: float) -> Iterator[tuple[int, floa
         way, inside = ways[step], range(low[step], high[step])
         ahead = [n for n in inside if abs(marks[n] - x[step]) > REACHED * min(gaps[n], gaps[n + 1])]
         if ahead and abs(way) > MORE * min(min(gaps[n], gaps[n + 1]) for n in ahead):
-            yield int(step), float(marks[ahead[0 if way > 0 else -1]])
+            n = ahead[0 if way > 0 else -1]
+            yield int(step), float(marks[n] - np.copysign(BEFORE * min(gaps[n], gaps[n + 1]), way))
             return
         if abs(way) > MORE * longest:
             yield int(step), float(x[step] + np.copysign(longest, way))

@@ -57,7 +57,7 @@ def test_every_kind_of_event(kind: str) -> None:
     )
     for response, row in zip(responses, wanted, strict=True):
         found = sr.hessian(run, response, names)
-        assert found.asymmetry < 1e-11, response.title
+        assert found.asymmetry < 1e-9, response.title  # stages are solved to 1e-11, rates are theirs over h
         assert found.matrix @ direction == pytest.approx(row, rel=0, abs=LIMIT * abs(row).max()), (
             response.title
         )

@@ -96,7 +96,8 @@ def test_sensitivities_over_time() -> None:
     ax = plot_sensitivities(found, free(), "slider.x", ax=axes(), most=2)
     sizes = {name: abs(found.q_b[:, 14, k]).max() for k, name in enumerate(found.names)}
     largest = sorted(sizes, key=lambda name: -sizes[name])[:2]
-    assert [line.get_label() for line in ax.lines] == largest
+    units = {"rod.mass": "m/kg", "spring.k": "m²/N"}
+    assert [line.get_label() for line in ax.lines] == [f"{name} [{units[name]}]" for name in largest]
     assert np.array_equal(ax.lines[0].get_ydata(), found.q_b[:, 14, found.names.index(largest[0])])
 
 

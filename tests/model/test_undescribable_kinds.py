@@ -72,11 +72,12 @@ class Hidden(Force):
         yield from ()
 
 
+FORMLESS = "there is no form for the type Gust of its field gust. Annotate it with one of the types of the built-in parts"
 UNDESCRIBABLE: dict[str, tuple[type[Force], str]] = {
-    "windy": (Windy, "there is no form for the type Gust of its field gust"),
+    "windy": (Windy, FORMLESS),
     "rainy": (Rainy, "name 'Weather' is not defined"),
     "stormy": (Stormy, "it has an __init__ of its own instead of the fields of a dataclass"),
-    "typed": (Typed, "there is no form for the type Gust of its field gust"),
+    "typed": (Typed, FORMLESS),
 }
 for _name in (*UNDESCRIBABLE, "hidden"):
     del Force.kinds[_name]  # other tests see the kinds of the package

@@ -89,7 +89,7 @@ def _refusing(kind: type, reason: str) -> type[Entry]:
 
     def refuse(data: Any) -> Any:
         raise invalid(
-            f"has the type {quote(name)}, which model files cannot describe: {reason}. Build it in Python."
+            f"has the type {quote(name)}, which model files cannot describe: {reason.rstrip('.')}. Build it in Python."
         )
 
     validators: dict[str, Any] = {"refuse": pydantic.model_validator(mode="before")(refuse)}

@@ -72,7 +72,8 @@ class Hidden(Force):
         yield from ()
 
 
-FORMLESS = "there is no form for the type Gust of its field gust. Annotate it with one of the types of the built-in parts"
+ANNOTATE = "Annotate it with one of the types of the built-in parts"
+FORMLESS = f"there is no form for the type Gust of its field gust. {ANNOTATE}"
 UNDESCRIBABLE: dict[str, tuple[type[Force], str]] = {
     "windy": (Windy, FORMLESS),
     "rainy": (Rainy, "name 'Weather' is not defined"),

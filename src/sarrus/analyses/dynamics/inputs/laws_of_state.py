@@ -5,7 +5,7 @@ Their features are found as those of laws over the time are, within the argument
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from ....elements.operators import OPERATORS
 from ....elements.recorder import Variant
 from ....model import Curve, Formula
 from ....system import System
+from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, formula_graph, stored
 from ....system.structure.population import Population
 from ..events.force_corners import force_functions
@@ -52,9 +53,21 @@ class StateLaw(NamedTuple):
 
     law: Law | Table
     owner: str
-    population: Population
+    population: int
     element: int
     argument: int
+
+
+@once
+def _laws(system: System) -> tuple[StateLaw, ...]:
+    derivatives = CurveDerivatives(system)
+    return tuple(
+        StateLaw(law, p.owners[k], number, k, n)
+        for number, p in enumerate(system.populations)
+        if p.count and OPERATORS["Q"] in p.kind.family and derivatives.concerns(p)
+        for n, place in _over_states(p) for k in range(p.count)
+        if (law := _examined(stored(p, k, place))) is not None
+    )  # fmt: skip
 
 
 class StateLaws:
@@ -66,21 +79,16 @@ class StateLaws:
     """
 
     def __init__(self, system: System) -> None:
-        self._system, self._derivatives = system, CurveDerivatives(system)
-        self.all = [
-            StateLaw(law, p.owners[k], p, k, n)
-            for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family and self._derivatives.concerns(p)
-            for n, place in _over_states(p) for k in range(p.count)
-            if (law := _examined(stored(p, k, place))) is not None
-        ]  # fmt: skip
+        self._system, self._derivatives, self.all = system, CurveDerivatives(system), _laws(system)
 
     def arguments(self, b: Array, at: Nodes) -> Array:
         """Their arguments (laws, nt)."""
         places = dict(zip(self._system.memory_places.tolist(), at.memory.T, strict=True))
         operands, found = {"q": at.q, "v": at.v, "t": at.t}, {}
-        for p in {id(one.population): one.population for one in self.all}.values():
-            found[id(p)] = self._derivatives.on_elements(p, *_arguments(p.variant), b, places, operands)
-        return np.array([found[id(one.population)][one.argument, one.element] for one in self.all])
+        for number in {one.population for one in self.all}:
+            p = self._system.populations[number]
+            found[number] = self._derivatives.on_elements(p, *_arguments(p.variant), b, places, operands)
+        return np.array([found[one.population][one.argument, one.element] for one in self.all])
 
 
 @cache
@@ -99,7 +107,6 @@ def _over_states(p: Population) -> list[tuple[int, int]]:
     return [(n, place) for n, (place, _) in calls if fields[place] not in of_time]
 
 
-@lru_cache(256)
 def _examined(curve: object) -> Law | Table | None:
     """A law with features that can be short; a single cubic has none."""
     if isinstance(curve, Curve):
